@@ -1,0 +1,74 @@
+"""Finds the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.
+
+The method of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation for RGB-D Images".
+
+    import spigolo as sp
+
+    frame = sp.read_frame("rgb.png", "depth.png", "camera.json", depth_scale=0.001)
+    for o in sp.segment(frame):
+        print(o.area_px, o.centroid_m)
+
+Conventions: H, W = image rows and columns; R = regions. Colour is RGB. Depth is float32 metres, 0 = missing.
+Camera axes: X right, Y down, Z forward. Image points are (y, x). Names carry their unit: _m, _px, _deg, _ns.
+Importing this package loads neither numba, OpenCV nor pydantic; the first use of a name does.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from spigolo.boxes import OrientedBox
+    from spigolo.config import (
+        AutoCost,
+        BoundaryCost,
+        Color,
+        Config,
+        Depth,
+        Edges,
+        Inpainting,
+        Partition,
+        Rejection,
+        Saliency,
+        SaliencyCost,
+        Smoothing,
+    )
+    from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError
+    from spigolo.frame import Camera, Frame
+    from spigolo.io import read_camera, read_frame
+    from spigolo.objects import ObjectMask, Reason, RejectedRegion, Segmentation
+    from spigolo.pipeline import Trace, segment, trace
+    from spigolo.presets import CLUTTER, OBJECTS, OBJECTS_1, PRESETS, SHELF, TABLE, preset
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency SaliencyCost"
+    " Smoothing",
+    "errors": "CameraError ConfigError FileError FrameError SpigoloError",
+    "frame": "Camera Frame",
+    "io": "read_camera read_frame",
+    "boxes": "OrientedBox",
+    "objects": "ObjectMask Reason RejectedRegion Segmentation",
+    "pipeline": "Trace segment trace",
+    "presets": "CLUTTER OBJECTS OBJECTS_1 PRESETS SHELF TABLE preset",
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
+
+__all__ = [  # noqa: PLE0604
+    "__version__",
+    *_HOME_OF,
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME_OF:
+        raise AttributeError(f"module 'spigolo' has no attribute {name!r}")
+    value = getattr(importlib.import_module(f"spigolo.{_HOME_OF[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

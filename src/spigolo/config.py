@@ -1,0 +1,331 @@
+"""Every number of the method, one frozen model per stage, and the presets.
+
+Each field says its unit, its range and where its value comes from: "paper" (printed in Toscana & Rosa 2016),
+"authors' release" (a fact about the code they published), "our choice" (the paper is silent, see docs/paper.md).
+Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) scale with the number of pixels.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import sys
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from spigolo.errors import ConfigError
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+Share = Annotated[float, Field(ge=0, le=1)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Length_px = Annotated[int, Field(ge=0, le=1000)]
+
+
+class _Stage(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+    def __init__(self, **values: Any) -> None:
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise ConfigError(_sentence(error, type(self))) from None
+
+
+class Smoothing(_Stage):
+    """Depth-dependent smoothing of Holzer et al. 2012 and the paper's mean over valid pixels (eqs. 5-8)."""
+
+    mean: Literal["valid", "plain", "none"] = "valid"
+    """`valid` leaves missing pixels out of the mean (eq. 8), `plain` counts them as zeros (eq. 5), `none` leaves
+    the depth as it came."""
+    error_per_m: Positive = 0.0028
+    """alpha: depth error per squared distance, 1/m (authors' release)."""
+    radius_per_error_px_m: Positive = 1500.0
+    """beta: smoothing radius per depth error, px/m (authors' release)."""
+    step_factor: Positive = 18.0
+    """A difference of this many depth errors between neighbours is a depth step (authors' release)."""
+    max_radius_px: Length_px = 10
+    """Largest radius; wider windows round off the creases that eq. 18 measures (our choice)."""
+    skip_steps: bool = True
+    """Leave pixels on a depth step out of every mean (authors' release); not with `plain`."""
+
+
+class Inpainting(_Stage):
+    """Small gaps are filled, large shadows stay missing (paper, section III-E; limits are our choice)."""
+
+    max_hole_px: Annotated[int, Field(ge=0, le=2)] = 2
+    """Sampling holes up to this width are closed first, wherever they are connected to; 0 closes none."""
+    max_area_px2: NotNegative = 400.0
+    """Largest gap that is filled."""
+    max_radius_px: Positive = 6.0
+    """Largest inscribed radius of a gap that is filled."""
+    step_m: NotNegative = 0.03
+    """A rim that spans more than this crosses a depth step: the gap gets the far value, never a ramp."""
+    step_share: Share = 0.03
+    """The same as a share of the distance; the larger of both holds."""
+
+
+class Depth(_Stage):
+    """What happens to depth before it is compared."""
+
+    smoothing: Smoothing = Smoothing()
+    inpainting: Inpainting | None = None
+    """None fills nothing (the paper's way with the first cost function)."""
+    depth_range: Positive | None = None
+    """Depth difference in metres that counts as 1 in eq. 9; None takes the range of each frame (authors' release)."""
+
+
+class Color(_Stage):
+    """The colour difference (eq. 4)."""
+
+    sigma_px: NotNegative = 0.8
+    """Gaussian smoothing of RGB before HSV; 0 smooths nothing (authors' release, there after HSV)."""
+    k_dv: Positive = 4.5
+    """Weight of the value difference (paper)."""
+    k_ds: NotNegative = 0.1
+    """Weight of the hue and saturation difference (paper)."""
+
+
+class Saliency(_Stage):
+    """Centre-surround saliency of Montabone & Soto 2010 and the power law (eq. 10)."""
+
+    surrounds_px: tuple[int, ...] = (12, 24, 48, 28, 56, 112)
+    """Half-sizes sigma 2^s of the surrounds, for sigma in {3, 7} and s in {2, 3, 4} (Montabone's own code)."""
+    power: Positive = 4.0
+    """Exponent of eq. 10 (paper)."""
+
+
+class Edges(_Stage):
+    """Canny on Scharr gradients, and which of its pixels are boundaries of objects (eqs. 12-20)."""
+
+    canny_low: Share = 0.05
+    """Low threshold as a share of the frame's largest gradient (authors' release)."""
+    canny_high: Share = 0.075
+    """High threshold as a share of the frame's largest gradient (authors' release)."""
+    canny_floor: NotNegative = 60.0
+    """Least low threshold in units of the Scharr gradient, so that a plain frame shows no noise (our choice);
+    the high one keeps its ratio to the low."""
+    step_offset_px: Annotated[int, Field(ge=1, le=100)] = 7
+    """epsilon_rho: where depth is sampled on both sides (authors' release)."""
+    step_m: Positive = 0.03
+    """t_rho: depth difference that makes a depth boundary (authors' release)."""
+    signed_step: bool = False
+    """True compares the signed difference as printed in eq. 13; it misses edges seen from the near side."""
+    missing_is_boundary: bool = False
+    """True counts a missing sample as a depth step; by default missing depth is no evidence."""
+    contact_offset_px: Annotated[int, Field(ge=1, le=100)] = 5
+    """epsilon_e: where the three points of the contact angle are sampled (authors' release)."""
+    contact_low_deg: Annotated[float, Field(ge=0, le=180)] = 56.0
+    """t_theta_L (authors' release)."""
+    contact_high_deg: Annotated[float, Field(ge=0, le=180)] = 154.0
+    """t_theta_H (authors' release)."""
+    sign_rule: Literal["tangent", "x"] = "tangent"
+    """`tangent` takes the sign of the cross product along the edge and holds for every direction; `x` takes its
+    x component as printed in eq. 19, which is zero for upright edges."""
+    boundary: Literal["soft", "thin"] = "soft"
+    """`soft` blurs the final map and rescales it to 1, which closes its gaps (authors' release); `thin` is eq. 20."""
+    blur_px: Annotated[int, Field(ge=1, le=99, multiple_of=1)] = 7
+    """Width of the Gaussian that makes the map soft, odd (authors' release)."""
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Edges:
+        if self.canny_low > self.canny_high or self.contact_low_deg > self.contact_high_deg:
+            raise ValueError("a low threshold is above its high one")
+        if self.blur_px % 2 == 0:
+            raise ValueError("blur_px must be odd")
+        return self
+
+
+Ends = Literal["max", "i"]
+
+
+class SaliencyCost(_Stage):
+    """First cost function (eq. 22): colour, depth and saliency; for frames with large shadows."""
+
+    kind: Literal["saliency"] = "saliency"
+    k_x: NotNegative = 1.05
+    """Weight of the depth difference (paper)."""
+    k_y: NotNegative = 1.5
+    """Weight of the colour difference (paper)."""
+    k_s: NotNegative = 0.5
+    """Weight of the saliency (paper)."""
+    ends: Ends = "max"
+    """Saliency at the first end of an edge as printed (`i`), or the larger of both ends (our choice)."""
+
+
+class BoundaryCost(_Stage):
+    """Second cost function (eq. 23): depth times colour, and the boundary map; for frames with full depth."""
+
+    kind: Literal["boundary"] = "boundary"
+    k_x: NotNegative = 7.5
+    """Weight of the depth and colour term (paper)."""
+    k_b: NotNegative = 0.66
+    """Weight of the boundary (paper)."""
+    ends: Ends = "max"
+    """Boundary at the first end of an edge as printed (`i`), or the larger of both ends (our choice)."""
+
+    @model_validator(mode="after")
+    def _weighs(self) -> BoundaryCost:
+        if self.k_x + self.k_b <= 0:
+            raise ValueError("k_x and k_b are both zero")
+        return self
+
+
+class AutoCost(_Stage):
+    """Chooses a cost function for each frame by its missing depth, as the paper does by hand."""
+
+    kind: Literal["auto"] = "auto"
+    full: BoundaryCost = BoundaryCost()
+    """For frames whose depth is complete."""
+    shadows: SaliencyCost = SaliencyCost()
+    """For frames with large shadows."""
+    max_missing: Share = 0.03
+    """Up to this share of the frame missing inside the working range, `full` is taken (our choice)."""
+
+    def choose(self, missing: float) -> SaliencyCost | BoundaryCost:
+        """The cost for a frame of which the share `missing` lacks depth inside the working range."""
+        return self.full if missing <= self.max_missing else self.shadows
+
+
+Cost = Annotated[SaliencyCost | BoundaryCost | AutoCost, Field(discriminator="kind")]
+
+
+class Partition(_Stage):
+    """Merging by internal difference (eqs. 2, 3)."""
+
+    gamma: NotNegative = 0.0016
+    """gamma of eq. 3: weight times pixels (paper: 5, 0.0016, 0.001)."""
+    gamma_shadows: NotNegative | None = None
+    """gamma for the frames that AutoCost gives to its `shadows` cost, whose weights are larger by orders."""
+    connectivity: Literal[4, 8] = 8
+    """Neighbours of a pixel (authors' release)."""
+    min_size_px2: NotNegative = 500.0
+    """Smaller regions are joined to the neighbour they differ from least (authors' release)."""
+
+
+class Rejection(_Stage):
+    """Which regions are no objects (paper, section III-F). None switches a rule off."""
+
+    max_distance_m: Positive | None = None
+    """Out of reach: distance of the centroid from the camera (authors' release: 1.8)."""
+    max_lambda1_px2: Positive | None = None
+    """Larger eigenvalue of the pixel coordinates' covariance (authors' release: 3800)."""
+    max_lambda2_px2: Positive | None = None
+    """Smaller eigenvalue (authors' release: 950)."""
+    max_eccentricity: Share | None = None
+    """sqrt(1 - lambda2 / lambda1) (authors' release: 0.978)."""
+    max_missing: Share | None = None
+    """Share of pixels without measured depth (paper: 0.3)."""
+    max_dark: Share | None = None
+    """Share of pixels in the first three of 32 brightness bins, 0..23 of 255 (paper: 0.3)."""
+
+
+class Config(_Stage):
+    """All of the method's parameters. Frozen: `replace` gives a changed copy."""
+
+    name: str = "custom"
+    """Name of the preset; `replace` keeps it and `digest` tells the values apart."""
+    depth: Depth = Depth()
+    color: Color = Color()
+    saliency: Saliency = Saliency()
+    edges: Edges = Edges()
+    cost: Cost = BoundaryCost()
+    partition: Partition = Partition()
+    rejection: Rejection = Rejection()
+
+    @model_validator(mode="after")
+    def _gamma_of_each_cost(self) -> Config:
+        if isinstance(self.cost, AutoCost) != (self.partition.gamma_shadows is not None):
+            raise ValueError("partition.gamma_shadows goes with an AutoCost, and only with it")
+        return self
+
+    @property
+    def digest(self) -> str:
+        """Eight hexadecimal digits that change with any value but the name."""
+        values = json.dumps(self.model_dump(exclude={"name"}), sort_keys=True)
+        return hashlib.sha256(values.encode()).hexdigest()[:8]
+
+    def replace(self, **changes: Any) -> Config:
+        """A validated copy. Names may be dotted: `replace(**{"partition.gamma": 0.004})`.
+
+        A mapping changes only the fields it names: `replace(partition={"gamma": 0.004})`.
+        """
+        values = self.model_dump()
+        for key, value in changes.items():
+            stage, _, rest = key.partition(".")
+            _merge(values, {stage: _nest(rest, _plain(value))})
+        return Config(**values)
+
+    def to_toml(self) -> str:
+        """The values as TOML; `from_toml` reads them back."""
+        import tomli_w
+
+        return tomli_w.dumps(self.model_dump(exclude_none=True))
+
+    @classmethod
+    def from_toml(cls, text: str) -> Config:
+        """Reads the TOML that `to_toml` writes; a key left out keeps its default, an unknown one is refused."""
+        return cls(**parse_toml(text))
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """The tables of a TOML text. Raises ConfigError with the line where it is none."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"expected TOML: {error}") from None
+
+
+def _plain(value: Any) -> Any:
+    return value.model_dump() if isinstance(value, BaseModel) else value
+
+
+def _nest(dotted: str, value: Any) -> Any:
+    for key in reversed(dotted.split(".") if dotted else []):
+        value = {key: value}
+    return value
+
+
+def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
+    """Changes `values` in place, mapping by mapping; another `kind` of cost starts afresh."""
+    for key, new in changes.items():
+        old = values.get(key)
+        if isinstance(old, dict) and isinstance(new, Mapping) and new.get("kind", old.get("kind")) == old.get("kind"):
+            _merge(old, new)
+        else:
+            values[key] = new
+
+
+def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
+    first = error.errors()[0]
+    # the kind of a cost stands in the location like a field: it is none of the user's
+    kinds = ("saliency", "boundary", "auto")
+    inner = first.get("ctx", {}).get("error")
+    if isinstance(inner, ConfigError):
+        return str(inner)
+    where = ".".join(str(part) for i, part in enumerate(first["loc"]) if i == 0 or part not in kinds)
+    if first["type"] == "extra_forbidden":
+        wrong = str(first["loc"][-1])
+        near = difflib.get_close_matches(wrong, _keys(model), n=1, cutoff=0.5)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        return f"unknown parameter {where!r} in {model.__name__}: {hint}It has {', '.join(model.model_fields)}"
+    got = "" if isinstance(first["input"], dict | BaseModel) else f", got {first['input']!r}"
+    message = first["msg"].removeprefix("Value error, ")
+    return f"{where + ': ' if where else ''}{message}{got} (in {model.__name__})"
+
+
+def _keys(model: type[BaseModel]) -> set[str]:
+    keys: set[str] = set()
+    for name, field in model.model_fields.items():
+        keys.add(name)
+        for part in (field.annotation, *getattr(field.annotation, "__args__", ())):
+            if isinstance(part, type) and issubclass(part, BaseModel):
+                keys |= _keys(part)
+    return keys

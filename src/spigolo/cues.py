@@ -1,0 +1,62 @@
+"""The cues of every pixel, side by side: depth, colour, and saliency or boundary (eqs. 11, 21).
+
+The cost function decides what is needed: the first one reads saliency, the second one the boundary.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.color import Points, color_points
+from spigolo.config import AutoCost, BoundaryCost, Config, SaliencyCost
+from spigolo.depth import missing_share, prepare_depth
+from spigolo.edges import EdgeMaps, find_edges
+from spigolo.frame import DepthMap, Frame
+from spigolo.saliency import saliency_cue
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cues:
+    """What the graph is weighed by; every map is (H, W).
+
+    depth: D_s in metres, 0 where missing. color: points (3, H, W) of eq. 4. missing: share of the frame without depth
+    inside the working range, before smoothing. cost: the function this frame is weighed by, AutoCost resolved.
+    saliency: for SaliencyCost, else None. edges: for BoundaryCost, else None.
+    """
+
+    depth: DepthMap
+    color: Points
+    missing: float
+    cost: SaliencyCost | BoundaryCost
+    saliency: npt.NDArray[np.float32] | None
+    edges: EdgeMaps | None
+
+    @property
+    def delta_sal(self) -> npt.NDArray[np.float32]:
+        """Eq. 11. delta_sal of each pixel: the power-law saliency there."""
+        assert self.saliency is not None
+        return self.saliency
+
+    @property
+    def delta_bound(self) -> npt.NDArray[np.float32]:
+        """Eq. 21. delta_bound of each pixel: the final boundary map there, soft or thin."""
+        assert self.edges is not None
+        return self.edges.boundary
+
+
+def gather_cues(frame: Frame, config: Config) -> Cues:
+    """All cues that the frame's cost function reads."""
+    depth = prepare_depth(frame.depth, config.depth)
+    missing = missing_share(depth, config.rejection.max_distance_m)
+    cost = config.cost.choose(missing) if isinstance(config.cost, AutoCost) else config.cost
+    return Cues(
+        depth=depth,
+        color=color_points(frame.color, config.color),
+        missing=missing,
+        cost=cost,
+        saliency=saliency_cue(frame.color, config.saliency) if isinstance(cost, SaliencyCost) else None,
+        edges=find_edges(frame.color, depth, frame.camera, config.edges) if isinstance(cost, BoundaryCost) else None,
+    )

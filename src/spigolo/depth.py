@@ -1,0 +1,151 @@
+"""Depth before it is compared: smoothing that knows shadows (eqs. 5-8) and in-painting of small gaps.
+
+The order is in-painting, then smoothing: a depth map with a grid of sampling holes has no window to average over
+before the holes are closed. Large shadows stay 0 in both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.config import Depth, Inpainting, Smoothing
+from spigolo.frame import DepthMap, Mask
+from spigolo.kernels import inpainting, smoothing
+
+Integral = npt.NDArray[np.float64]
+
+VGA_PX2 = 640 * 480
+"""The image size that pixel areas are given for."""
+
+
+def prepare_depth(depth: DepthMap, config: Depth) -> DepthMap:
+    """D_s (H, W): the depth that all cues are taken from, in metres, 0 where it is still missing."""
+    if config.inpainting is not None:
+        depth = inpaint_small_gaps(depth, config.inpainting)
+    return depth if config.smoothing.mean == "none" else smooth(depth, config.smoothing)
+
+
+def missing_mask(depth: DepthMap) -> Mask:
+    """Eq. 6. B_D (H, W): True where depth is 0."""
+    return np.asarray(depth == 0)
+
+
+def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[np.int32], Mask]:
+    """S (H, W) of Holzer et al.: the smoothing radius of each pixel in pixels, and the depth-change map C (H, W).
+
+    Radii grow with the depth error alpha d^2 and shrink towards depth steps, missing pixels and the image border.
+    """
+    smooth_here = np.empty(depth.shape, np.uint8)
+    smoothing.mark_steps(depth, config.error_per_m, config.step_factor, smooth_here)
+    distance = cv2.distanceTransform(smooth_here, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    if smooth_here.all():  # no step to keep away from
+        distance.fill(max(depth.shape))
+    radius = np.empty(depth.shape, np.int32)
+    smoothing.smoothing_radius(
+        depth, distance, config.error_per_m, config.radius_per_error_px_m, config.max_radius_px, radius
+    )
+    return radius, smooth_here == 0
+
+
+def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+    """Eq. 7. gamma_0 (H, W): pixels of `mask` in the window of each pixel."""
+    out = np.empty(mask.shape, np.int32)
+    smoothing.count_boxes(_integral(mask.astype(np.float32)), radius, out)
+    return out
+
+
+def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
+    """Eqs. 5 and 8. Mean over each pixel's window, of its valid pixels or (`plain`) of all with missing ones as zeros.
+
+    Both read the window as the (2r+1)^2 pixels that the printed divisor counts. A missing pixel stays missing.
+    """
+    radius, steps = smoothing_area_map(depth, config)
+    if config.mean == "plain":
+        left_out = np.zeros(depth.shape, bool)
+    else:
+        left_out = steps | missing_mask(depth) if config.skip_steps else missing_mask(depth)
+    out = np.empty_like(depth)
+    counted = np.where(left_out, np.float32(0), depth)
+    smoothing.mean_boxes(depth, _integral(counted), _integral(left_out.astype(np.float32)), radius, out)
+    return out
+
+
+def _integral(image: DepthMap) -> Integral:
+    """Integral image (H+1, W+1) in float64: in float32 a mean over a few pixels would be off by centimetres."""
+    return np.asarray(cv2.integral(image, sdepth=cv2.CV_64F), np.float64)
+
+
+def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
+    """Closes sampling holes, then fills the gaps that are small, away from the image border, and no shadow.
+
+    A gap whose rim spans a depth step gets the far value, as a shadow belongs to the background.
+    """
+    for _ in range(config.max_hole_px):
+        depth = _close_holes(depth, config)
+    gaps = find_gaps(depth)
+    scale = depth.size / VGA_PX2
+    small = (gaps.area_px <= config.max_area_px2 * scale) & (gaps.radius_px <= config.max_radius_px * scale**0.5)
+    small &= ~gaps.on_border & (gaps.far_m > 0)
+    step = gaps.far_m - gaps.near_m > np.maximum(config.step_m, config.step_share * gaps.near_m)
+    blended = (small & ~step)[gaps.labels]
+    filled = cv2.inpaint(depth, blended.astype(np.uint8), 3, cv2.INPAINT_NS) if blended.any() else depth
+    return np.where((small & step)[gaps.labels], gaps.far_m[gaps.labels], np.asarray(filled, np.float32))
+
+
+def _close_holes(depth: DepthMap, config: Inpainting) -> DepthMap:
+    missing = missing_mask(depth).astype(np.uint8)
+    width = config.max_hole_px + 1
+    wide = cv2.morphologyEx(missing, cv2.MORPH_OPEN, np.ones((width, width), np.uint8))
+    out = np.empty_like(depth)
+    inpainting.close_holes(depth, (missing > wide), config.step_m, config.step_share, out)
+    return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gaps:
+    """The connected components of missing pixels; entry 0 of each array stands for all valid pixels.
+
+    labels (H, W) component of each pixel; per component: area_px, largest inscribed radius_px, nearest near_m and
+    farthest far_m valid depth of its rim (0 where the rim has none), on_border.
+    """
+
+    labels: npt.NDArray[np.int32]
+    area_px: npt.NDArray[np.int32]
+    radius_px: npt.NDArray[np.float32]
+    near_m: npt.NDArray[np.float32]
+    far_m: npt.NDArray[np.float32]
+    on_border: Mask
+
+
+def find_gaps(depth: DepthMap) -> Gaps:
+    """The gaps of a depth map (H, W), 8-connected."""
+    height, width = depth.shape
+    missing = missing_mask(depth).astype(np.uint8)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(missing, connectivity=8)
+    distance = cv2.distanceTransform(missing, cv2.DIST_L2, cv2.DIST_MASK_5)
+    radius, far = np.zeros(count, np.float32), np.zeros(count, np.float32)
+    near = np.full(count, np.inf, np.float32)
+    inpainting.measure_gaps(labels, distance, depth, radius, near, far)
+    near[far == 0] = 0
+    left, top, right, bottom = stats[:, 0], stats[:, 1], stats[:, 0] + stats[:, 2], stats[:, 1] + stats[:, 3]
+    on_border = (left == 0) | (top == 0) | (right == width) | (bottom == height)
+    on_border[0], near[0], far[0] = False, 0, 0
+    area = np.where(np.arange(count) == 0, 0, stats[:, 4])
+    return Gaps(np.asarray(labels, np.int32), area, radius, near, far, on_border)
+
+
+def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
+    """Share of the frame that lacks depth inside the working range.
+
+    Holes that touch the image border are left out (cropped away, or outside the depth camera's view), and holes whose
+    whole rim lies beyond `max_distance_m`.
+    """
+    gaps = find_gaps(depth)
+    counted = ~gaps.on_border & (gaps.far_m > 0)
+    if max_distance_m is not None:
+        counted &= gaps.near_m <= max_distance_m
+    return float(gaps.area_px[counted].sum() / depth.size)

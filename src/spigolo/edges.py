@@ -1,0 +1,94 @@
+"""Edges that are boundaries of objects (eqs. 12-20).
+
+A Canny edge is a boundary where depth steps beside it (depth boundary) or where an object stands on something
+(contact boundary); prints and the ridges of an object are neither. Depth comes in as an array.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.config import Edges
+from spigolo.frame import Camera, Color, DepthMap, Mask
+from spigolo.kernels import edges as kernel
+
+Gradient = npt.NDArray[np.int16]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeMaps:
+    """E_E, E_B, E_C, E_F and the cue made of them, all (H, W).
+
+    canny: E_E, every edge of the colour image. depth_boundary: E_B. contact_boundary: E_C. final: E_F.
+    boundary: float32 in [0, 1], E_F as the second cost function takes it, soft or thin.
+    """
+
+    canny: Mask
+    depth_boundary: Mask
+    contact_boundary: Mask
+    final: Mask
+    boundary: npt.NDArray[np.float32]
+
+
+def find_edges(image: Color, depth: DepthMap, camera: Camera, config: Edges) -> EdgeMaps:
+    """All edge maps of an RGB image (H, W, 3) with its depth (H, W) in metres."""
+    canny, gx, gy = scharr_canny(image, config)
+    depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
+    final = final_boundary(depth_boundary, contact)
+    cue = soften(final, config.blur_px) if config.boundary == "soft" else final.astype(np.float32)
+    return EdgeMaps(canny, depth_boundary, contact, final, cue)
+
+
+def scharr_canny(image: Color, config: Edges) -> tuple[Mask, Gradient, Gradient]:
+    """E_E (H, W) and the Scharr gradients along x and y it was found on.
+
+    Thresholds are shares of the frame's largest gradient, with a floor that keeps noise out of plain frames.
+    """
+    gray = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (5, 5), 0)
+    gx = np.asarray(cv2.Scharr(gray, cv2.CV_16S, 1, 0), np.int16)
+    gy = np.asarray(cv2.Scharr(gray, cv2.CV_16S, 0, 1), np.int16)
+    largest = float(np.sqrt((gx.astype(np.float32) ** 2 + gy.astype(np.float32) ** 2).max(initial=0)))
+    low = max(config.canny_low * largest, config.canny_floor)
+    high = low * config.canny_high / config.canny_low if config.canny_low > 0 else config.canny_high * largest
+    return cv2.Canny(gx, gy, low, high, L2gradient=True) > 0, gx, gy
+
+
+def classify(
+    canny: Mask, gx: Gradient, gy: Gradient, depth: DepthMap, camera: Camera, config: Edges
+) -> tuple[Mask, Mask]:
+    """Depth boundary E_B and contact boundary E_C, both (H, W), of every pixel of `canny`."""
+    depth_boundary, contact = np.zeros(canny.shape, np.uint8), np.zeros(canny.shape, np.uint8)
+    kernel.classify_edges(
+        canny.view(np.uint8),
+        gx,
+        gy,
+        depth,
+        (camera.fx, camera.fy, camera.cx, camera.cy),
+        config.step_offset_px,
+        config.step_m,
+        config.signed_step,
+        config.missing_is_boundary,
+        config.contact_offset_px,
+        config.contact_low_deg,
+        config.contact_high_deg,
+        kernel.SIGN_X if config.sign_rule == "x" else kernel.SIGN_TANGENT,
+        depth_boundary,
+        contact,
+    )
+    return depth_boundary.view(bool), contact.view(bool)
+
+
+def final_boundary(depth_boundary: Mask, contact_boundary: Mask) -> Mask:
+    """Eq. 20. E_F (H, W): the union of both boundary maps."""
+    return depth_boundary | contact_boundary
+
+
+def soften(final: Mask, blur_px: int) -> npt.NDArray[np.float32]:
+    """E_F blurred by a Gaussian and rescaled to a largest value of 1: a line of one pixel would leak between diagonals."""
+    blurred = np.asarray(cv2.GaussianBlur(final.astype(np.float32), (blur_px, blur_px), 0), np.float32)
+    largest = blurred.max(initial=0)
+    return blurred / largest if largest > 0 else blurred

@@ -1,0 +1,302 @@
+"""The measures of one frame, of a data set, and the table that shows them.
+
+Letters used in shapes: H, W = image; N = true objects; S = predicted segments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from spigolo.evaluation.checks import checked_pair, checked_radius
+from spigolo.evaluation.matching import (
+    Floats,
+    Labels,
+    Mask,
+    OverlapTable,
+    boundary_hits,
+    boundary_map,
+    default_radius_px,
+    overlap_table,
+    pair_by_f,
+)
+
+FOUND_SHARE = 0.7
+"""An object counts as found when a share is larger than this (equal is not enough)."""
+
+GOOD_F = 0.75
+"""A pair counts in F@.75 when its F is larger than this (equal is not enough)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameScore:
+    """Measures of one frame.
+
+    Precision, recall and F are 1 when nothing is true and nothing predicted, 0 when only one side is empty.
+    The pairing is one to one with the largest sum of F (`spigolo.evaluation.matching.pair_by_f`).
+    """
+
+    overlap_precision: float
+    """Pixels shared within the pairs, over all predicted pixels."""
+
+    overlap_recall: float
+    """Pixels shared within the pairs, over all true pixels."""
+
+    overlap_f: float
+    """Harmonic mean of `overlap_precision` and `overlap_recall`."""
+
+    boundary_precision: float
+    """Share of the predicted boundary pixels with a true boundary pixel at most `radius_px` away."""
+
+    boundary_recall: float
+    """Share of the true boundary pixels with a predicted boundary pixel at most `radius_px` away."""
+
+    boundary_f: float
+    """Harmonic mean of `boundary_precision` and `boundary_recall`."""
+
+    f75: float
+    """Share of true objects whose paired segment has F > 0.75. Without objects: 1, or 0 if segments exist."""
+
+    object_ids: NDArray[np.integer[Any]]
+    """(N,) labels of the true objects, ascending; the order of the arrays below."""
+
+    n_segments: int
+    """S, the number of predicted segments."""
+
+    paired_f: Floats
+    """(N,) F of the object with its paired segment, 0 when it was left without one."""
+
+    found_70_recall: Mask
+    """(N,) one segment covers more than 70 % of the object. A segment over everything finds them all."""
+
+    found_70_both: Mask
+    """(N,) one segment covers more than 70 % of the object, and more than 70 % of that segment lies on it."""
+
+    found_iou_70: Mask
+    """(N,) one segment has IoU > 0.7 with the object."""
+
+    best_iou: Floats
+    """(N,) largest IoU of the object with any segment, 0 when there is none."""
+
+    @property
+    def n_objects(self) -> int:
+        """N, the number of true objects."""
+        return len(self.object_ids)
+
+
+@dataclass(frozen=True, slots=True)
+class DatasetScore:
+    """Measures of many frames: means over the frames, or shares of the objects of all frames together."""
+
+    overlap_precision: float
+    """Mean over the frames."""
+
+    overlap_recall: float
+    """Mean over the frames."""
+
+    overlap_f: float
+    """Mean of the frames' F; not the harmonic mean of the two figures above."""
+
+    boundary_precision: float
+    """Mean over the frames."""
+
+    boundary_recall: float
+    """Mean over the frames."""
+
+    boundary_f: float
+    """Mean of the frames' F; not the harmonic mean of the two figures above."""
+
+    f75: float
+    """Mean over the frames."""
+
+    found_70_recall: float
+    """Share of all objects, NaN without objects. Merging raises it: read it beside `overlap_precision`."""
+
+    found_70_both: float
+    """Share of all objects, NaN without objects."""
+
+    found_iou_70: float
+    """Share of all objects, NaN without objects."""
+
+    best_iou: float
+    """Mean over all objects of their best IoU, NaN without objects."""
+
+    segments_per_object: float
+    """Predicted segments of all frames over the objects of all frames (over 1 when there are none)."""
+
+    n_frames: int
+    """How many frames were scored."""
+
+    n_objects: int
+    """How many true objects they hold together."""
+
+
+def score_frame(
+    truth: ArrayLike, prediction: ArrayLike, ignore: ArrayLike | None = None, radius_px: float | None = None
+) -> FrameScore:
+    """Compare a predicted label image with the true one.
+
+    Parameters
+    ----------
+    truth, prediction
+        (H, W) whole numbers, 0 = background, every other value one instance. The values need not agree.
+    ignore
+        (H, W) boolean. Where set, both images become background before anything is counted.
+    radius_px
+        Reach of the boundary matching [px]; by default 0.003 of the image diagonal, rounded up.
+
+    Raises
+    ------
+    ValueError
+        For images that are not alike, not 2-D or not labels, an unfit `ignore`, or a negative radius.
+    """
+    true, pred = checked_pair(truth, prediction, ignore)
+    radius_px = checked_radius(default_radius_px(true.shape) if radius_px is None else radius_px)
+    table = overlap_table(true, pred)
+    objects, segments = pair_by_f(table)
+    paired_f = np.zeros(len(table.object_ids))
+    paired_f[objects] = table.f()[objects, segments]
+    overlap = _overlap_shares(table, int(table.shared_px[objects, segments].sum()))
+    boundary = _boundary_shares(true, pred, radius_px)
+    recall, precision, iou = table.recall(), table.precision(), table.iou()
+    return FrameScore(
+        *overlap,
+        *boundary,
+        f75=float(np.mean(paired_f > GOOD_F)) if len(paired_f) else float(not len(table.segment_ids)),
+        object_ids=table.object_ids,
+        n_segments=len(table.segment_ids),
+        paired_f=paired_f,
+        found_70_recall=_by_any_segment(recall > FOUND_SHARE),
+        found_70_both=_by_any_segment((recall > FOUND_SHARE) & (precision > FOUND_SHARE)),
+        found_iou_70=_by_any_segment(iou > FOUND_SHARE),
+        best_iou=iou.max(axis=1, initial=0.0),
+    )
+
+
+def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
+    """Put the scores of many frames together; every frame, or every object, weighs the same.
+
+    Raises
+    ------
+    ValueError
+        When there is no frame.
+    """
+    scores = list(scores)
+    if not scores:
+        raise ValueError(
+            "expected the scores of at least one frame, got none; mend: give a data set with frames"
+        )
+    n_objects = sum(score.n_objects for score in scores)
+    return DatasetScore(
+        overlap_precision=_mean([score.overlap_precision for score in scores]),
+        overlap_recall=_mean([score.overlap_recall for score in scores]),
+        overlap_f=_mean([score.overlap_f for score in scores]),
+        boundary_precision=_mean([score.boundary_precision for score in scores]),
+        boundary_recall=_mean([score.boundary_recall for score in scores]),
+        boundary_f=_mean([score.boundary_f for score in scores]),
+        f75=_mean([score.f75 for score in scores]),
+        found_70_recall=_mean(np.concatenate([score.found_70_recall for score in scores])),
+        found_70_both=_mean(np.concatenate([score.found_70_both for score in scores])),
+        found_iou_70=_mean(np.concatenate([score.found_iou_70 for score in scores])),
+        best_iou=_mean(np.concatenate([score.best_iou for score in scores])),
+        segments_per_object=sum(score.n_segments for score in scores) / max(1, n_objects),
+        n_frames=len(scores),
+        n_objects=n_objects,
+    )
+
+
+def wilson_interval(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
+    """Wilson's score interval of a share: `hits` out of `n`, at `z` standard deviations (1.96 = 95 %).
+
+    Honest for few trials and for shares near 0 or 1. Nothing is known without trials: (0, 1).
+    Trials are taken as independent; objects of one frame are not quite.
+    """
+    if not 0 <= hits <= n or not z >= 0:
+        raise ValueError(
+            f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts"
+        )
+    if n == 0:
+        return 0.0, 1.0
+    share, spread = hits / n, z * z / n
+    centre = (share + spread / 2) / (1 + spread)
+    half = math.sqrt(share * (1 - share) * spread + spread * spread / 4) / (1 + spread)
+    return max(0.0, centre - half), min(1.0, centre + half)
+
+
+_COLUMNS: tuple[tuple[str, str], ...] = (
+    ("overlap P", "overlap_precision"),
+    ("R", "overlap_recall"),
+    ("F", "overlap_f"),
+    ("boundary P", "boundary_precision"),
+    ("R", "boundary_recall"),
+    ("F", "boundary_f"),
+    ("F@.75", "f75"),
+    ("70 % recall", "found_70_recall"),
+    ("70 % recall and precision", "found_70_both"),
+    ("IoU>0.7", "found_iou_70"),
+    ("mean best IoU", "best_iou"),
+    ("segments per object", "segments_per_object"),
+    ("frames", "n_frames"),
+    ("objects", "n_objects"),
+)
+
+
+def format_table(scores: Mapping[str, DatasetScore]) -> str:
+    """Markdown table of the headline figures, a line per name, columns aligned; "-" where a figure is NaN."""
+    if not scores:
+        raise ValueError(
+            "expected at least one named score for the table, got none; mend: pass {name: summarise(...)}"
+        )
+    rows = [["method", *(title for title, _ in _COLUMNS)]]
+    for name, score in scores.items():
+        rows.append([name.replace("|", r"\|"), *(_cell(getattr(score, field)) for _, field in _COLUMNS)])
+    widths = [max(3, *(len(row[k]) for row in rows)) for k in range(len(rows[0]))]
+    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
+    return "\n".join(_table_line(row, widths) for row in (rows[0], rule, *rows[1:]))
+
+
+def _table_line(cells: Sequence[str], widths: Sequence[int]) -> str:
+    """The name to the left, the figures to the right."""
+    figures = (cell.rjust(width) for cell, width in zip(cells[1:], widths[1:], strict=True))
+    return "| " + " | ".join([cells[0].ljust(widths[0]), *figures]) + " |"
+
+
+def _cell(value: float) -> str:
+    if isinstance(value, int):
+        return str(value)
+    return "-" if math.isnan(value) else f"{value:.3f}"
+
+
+def _mean(values: ArrayLike) -> float:
+    array = np.asarray(values, np.float64)
+    return float(array.mean()) if array.size else math.nan
+
+
+def _by_any_segment(holds: Mask) -> Mask:
+    """(N,) from (N, S): does it hold for any segment? Never without segments."""
+    return np.asarray(holds.any(axis=1), np.bool_)
+
+
+def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
+    """Precision, recall and F of counts; 1 when both sides are empty, 0 when one is."""
+    if all_pred == 0 and all_true == 0:
+        return 1.0, 1.0, 1.0
+    precision = hits_pred / all_pred if all_pred else 0.0
+    recall = hits_true / all_true if all_true else 0.0
+    both = precision + recall
+    return precision, recall, 2 * precision * recall / both if both else 0.0
+
+
+def _overlap_shares(table: OverlapTable, paired_px: int) -> tuple[float, float, float]:
+    return _shares(paired_px, int(table.segment_px.sum()), paired_px, int(table.object_px.sum()))
+
+
+def _boundary_shares(truth: Labels, prediction: Labels, radius_px: float) -> tuple[float, float, float]:
+    true, pred = boundary_map(truth), boundary_map(prediction)
+    hits_pred, hits_true = boundary_hits(pred, true, radius_px), boundary_hits(true, pred, radius_px)
+    return _shares(hits_pred, int(np.count_nonzero(pred)), hits_true, int(np.count_nonzero(true)))

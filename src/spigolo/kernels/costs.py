@@ -1,0 +1,74 @@
+"""The weights of the graph: depth difference and both cost functions (eqs. 9, 22, 23).
+
+A plane holds the edges from each pixel to the neighbour at one offset (dy, dx); edges that leave the image are +inf.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+from spigolo.kernels.color import color_difference
+
+ENDS_MAX, ENDS_I = 0, 1
+
+
+@inlined
+def depth_difference(depth, y, x, v, u, scale):
+    """Eq. 9. |difference| of two depths times `scale` (1 / range), clipped at 1; 0 where an end is missing."""
+    a, b = depth[y, x], depth[v, u]
+    if a == 0.0 or b == 0.0:
+        return 0.0
+    return min(abs(float(a) - float(b)) * scale, 1.0)
+
+
+@inlined
+def at_ends(cue, y, x, v, u, ends):
+    """A cue of single pixels on an edge: at its first end i as printed, or the larger of both ends."""
+    here = float(cue[y, x])
+    return here if ends == ENDS_I else max(here, float(cue[v, u]))
+
+
+@inlined
+def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
+    """Eq. 22. First cost function, in [0, 1]."""
+    power = 1.0 + d_depth
+    alone = k_y * np.log2(1.0 + d_hsv) + k_x * np.log2(1.0 + d_depth) + k_s * np.log2(1.0 + d_sal)
+    coupled = d_depth * d_sal**power + d_depth * d_hsv**power
+    return (alone + coupled) / (2.0 + k_x + k_y + k_s)
+
+
+@inlined
+def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
+    """Eq. 23. Second cost function, in [0, 1]."""
+    return (k_x * d_depth * np.log2(1.0 + d_hsv) + k_b * d_bound) / (k_x + k_b)
+
+
+@kernel
+def saliency_plane(color, depth, saliency, scale, k_x, k_y, k_s, ends, dy, dx, out):
+    """Eq. 22 on every edge of one plane: color (3, H, W) points, depth (H, W) metres, saliency (H, W), out (H, W)."""
+    height, width = depth.shape
+    for y in range(height):
+        for x in range(width):
+            v, u = y + dy, x + dx
+            if v < 0 or v >= height or u < 0 or u >= width:
+                out[y, x] = np.inf
+                continue
+            d_hsv = color_difference(color, y, x, v, u)
+            d_depth = depth_difference(depth, y, x, v, u, scale)
+            out[y, x] = saliency_cost(d_hsv, d_depth, at_ends(saliency, y, x, v, u, ends), k_x, k_y, k_s)
+
+
+@kernel
+def boundary_plane(color, depth, boundary, scale, k_x, k_b, ends, dy, dx, out):
+    """Eq. 23 on every edge of one plane: color (3, H, W) points, depth (H, W) metres, boundary (H, W), out (H, W)."""
+    height, width = depth.shape
+    for y in range(height):
+        for x in range(width):
+            v, u = y + dy, x + dx
+            if v < 0 or v >= height or u < 0 or u >= width:
+                out[y, x] = np.inf
+                continue
+            d_hsv = color_difference(color, y, x, v, u)
+            d_depth = depth_difference(depth, y, x, v, u, scale)
+            out[y, x] = boundary_cost(d_hsv, d_depth, at_ends(boundary, y, x, v, u, ends), k_x, k_b)

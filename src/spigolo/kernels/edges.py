@@ -1,0 +1,120 @@
+"""Which Canny pixels are boundaries of objects (eqs. 12-19)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+SIGN_TANGENT, SIGN_X = 0, 1
+
+
+@inlined
+def normal_direction(gx, gy):
+    """N = (n_y, n_x), the gradient's direction in one of four bins of 45 degrees, whatever its polarity.
+
+    Bins 0, 45, 90, 135 degrees give right, right and up, up, left and up (rows count downwards).
+    """
+    angle = np.arctan2(-float(gy), float(gx)) * 180.0 / np.pi
+    sector = int(np.floor((angle + 22.5) / 45.0)) % 4
+    if sector == 0:
+        return 0, 1
+    if sector == 1:
+        return -1, 1
+    if sector == 2:
+        return -1, 0
+    return -1, -1
+
+
+@inlined
+def depth_gradient(depth, y, x, v, u):
+    """Eq. 12. rho: depth of the edge pixel less that of a sample beside it; 0 where either is missing."""
+    if depth[y, x] == 0.0 or depth[v, u] == 0.0:
+        return 0.0
+    return float(depth[y, x]) - float(depth[v, u])
+
+
+@inlined
+def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
+    """Eq. 13. Texture where both depth gradients stay below the threshold, else a depth boundary."""
+    if not signed:
+        rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
+    return not (rho_plus < step_m and rho_minus < step_m)
+
+
+@inlined
+def back_project(depth, y, x, fx, fy, cx, cy):
+    """Eq. 14. The point (X, Y, Z) in metres that a pixel with its depth shows."""
+    d = float(depth[y, x])
+    return (x - cx) * d / fx, (y - cy) * d / fy, d
+
+
+@inlined
+def unit_vector(point, origin):
+    """Eqs. 15, 16. Direction from the edge point to a point beside it; zero where they coincide."""
+    a, b, c = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
+    norm = np.sqrt(a * a + b * b + c * c)
+    if norm == 0.0:
+        return 0.0, 0.0, 0.0
+    return a / norm, b / norm, c / norm
+
+
+@inlined
+def cross(a, b):
+    """Cross product of two vectors."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inlined
+def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
+    """Eqs. 17 and 19. Angle between both directions in degrees, negative at an internal (convex) boundary.
+
+    The three points lie in one plane with the camera, so only the sign of the cross product along the edge says
+    something: positive in a valley. The printed rule takes its x component, which is right for edges whose normal
+    points upwards and zero for upright ones.
+    """
+    c = cross(v_plus, v_minus)
+    sine = np.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
+    cosine = v_plus[0] * v_minus[0] + v_plus[1] * v_minus[1] + v_plus[2] * v_minus[2]
+    angle = np.arctan2(sine, cosine) * 180.0 / np.pi
+    along = c[0] if sign_rule == SIGN_X else -n_y * c[0] + n_x * c[1]
+    return -angle if along < 0.0 else angle
+
+
+@inlined
+def is_contact(angle_deg, low_deg, high_deg):
+    """Eq. 18. A contact boundary has an angle between both thresholds."""
+    return not (angle_deg > high_deg or angle_deg < low_deg)
+
+
+@kernel
+def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missing_is_boundary, contact_px, low_deg, high_deg,
+                   sign_rule, depth_boundary, contact):  # fmt: skip
+    """Eqs. 12-19 on every edge pixel that is farther from the image border than its samples reach.
+
+    edges (H, W) uint8; gx, gy (H, W) int16; depth (H, W) metres; camera (fx, fy, cx, cy);
+    depth_boundary and contact (H, W) uint8, zero where nothing is written.
+    """
+    height, width = edges.shape
+    fx, fy, cx, cy = camera
+    margin = max(step_px, contact_px) + 1
+    for y in range(margin, height - margin):
+        for x in range(margin, width - margin):
+            if edges[y, x] == 0:
+                continue
+            n_y, n_x = normal_direction(gx[y, x], gy[y, x])
+            v, u = step_px * n_y, step_px * n_x
+            hole = depth[y, x] == 0.0 or depth[y + v, x + u] == 0.0 or depth[y - v, x - u] == 0.0
+            rho_plus = depth_gradient(depth, y, x, y + v, x + u)
+            rho_minus = depth_gradient(depth, y, x, y - v, x - u)
+            if is_depth_boundary(rho_plus, rho_minus, step_m, signed) or (hole and missing_is_boundary):
+                depth_boundary[y, x] = 1
+            v, u = contact_px * n_y, contact_px * n_x
+            if depth[y, x] == 0.0 or depth[y + v, x + u] == 0.0 or depth[y - v, x - u] == 0.0:
+                continue
+            here = back_project(depth, y, x, fx, fy, cx, cy)
+            v_plus = unit_vector(back_project(depth, y + v, x + u, fx, fy, cx, cy), here)
+            v_minus = unit_vector(back_project(depth, y - v, x - u, fx, fy, cx, cy), here)
+            angle = contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule)
+            if is_contact(angle, low_deg, high_deg):
+                contact[y, x] = 1

@@ -1,0 +1,86 @@
+"""Merging pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004; eqs. 2, 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+
+@inlined
+def find(parent, node):
+    """Root of a node's tree; the path behind is halved."""
+    while parent[node] != node:
+        parent[node] = parent[parent[node]]
+        node = parent[node]
+    return node
+
+
+@inlined
+def unite(parent, size, a, b):
+    """Joins two roots, the smaller below the larger, and returns the root of both."""
+    if size[a] < size[b]:
+        a, b = b, a
+    parent[b] = a
+    size[a] += size[b]
+    return a
+
+
+@inlined
+def may_merge(weight, bound_a, bound_b):
+    """Eq. 3. Two regions merge if their edge weighs at most I(R) + gamma / |R| of both."""
+    return weight <= bound_a and weight <= bound_b
+
+
+@inlined
+def merge_bound(internal, gamma, size):
+    """I(R) + gamma / |R|, the bound that eq. 3 sets to a region's edges."""
+    return internal + gamma / size
+
+
+@kernel
+def merge(weights, order, offsets, gamma, parent, size, bound):
+    """Eqs. 2, 3. Merges regions over the edges in order.
+
+    weights (E,) float32, plane by plane; order (E,) sorted edge numbers; offsets (P,) from a pixel to its neighbour.
+    parent and size (H W,) start as 0..N-1 and 1; bound (H W,) float64 starts as gamma. I(R) of eq. 2 is the weight of
+    the last merge: the edges come sorted, so it is the largest one in the minimum spanning tree of R.
+    """
+    pixels = parent.size
+    for edge in order:
+        weight = float(weights[edge])
+        if weight == np.inf:
+            return
+        pixel = edge % pixels
+        a = find(parent, pixel)
+        b = find(parent, pixel + offsets[edge // pixels])
+        if a != b and may_merge(weight, bound[a], bound[b]):
+            root = unite(parent, size, a, b)
+            bound[root] = merge_bound(weight, gamma, size[root])
+
+
+@kernel
+def absorb_small(weights, order, offsets, min_size, parent, size):
+    """Joins regions smaller than min_size to the neighbour over their lightest edge, in the same order."""
+    pixels = parent.size
+    for edge in order:
+        if weights[edge] == np.inf:
+            return
+        pixel = edge % pixels
+        a = find(parent, pixel)
+        b = find(parent, pixel + offsets[edge // pixels])
+        if a != b and (size[a] < min_size or size[b] < min_size):
+            unite(parent, size, a, b)
+
+
+@kernel
+def number_regions(parent, number, labels):
+    """Labels 0..R-1 in the order of each region's first pixel. number (H W,) starts at -1; returns R."""
+    regions = 0
+    for pixel in range(parent.size):
+        root = find(parent, pixel)
+        if number[root] < 0:
+            number[root] = regions
+            regions += 1
+        labels[pixel] = number[root]
+    return regions

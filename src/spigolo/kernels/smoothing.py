@@ -1,0 +1,76 @@
+"""Depth-dependent smoothing (Holzer et al. 2012; eqs. 5-8)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+
+@kernel
+def mark_steps(depth, error_per_m, step_factor, out):
+    """Holzer's depth-change map: out[y, x] = 0 where depth steps to the right or lower neighbour or is missing, else 1.
+
+    A step is a difference of at least step_factor * alpha * d^2, d the depth of the pixel itself in metres.
+    The map is inverted, as the distance transform that follows measures the distance to the nearest zero.
+    """
+    height, width = depth.shape
+    for y in range(height):
+        for x in range(width):
+            d = depth[y, x]
+            limit = step_factor * error_per_m * d * d
+            right = x + 1 < width and abs(depth[y, x + 1] - d) >= limit
+            below = y + 1 < height and abs(depth[y + 1, x] - d) >= limit
+            out[y, x] = 0 if d == 0.0 or right or below else 1
+
+
+@kernel
+def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
+    """Smoothing area map S(y, x) = min(beta alpha d^2, T / sqrt 2), rounded, kept inside the image.
+
+    depth in metres, distance T in pixels to the nearest depth step or missing pixel.
+    """
+    height, width = depth.shape
+    for y in range(height):
+        for x in range(width):
+            d = depth[y, x]
+            r = min(radius_per_error * error_per_m * d * d, distance[y, x] / np.sqrt(2.0), float(max_radius))
+            out[y, x] = min(int(np.floor(r + 0.5)), y, x, height - 1 - y, width - 1 - x)
+
+
+@inlined
+def box_sum(integral, y, x, r):
+    """Sum over rows y-r..y+r and columns x-r..x+r from an integral image with a leading zero row and column."""
+    return (
+        integral[y + r + 1, x + r + 1]
+        - integral[y + r + 1, x - r]
+        - integral[y - r, x + r + 1]
+        + integral[y - r, x - r]
+    )
+
+
+@kernel
+def count_boxes(integral, radius, out):
+    """Eq. 7. How many pixels that I_B marks lie in the window of each pixel (gamma_0)."""
+    height, width = radius.shape
+    for y in range(height):
+        for x in range(width):
+            out[y, x] = box_sum(integral, y, x, radius[y, x])
+
+
+@kernel
+def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
+    """Eq. 8; eq. 5 where nothing is left out. Mean depth of each pixel's window, left-out pixels not counted.
+
+    A missing pixel stays missing: smoothing fills no shadow.
+    """
+    height, width = depth.shape
+    for y in range(height):
+        for x in range(width):
+            r = radius[y, x]
+            side = 2 * r + 1
+            counted = side * side - box_sum(left_out_integral, y, x, r)
+            if depth[y, x] == 0.0 or counted == 0 or r == 0:
+                out[y, x] = depth[y, x]
+            else:
+                out[y, x] = box_sum(depth_integral, y, x, r) / counted

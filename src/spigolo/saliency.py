@@ -1,0 +1,46 @@
+"""Visual saliency and its power law (eq. 10).
+
+Montabone & Soto 2010: how much a pixel differs from the mean of square surrounds of several sizes, brighter and
+darker apart, from one integral image at full resolution.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.config import Saliency
+from spigolo.frame import Color
+from spigolo.kernels import saliency as kernel
+
+Map = npt.NDArray[np.float32]
+
+
+def fine_grained_saliency(image: Color, config: Saliency) -> Map:
+    """V_S (H, W) in [0, 1] of an RGB image, in steps of 1/255 as Montabone's own code has them; 0 on a plain image."""
+    gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    for _ in range(2):
+        gray = cv2.GaussianBlur(gray, (3, 3), 0)
+    gray = np.asarray(gray, np.uint8)
+    on, off = np.empty(gray.shape, np.int32), np.empty(gray.shape, np.int32)
+    kernel.center_surround(gray, cv2.integral(gray), np.asarray(config.surrounds_px, np.int64), on, off)
+    both = _to_255(on) + _to_255(off)
+    return _to_255(both).astype(np.float32) / np.float32(255)
+
+
+def power_law(saliency: Map, power: float) -> Map:
+    """Eq. 10. Normalises a saliency map (H, W) to a maximum of 1 and raises it to `power`; 0 stays 0."""
+    largest = saliency.max(initial=0)
+    return np.asarray((saliency / largest) ** np.float32(power), np.float32) if largest > 0 else np.zeros_like(saliency)
+
+
+def saliency_cue(image: Color, config: Saliency) -> Map:
+    """The saliency of every pixel (H, W) in [0, 1], as the first cost function takes it."""
+    return power_law(fine_grained_saliency(image, config), config.power)
+
+
+def _to_255(values: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+    """Scales to a largest value of 255, cut to whole levels; adding two such maps cannot wrap around."""
+    largest = int(values.max(initial=0))
+    return values * 255 // largest if largest > 0 else np.zeros_like(values)

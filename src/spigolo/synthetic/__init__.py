@@ -1,0 +1,1 @@
+"""Synthetic RGB-D frames: a depth-camera model, and the bundled demo scene that MuJoCo renders."""

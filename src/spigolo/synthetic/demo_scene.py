@@ -1,0 +1,362 @@
+"""The bundled demo scene: household objects on a table, built from code and rendered with MuJoCo.
+
+World axes: x to the right, y away from the robot, z up; the table top is z = 0. Lengths are in metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.synthetic import textures
+from spigolo.synthetic.meshes import Mesh, arc, box, faceted, gable_roof, lathe, tube
+
+__all__ = [
+    "CAMERA",
+    "OBJECT_NAMES",
+    "RenderedScene",
+    "load_model",
+    "render_colour",
+    "render_demo_scene",
+    "render_geometry",
+]
+
+CAMERA: dict[str, float] = {
+    "fx": 525.0,
+    "fy": 525.0,
+    "cx": 319.5,  # the centre of a 640-pixel row, counting from the centre of its first pixel
+    "cy": 239.5,
+    "width": 640,
+    "height": 480,
+    "depth_scale": 0.001,
+}
+_WIDTH_PX, _HEIGHT_PX, _FOCAL_PX = 640, 480, 525.0
+_LOOK_AT_M = np.array([-0.005, 0.03, 0.05])
+_VIEWING_DISTANCE_M = 0.81
+_PITCH_DEG = 40.0
+_SUPERSAMPLING = 2
+
+
+@dataclass(frozen=True)
+class Part:
+    """A piece of an object: its mesh and what it is made of."""
+
+    mesh: Mesh
+    texture: npt.NDArray[np.uint8]
+    specular: float = 0.15
+    shininess: float = 0.3
+
+
+@dataclass(frozen=True)
+class SceneObject:
+    """Something on the table: where it is, how far its own z leans over, and to which side (yaw)."""
+
+    name: str
+    position_m: tuple[float, float, float]
+    yaw_deg: float
+    parts: tuple[Part, ...]
+    tilt_deg: float = 0.0
+
+
+@dataclass(frozen=True)
+class RenderedScene:
+    """What MuJoCo renders: rgb (H, W, 3) 8 bit, depth_m (H, W) along the optical axis, label (H, W) 0..N."""
+
+    rgb: npt.NDArray[np.uint8]
+    depth_m: npt.NDArray[np.float32]
+    label: npt.NDArray[np.uint8]
+
+
+def scene_objects() -> list[SceneObject]:
+    """The objects in the order of their labels, 1..N."""
+    pair_yaw_deg = -24.0
+    tea_m, plain_m = (0.125, 0.07, 0.17), (0.09, 0.10, 0.10)
+    tea_at = np.array([0.25, 0.19])
+    # The plain box stands right against the tea's right-hand side, its front a little further forward.
+    yaw = np.radians(pair_yaw_deg)
+    along, back = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    plain_at = tea_at + (tea_m[0] + plain_m[0]) / 2 * along - 0.030 * back
+    return [
+        SceneObject("cereal box", (-0.265, 0.19, 0), 17, (Part(box((0.17, 0.06, 0.245)), textures.cereal_box()),)),
+        SceneObject("milk carton", (-0.035, 0.23, 0), 38, _milk_carton_parts()),
+        SceneObject("tea box", (tea_at[0], tea_at[1], 0), pair_yaw_deg, (Part(box(tea_m), textures.tea_box()),)),
+        SceneObject(
+            "plain box",
+            (plain_at[0], plain_at[1], 0),
+            pair_yaw_deg,
+            (Part(box(plain_m), textures.plain_card((150, 116, 176)), 0.05, 0.1),),
+        ),
+        SceneObject("bowl", (-0.21, -0.055, 0), 0, _bowl_parts()),
+        SceneObject("mug", (0.15, -0.02, 0), -32, _mug_parts()),
+        SceneObject("can", (0.01, 0.115, 0), 178, _can_parts()),
+        SceneObject("ball", (0.30, -0.10, 0.042), -150, _ball_parts(), tilt_deg=52),
+        SceneObject("flashlight", (-0.02, -0.19, 0.0175), 24, _flashlight_parts(), tilt_deg=90),
+    ]
+
+
+OBJECT_NAMES: tuple[str, ...] = (
+    "cereal box",
+    "milk carton",
+    "tea box",
+    "plain box",
+    "bowl",
+    "mug",
+    "can",
+    "ball",
+    "flashlight",
+)
+
+
+def _milk_carton_parts() -> tuple[Part, ...]:
+    width_m, wall_m = 0.072, 0.15
+    return (
+        Part(box((width_m, width_m, wall_m)), textures.milk_carton(), 0.2, 0.4),
+        Part(gable_roof(width_m, width_m, wall_m, 0.032, 0.016), textures.milk_roof(), 0.2, 0.4),
+    )
+
+
+def _bowl_parts() -> tuple[Part, ...]:
+    """A hollow bowl 17 cm across with a foot ring and a wall of 4 mm."""
+    t = np.linspace(0.0, 1.0, 40)
+    outside = np.column_stack([0.036 + 0.049 * np.sin(t * np.pi / 2) ** 0.9, 0.008 + 0.060 * t**1.7])
+    inside = np.column_stack([0.081 * np.sin(t * np.pi / 2) ** 0.85, 0.012 + 0.056 * t**2.1])[::-1]
+    rim = arc((0.083, 0.068), 0.002, 0, 180, 9)
+    foot = [(0.0, 0.0), (0.036, 0.0)], [(0.036, 0.0), (0.036, 0.008)]
+    glaze = textures.glazed((44, 150, 152), (238, 228, 206), 0.09)
+    return (Part(lathe([*foot, outside, rim, inside]), glaze, 0.5, 0.6),)
+
+
+def _mug_parts() -> tuple[Part, ...]:
+    """A hollow mug 8 cm across, 9 cm tall, and its handle."""
+    foot_corner = arc((0.034, 0.006), 0.006, -90, 0, 8)
+    inner_corner = arc((0.030, 0.012), 0.006, 0, -90, 8)
+    outside = [[(0.0, 0.0), (0.034, 0.0)], np.vstack([foot_corner, [(0.040, 0.088)]])]
+    inside = [
+        arc((0.038, 0.088), 0.002, 0, 180, 9),
+        np.vstack([[(0.036, 0.088)], inner_corner]),
+        [(0.030, 0.006), (0.0, 0.006)],
+    ]
+    cream = textures.plain_card((242, 232, 214))
+    turn = np.linspace(-np.pi / 2, np.pi / 2, 28)
+    handle = np.column_stack([0.0385 + 0.027 * np.cos(turn), 0 * turn, 0.048 + 0.025 * np.sin(turn)])
+    return (
+        Part(lathe(outside), textures.mug_glaze(), 0.4, 0.6),
+        Part(lathe(inside), cream, 0.4, 0.6),
+        Part(tube(handle, 0.0052), cream, 0.4, 0.6),
+    )
+
+
+def _can_parts() -> tuple[Part, ...]:
+    """A tin can: the printed label round it, and a metal lid with a raised rim."""
+    side = [[(0, 0.004), (0.0335, 0.004)], [(0.0335, 0.004), (0.0335, 0.106)], [(0.0335, 0.106), (0, 0.106)]]
+    metal = textures.plain_card((186, 188, 192))
+    rim = np.vstack([arc((0.0335, 0.1085), 0.0012, 0, 90, 5), arc((0.0320, 0.1085), 0.0012, 90, 180, 5)])
+    step = arc((0.022, 0.1065), 0.0008, 0, 180, 7)
+    lid = [[(0, 0.105), (0.0347, 0.105)], [(0.0347, 0.105), (0.0347, 0.1085)], rim]
+    lid += [[(0.0308, 0.1085), (0.0308, 0.1065)], [(0.0308, 0.1065), (0.0228, 0.1065)], step]
+    lid += [[(0.0212, 0.1065), (0, 0.1065)]]
+    foot = [[(0, 0), (0.0345, 0)], [(0.0345, 0), (0.0345, 0.005)], [(0.0345, 0.005), (0, 0.005)]]
+    return (
+        Part(lathe(side), textures.can_label(), 0.25, 0.5),
+        Part(lathe(lid), metal, 0.7, 0.6),
+        Part(lathe(foot), metal, 0.7, 0.6),
+    )
+
+
+def _ball_parts() -> tuple[Part, ...]:
+    """A ball of 84 mm about the object's own origin."""
+    return (Part(lathe([arc((0.0, 0.0), 0.042, -90, 90, 60)]), textures.beach_ball(), 0.12, 0.4),)
+
+
+def _flashlight_parts() -> tuple[Part, ...]:
+    """A flashlight 15 cm long, tail at z = 0; it lies on its barrel, the head is as wide as the barrel."""
+    profile = [
+        [(0.0, 0.0), (0.0155, 0.0)],
+        arc((0.0155, 0.002), 0.002, -90, 0, 5),
+        [(0.0175, 0.002), (0.0175, 0.148)],
+        arc((0.0155, 0.148), 0.002, 0, 90, 5),
+        [(0.0155, 0.150), (0.0, 0.150)],
+    ]
+    return (Part(lathe(profile), textures.flashlight_bands(), 0.3, 0.5),)
+
+
+def _surroundings() -> list[SceneObject]:
+    """Table, floor and wall, which are no objects and carry label 0."""
+    rng = np.random.default_rng(20)
+    table = np.array([[-1.0, -0.62], [1.0, -0.62], [1.0, 0.70], [-1.0, 0.70]])
+    top = [(*corner, 0.0) for corner in table]
+    low = [(*corner, -0.035) for corner in table]
+    whole, edge = (0.0, 0.0, 1.0, 1.0), (0.0, 0.0, 1.0, 0.03)
+    sides = [([low[k], low[(k + 1) % 4], top[(k + 1) % 4], top[k]], edge) for k in range(4)]
+    table_mesh = faceted([(top, whole), (low[::-1], whole), *sides])
+    floor = faceted([([(-4, -2, -0.74), (4, -2, -0.74), (4, 2.0, -0.74), (-4, 2.0, -0.74)], whole)])
+    wall = faceted([([(-4, 2.0, -0.74), (4, 2.0, -0.74), (4, 2.0, 2.0), (-4, 2.0, 2.0)], whole)])
+    return [
+        SceneObject("table", (0, 0, 0), 0, (Part(table_mesh, textures.wood(rng), 0.12, 0.2),)),
+        SceneObject("floor", (0, 0, 0), 0, (Part(floor, textures.plaster((122, 118, 116), rng), 0.0, 0.0),)),
+        SceneObject("wall", (0, 0, 0), 0, (Part(wall, textures.plaster((178, 190, 188), rng), 0.0, 0.0),)),
+    ]
+
+
+def load_model() -> Any:
+    """Compile the scene: a ``mujoco.MjModel`` whose body ``object k`` is the object of label k."""
+    import mujoco  # type: ignore[import, unused-ignore]
+
+    assets: dict[str, bytes] = {}
+    asset_xml: list[str] = []
+    body_xml: list[str] = []
+    bodies = [("surroundings", thing) for thing in _surroundings()]
+    bodies += [("object", thing) for thing in scene_objects()]
+    for count, (kind, thing) in enumerate(bodies):
+        number = count - len(bodies) + len(OBJECT_NAMES) + 1
+        body_name = f"object {number}" if kind == "object" else thing.name
+        geoms = []
+        for k, part in enumerate(thing.parts):
+            name = f"{thing.name} {k}"
+            asset_xml.append(_part_xml(name, part))
+            assets[f"{name}.png"] = _linear_png(part.texture)
+            geoms.append(f'<geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0"/>')
+        body_xml.append(f'<body name="{body_name}" {_pose(thing)}>{"".join(geoms)}</body>')
+    return mujoco.MjModel.from_xml_string(_scene_xml(asset_xml, body_xml), assets)
+
+
+def _scene_xml(asset_xml: list[str], body_xml: list[str]) -> str:
+    """The MJCF around the assets and bodies: camera, one movable light, rendering quality."""
+    pitch = np.radians(_PITCH_DEG)
+    position = _LOOK_AT_M + _VIEWING_DISTANCE_M * np.array([0.0, -np.cos(pitch), np.sin(pitch)])
+    # MuJoCo's image centre lies between the middle pixels, which is (319.5, 239.5) in pixel centres.
+    fovy_deg = np.degrees(2 * np.arctan(_HEIGHT_PX / 2 / _FOCAL_PX))
+    width, height = _SUPERSAMPLING * _WIDTH_PX, _SUPERSAMPLING * _HEIGHT_PX
+    return f"""<mujoco model="spigolo demo scene">
+  <compiler angle="degree" eulerseq="zyx" balanceinertia="true"/>
+  <statistic extent="1" center="0 0 0"/>
+  <visual>
+    <global offwidth="{width}" offheight="{height}"/>
+    <quality shadowsize="4096" offsamples="4"/>
+    <map znear="0.2" zfar="8" shadowscale="1"/>
+    <headlight ambient="0.05 0.05 0.055" diffuse="0 0 0" specular="0 0 0"/>
+  </visual>
+  <asset>{"".join(asset_xml)}</asset>
+  <worldbody>
+    <camera name="robot" pos="{_numbers(position)}" fovy="{fovy_deg:.9f}"
+            xyaxes="1 0 0 0 {np.sin(pitch):.9f} {np.cos(pitch):.9f}"/>
+    <light name="lamp" pos="0 0 3" dir="0 0 -1" castshadow="true" cutoff="65" exponent="0"
+           ambient="0 0 0" diffuse="1 1 1" specular="1 1 1"/>
+    {"".join(body_xml)}
+  </worldbody>
+</mujoco>"""
+
+
+def _part_xml(name: str, part: Part) -> str:
+    """Mesh, texture and material of one part."""
+    mesh = part.mesh
+    return (
+        f"<mesh name={quoteattr(name)} vertex={quoteattr(_numbers(mesh.vertices_m))}"
+        f" normal={quoteattr(_numbers(mesh.normals))} texcoord={quoteattr(_numbers(mesh.uv))}"
+        f' face={quoteattr(" ".join(map(str, mesh.triangles.ravel())))} inertia="shell"/>'
+        f'<texture name={quoteattr(name)} type="2d" file="{name}.png"/>'
+        f'<material name={quoteattr(name)} texture={quoteattr(name)} texuniform="false"'
+        f' specular="{part.specular}" shininess="{part.shininess}"/>'
+    )
+
+
+def _pose(thing: SceneObject) -> str:
+    """Position and orientation of a body as MJCF attributes."""
+    return f'pos="{_numbers(thing.position_m)}" euler="{thing.yaw_deg} {thing.tilt_deg} 0"'
+
+
+def _numbers(values: npt.ArrayLike) -> str:
+    return " ".join(f"{value:.7g}" for value in np.ravel(np.asarray(values, dtype=np.float64)))
+
+
+def _linear_png(texture: npt.NDArray[np.uint8]) -> bytes:
+    """A texture as PNG in linear light, so that lights add up as real ones do."""
+    linear = np.round(255 * _srgb_to_linear(np.arange(256) / 255)).astype(np.uint8)[texture]
+    return bytes(cv2.imencode(".png", linear[..., ::-1])[1].tobytes())
+
+
+def _srgb_to_linear(value: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+
+
+def _linear_to_srgb(value: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    return np.where(value <= 0.0031308, 12.92 * value, 1.055 * np.maximum(value, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def render_demo_scene() -> RenderedScene:
+    """Render colour, ideal depth and labels of the demo scene."""
+    model = load_model()
+    depth_m, label = render_geometry(model)
+    return RenderedScene(render_colour(model), depth_m, label)
+
+
+def render_geometry(model: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
+    """Ideal depth (H, W) in metres along the optical axis, and labels (H, W), from ``load_model()``."""
+    import mujoco  # type: ignore[import, unused-ignore]
+
+    model.vis.quality.offsamples = 0  # a mean of several samples is neither a depth nor a label
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    with mujoco.Renderer(model, _HEIGHT_PX, _WIDTH_PX) as renderer:
+        renderer.update_scene(data, camera="robot")
+        renderer.enable_depth_rendering()
+        depth_m = np.array(renderer.render(), dtype=np.float32)
+        renderer.disable_depth_rendering()
+        renderer.enable_segmentation_rendering()
+        geom = np.array(renderer.render())[..., 0]
+    label_of_geom = np.zeros(model.ngeom + 1, dtype=np.uint8)  # the last, for geom -1, is the void
+    for k in range(1, len(OBJECT_NAMES) + 1):
+        body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, f"object {k}")
+        label_of_geom[:-1][model.geom_bodyid == body] = k
+    return depth_m, label_of_geom[geom]
+
+
+def render_colour(model: Any, lamp_samples: int = 24, sky_samples: int = 40) -> npt.NDArray[np.uint8]:
+    """Colour image (H, W, 3) of ``load_model()``'s scene, anti-aliased, under soft light.
+
+    MuJoCo's own shadows are hard; the mean of many renderings, each with the one light elsewhere, has the
+    penumbras of a broad lamp and the soft contact shadows of a room's light.
+    """
+    import mujoco  # type: ignore[import, unused-ignore]
+
+    model.vis.quality.offsamples = 4
+    data = mujoco.MjData(model)
+    shape = (_HEIGHT_PX, _SUPERSAMPLING, _WIDTH_PX, _SUPERSAMPLING, 3)
+    light = np.zeros((_HEIGHT_PX, _WIDTH_PX, 3))
+    with mujoco.Renderer(model, shape[0] * shape[1], shape[2] * shape[3]) as renderer:
+        for position_m, colour in _lights(lamp_samples, sky_samples):
+            model.light_pos[0] = position_m
+            model.light_dir[0] = (_LOOK_AT_M - position_m) / np.linalg.norm(_LOOK_AT_M - position_m)
+            mujoco.mj_forward(model, data)
+            renderer.update_scene(data, camera="robot")
+            light += colour * (renderer.render() / 255.0).reshape(shape).mean(axis=(1, 3))
+    return _developed(light)
+
+
+def _lights(lamp_samples: int, sky_samples: int) -> Iterator[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
+    """Positions, in metres, and linear RGB weights of the point lights that make up lamp and sky."""
+    golden = np.pi * (3 - np.sqrt(5))
+    for k in range(lamp_samples):  # a warm lamp, 0.9 m across, up on the left
+        radius_m, turn = 0.45 * np.sqrt((k + 0.5) / lamp_samples), golden * k
+        offset = radius_m * np.array([np.cos(turn), np.sin(turn), 0.0])
+        yield np.array([-1.1, -0.7, 2.2]) + offset, 0.85 * np.array([1.0, 0.95, 0.87]) / lamp_samples
+    for k in range(sky_samples):  # the cooler light of the room from all over the hemisphere
+        height = 0.25 + 0.75 * (k + 0.5) / sky_samples
+        across = np.sqrt(1 - height**2)
+        direction = np.array([across * np.cos(golden * k), across * np.sin(golden * k), height])
+        yield _LOOK_AT_M + 1.9 * direction, 1.05 * np.array([0.93, 0.98, 1.08]) / sky_samples
+
+
+def _developed(light: npt.NDArray[np.float64]) -> npt.NDArray[np.uint8]:
+    """Linear light to 8-bit sRGB, with a soft shoulder so that highlights do not clip."""
+    knee = 0.7
+    exposed = 1.0 * light
+    bright = knee + (1 - knee) * np.tanh((exposed - knee) / (1 - knee))
+    toned = np.where(exposed > knee, bright, exposed)
+    return np.round(255 * np.clip(_linear_to_srgb(toned), 0, 1)).astype(np.uint8)

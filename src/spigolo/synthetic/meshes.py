@@ -1,0 +1,168 @@
+"""Procedural triangle meshes, with texture coordinates, for the objects of the demo scene.
+
+Lengths are in metres, z is up, and faces run anticlockwise as seen from outside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Mesh", "arc", "box", "faceted", "gable_roof", "lathe", "tube"]
+
+FloatArray = npt.NDArray[np.float64]
+Rectangle = tuple[float, float, float, float]  # left, top, right, bottom in texture coordinates
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """A triangle mesh: vertices (N, 3) in metres, unit normals (N, 3), uv (N, 2), triangles (M, 3)."""
+
+    vertices_m: FloatArray
+    normals: FloatArray
+    uv: FloatArray
+    triangles: npt.NDArray[np.int64]
+
+
+def arc(centre: tuple[float, float], radius_m: float, start_deg: float, stop_deg: float, count: int) -> FloatArray:
+    """Points (count, 2) of a circular arc in a lathe's (r, z) plane; 0 degrees is +r, 90 is +z."""
+    angle = np.radians(np.linspace(start_deg, stop_deg, count))
+    return np.column_stack([centre[0] + radius_m * np.cos(angle), centre[1] + radius_m * np.sin(angle)])
+
+
+def lathe(sections: Sequence[npt.ArrayLike], around: int = 96) -> Mesh:
+    """Turn a profile about z.
+
+    Args:
+        sections: Smooth stretches of the profile, each (K, 2) of (r, z) in metres, with a sharp edge between
+            one and the next. The profile starts and ends on the axis, with the solid on its left hand.
+        around: Number of facets round the axis.
+
+    Returns:
+        The mesh; u goes once round the axis, v from 1 at the lowest point to 0 at the highest.
+    """
+    profiles = [np.asarray(section, dtype=np.float64) for section in sections]
+    lowest, highest = min(p[:, 1].min() for p in profiles), max(p[:, 1].max() for p in profiles)
+    turn = np.linspace(0.0, 1.0, around + 1)  # the seam's vertices are there twice, for u = 0 and u = 1
+    cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
+    parts = []
+    for profile in profiles:
+        tangent = np.gradient(profile, axis=0)
+        outward = np.column_stack([tangent[:, 1], -tangent[:, 0]])
+        outward /= np.linalg.norm(outward, axis=1, keepdims=True)
+        r, z = profile[:, :1], np.repeat(profile[:, 1:], around + 1, axis=1)
+        vertices = np.stack([r * cos, r * sin, z], axis=-1)
+        normals = np.stack([outward[:, :1] * cos, outward[:, :1] * sin, 0 * z + outward[:, 1:]], axis=-1)
+        uv = np.stack([np.broadcast_to(turn, z.shape), (highest - z) / (highest - lowest)], axis=-1)
+        parts.append(_grid_mesh(vertices, normals, uv))
+    return _joined(parts)
+
+
+def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
+    """Sweep a circle along a path (K, 3) that lies in the x-z plane, such as the handle of a mug."""
+    path = np.asarray(path_m, dtype=np.float64)
+    tangent = np.gradient(path, axis=0)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    side = np.array([0.0, 1.0, 0.0])
+    up = np.cross(tangent, side)
+    turn = np.linspace(0.0, 2 * np.pi, around + 1)
+    normals = np.cos(turn)[:, None] * up[:, None] + np.sin(turn)[:, None] * side
+    shape = normals.shape[:2]
+    uv = np.stack(np.broadcast_arrays(np.zeros(shape), np.linspace(0, 1, shape[0])[:, None]), axis=-1)
+    sweep = _grid_mesh(path[:, None] + radius_m * normals, normals, uv)
+    caps = []
+    for end, sign in ((0, -1.0), (-1, 1.0)):
+        ring = path[end] + radius_m * normals[end, :-1]
+        middle = np.broadcast_to(path[end], ring.shape)
+        after = np.roll(ring, -1, axis=0)
+        corners = np.stack([middle, ring, after] if sign > 0 else [middle, after, ring], axis=1)
+        caps.append(faceted([(triangle, (0.0, 0.0, 0.0, 0.0)) for triangle in corners]))
+    return _joined([sweep, *caps])
+
+
+def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
+    """Flat convex polygons of 3 or 4 corners, each with the rectangle of the texture that it shows.
+
+    Corners go anticlockwise as seen from outside, from the bottom left of the rectangle.
+    """
+    parts = []
+    for corners, (left, top, right, bottom) in polygons:
+        vertices = np.asarray(corners, dtype=np.float64)
+        normal = np.cross(vertices[1] - vertices[0], vertices[-1] - vertices[0])
+        normals = np.tile(normal / np.linalg.norm(normal), (len(vertices), 1))
+        quad = [(left, bottom), (right, bottom), (right, top), (left, top)]
+        triangle = [(left, bottom), (right, bottom), ((left + right) / 2, top)]
+        uv = np.array(quad if len(vertices) == 4 else triangle)
+        fan = [(0, k, k + 1) for k in range(1, len(vertices) - 1)]
+        parts.append(Mesh(vertices, normals, uv, np.array(fan, dtype=np.int64)))
+    return _joined(parts)
+
+
+def box(size_m: tuple[float, float, float]) -> Mesh:
+    """A box on z = 0, whose texture is three panels side by side: front and back, sides, top and bottom."""
+    x, y, z = size_m[0] / 2, size_m[1] / 2, size_m[2]
+    front, side, top = panels()
+    return faceted(
+        [
+            ([(-x, -y, 0), (x, -y, 0), (x, -y, z), (-x, -y, z)], front),
+            ([(x, y, 0), (-x, y, 0), (-x, y, z), (x, y, z)], front),
+            ([(x, -y, 0), (x, y, 0), (x, y, z), (x, -y, z)], side),
+            ([(-x, y, 0), (-x, -y, 0), (-x, -y, z), (-x, y, z)], side),
+            ([(-x, -y, z), (x, -y, z), (x, y, z), (-x, y, z)], top),
+            ([(-x, y, 0), (x, y, 0), (x, -y, 0), (-x, -y, 0)], top),
+        ]
+    )
+
+
+def gable_roof(width_m: float, depth_m: float, base_z_m: float, roof_m: float, fin_m: float) -> Mesh:
+    """The roof of a milk carton: two slopes and, along the ridge, the upright fin where it is glued."""
+    x, y, low, ridge, top = width_m / 2, depth_m / 2, base_z_m, base_z_m + roof_m, base_z_m + roof_m + fin_m
+    fin = 0.0015  # half the thickness of the glued cardboard
+    front, side, flat = panels()
+    return faceted(
+        [
+            ([(-x, -y, low), (x, -y, low), (x, -fin, ridge), (-x, -fin, ridge)], flat),
+            ([(x, y, low), (-x, y, low), (-x, fin, ridge), (x, fin, ridge)], flat),
+            ([(x, -y, low), (x, y, low), (x, fin, ridge), (x, -fin, ridge)], flat),
+            ([(-x, y, low), (-x, -y, low), (-x, -fin, ridge), (-x, fin, ridge)], flat),
+            ([(-x, -fin, ridge), (x, -fin, ridge), (x, -fin, top), (-x, -fin, top)], side),
+            ([(x, fin, ridge), (-x, fin, ridge), (-x, fin, top), (x, fin, top)], side),
+            ([(x, -fin, ridge), (x, fin, ridge), (x, fin, top), (x, -fin, top)], side),
+            ([(-x, fin, ridge), (-x, -fin, ridge), (-x, -fin, top), (-x, fin, top)], side),
+            ([(-x, -fin, top), (x, -fin, top), (x, fin, top), (-x, fin, top)], side),
+            ([(-x, y, low), (x, y, low), (x, -y, low), (-x, -y, low)], flat),
+        ]
+    )
+
+
+def panels() -> tuple[Rectangle, Rectangle, Rectangle]:
+    """The three panels of a box's texture, drawn in a little so that filtering does not mix neighbours."""
+    inset = 0.004
+    left, middle, right = ((k / 3 + inset, inset, (k + 1) / 3 - inset, 1 - inset) for k in range(3))
+    return left, middle, right
+
+
+def _grid_mesh(vertices: FloatArray, normals: FloatArray, uv: FloatArray) -> Mesh:
+    """Triangles over a (rows, columns) grid of vertices; those of no area, at a lathe's poles, are left out."""
+    rows, columns = vertices.shape[:2]
+    index = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+    triangles = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
+    flat = vertices.reshape(-1, 3)
+    corners = flat[triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return Mesh(flat, normals.reshape(-1, 3), uv.reshape(-1, 2), triangles[area > 1e-12])
+
+
+def _joined(parts: Sequence[Mesh]) -> Mesh:
+    """One mesh out of several."""
+    starts = np.cumsum([0] + [len(part.vertices_m) for part in parts])
+    return Mesh(
+        np.concatenate([part.vertices_m for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+        np.concatenate([part.uv for part in parts]),
+        np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=False)]),
+    )

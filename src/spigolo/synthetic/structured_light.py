@@ -1,0 +1,183 @@
+"""A numpy-only model of a structured-light depth camera (in the manner of the first Kinect).
+
+The camera finds depth by triangulation: a projector beside it throws a pattern, and each pixel's disparity
+``d = fx * baseline / Z`` says how far off the surface is. The faults of such a camera follow from that, and
+the model has them in the same order: the projector's shadows, surfaces that send no usable pattern back,
+noise and quantisation of the disparity.
+
+Axes are those of a camera: x to the right of the image, y down, Z forward. The projector is at
+``x = +baseline_m``, so that shadows fall on the left of whatever casts them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["StructuredLight", "projector_shadow", "simulate_structured_light"]
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+# A pixel covers about one projector column on either side, so a smaller disparity jump casts no shadow.
+_SHADOW_TOLERANCE_PX = 1.5
+
+
+@dataclass(frozen=True)
+class StructuredLight:
+    """What the depth camera is like.
+
+    Brightness is the mean of red, green and blue on a scale of 0 to 1.
+    """
+
+    baseline_m: float = 0.075
+    noise_px: float = 0.12
+    noise_radius_px: float = 1.2
+    disparity_step_px: float = 0.125
+    dark_brightness: float = 0.07
+    shiny_brightness: float = 0.985
+    steepest_angle_deg: float = 75.0
+    rim_jump_px: float = 1.0
+    rim_loss: float = 0.35
+    nearest_m: float = 0.40
+    furthest_m: float = 4.5
+
+
+def simulate_structured_light(
+    depth_m: npt.ArrayLike,
+    rgb: npt.NDArray[np.uint8],
+    fx_px: float,
+    rng: np.random.Generator,
+    sensor: StructuredLight | None = None,
+) -> npt.NDArray[np.float32]:
+    """Turn ideal depth into what a structured-light camera would measure.
+
+    Args:
+        depth_m: Ideal distance along the optical axis, (H, W), metres; 0 or non-finite where there is none.
+        rgb: Colour image, (H, W, 3), 8 bit.
+        fx_px: Focal length in pixels; the principal point is taken to be the centre of the image.
+        rng: Source of all the randomness.
+        sensor: The depth camera; the default is like the first Kinect.
+
+    Returns:
+        Measured depth, (H, W), metres, 0 where missing.
+    """
+    sensor = sensor or StructuredLight()
+    ideal = np.asarray(depth_m, dtype=np.float64)
+    if ideal.ndim != 2 or rgb.shape != (*ideal.shape, 3):
+        raise ValueError(f"depth {ideal.shape} and colour {rgb.shape} must be (H, W) and (H, W, 3)")
+    valid = np.isfinite(ideal) & (ideal > 0)
+    disparity_px = np.zeros_like(ideal)
+    disparity_px[valid] = fx_px * sensor.baseline_m / ideal[valid]
+
+    # Drawn even where nothing uses them: the random stream then does not depend on the scene.
+    raggedness, rim_noise, measuring_noise = (
+        correlated_noise(ideal.shape, radius, rng) for radius in (1.5, 1.8, sensor.noise_radius_px)
+    )
+    lost = ~valid | projector_shadow(disparity_px)
+    lost |= _unlit(rgb, raggedness, sensor)
+    lost |= _steep(ideal, fx_px, raggedness, sensor)
+    lost |= _ragged_rim(disparity_px, rim_noise, sensor)
+
+    noisy_px = disparity_px + sensor.noise_px * measuring_noise
+    step_px = sensor.disparity_step_px
+    measured_px = np.round(noisy_px / step_px) * step_px
+    lost |= measured_px < step_px
+    measured_m = fx_px * sensor.baseline_m / np.where(lost, 1.0, measured_px)
+    lost |= (measured_m < sensor.nearest_m) | (measured_m > sensor.furthest_m)
+    return np.where(lost, 0.0, measured_m).astype(np.float32)
+
+
+def projector_shadow(disparity_px: FloatArray) -> BoolArray:
+    """Pixels that the camera sees and the projector does not, from (H, W) disparities; 0 = nothing there.
+
+    Camera column u with disparity d is lit by projector column u - d. Of all the pixels of a row that share a
+    projector column only the nearest, of the greatest disparity, is lit.
+    """
+    height, width = disparity_px.shape
+    seen = disparity_px > 0
+    margin = int(np.ceil(disparity_px.max(initial=0.0))) + 2
+    column = np.arange(width) - disparity_px + margin
+    row_start = np.arange(height)[:, None] * (width + margin + 2)
+    left = row_start + np.floor(column).astype(np.int64)
+    nearest_px = np.zeros(height * (width + margin + 2))
+    # Each pixel covers the two columns about it: slanted surfaces, stretched as the projector sees them, would
+    # otherwise let light through between neighbouring pixels.
+    for index in (left, left + 1):
+        np.maximum.at(nearest_px, index[seen], disparity_px[seen])
+    in_front_px = np.minimum(nearest_px[left], nearest_px[left + 1])
+    return seen & (in_front_px > disparity_px + _SHADOW_TOLERANCE_PX)
+
+
+def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> FloatArray:
+    """Gaussian noise of unit variance, (H, W), smoothed over ``radius_px`` (one standard deviation)."""
+    noise = rng.standard_normal(shape)
+    if radius_px <= 0:
+        return noise
+    reach = int(np.ceil(3 * radius_px))
+    kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / radius_px) ** 2)
+    kernel /= np.sqrt(np.sum(kernel**2))  # keeps the variance, unlike a kernel that sums to one
+    for axis in (0, 1):
+        padding = [(reach, reach) if a == axis else (0, 0) for a in (0, 1)]
+        padded = np.pad(noise, padding, mode="wrap")
+        length = noise.shape[axis]
+        noise = sum(
+            (weight * np.take(padded, range(k, k + length), axis=axis) for k, weight in enumerate(kernel)),
+            start=np.zeros_like(noise),
+        )
+    return noise
+
+
+def _unlit(rgb: npt.NDArray[np.uint8], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
+    """Surfaces too dark to return the pattern, or so shiny that the glare hides it."""
+    brightness = rgb.astype(np.float64).mean(axis=2) / 255.0
+    uneven = brightness + 0.01 * raggedness
+    return (uneven < sensor.dark_brightness) | (brightness > sensor.shiny_brightness)
+
+
+def _steep(depth_m: FloatArray, fx_px: float, raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
+    """Surfaces that turn too far away from the viewing ray."""
+    height, width = depth_m.shape
+    if height < 2 or width < 2:
+        return np.zeros(depth_m.shape, dtype=np.bool_)
+    finite_m = np.where(np.isfinite(depth_m), depth_m, 0.0)
+    across = (np.arange(width) - (width - 1) / 2) / fx_px
+    down = (np.arange(height)[:, None] - (height - 1) / 2) / fx_px
+    points = np.stack([across * finite_m, down * finite_m, finite_m], axis=-1)
+    normals = np.cross(_smooth_step(points, 1), _smooth_step(points, 0))
+    along_ray = np.abs(np.sum(normals * points, axis=-1))
+    lengths = np.linalg.norm(normals, axis=-1) * np.linalg.norm(points, axis=-1)
+    angle_deg = np.degrees(np.arccos(np.clip(along_ray / np.maximum(lengths, 1e-12), 0.0, 1.0)))
+    return angle_deg + 2.0 * raggedness > sensor.steepest_angle_deg
+
+
+def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
+    """Step from each point of (H, W, 3) to the neighbour before or after it that is nearer in depth.
+
+    At a depth discontinuity that is the neighbour on the same surface.
+    """
+    steps = np.diff(points, axis=axis)
+    first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)
+    before = np.concatenate([first, steps], axis=axis)
+    after = np.concatenate([steps, last], axis=axis)
+    return np.where(np.abs(before[..., 2:]) <= np.abs(after[..., 2:]), before, after)
+
+
+def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: StructuredLight) -> BoolArray:
+    """Some of the pixels within two of a depth discontinuity: matching fails where a window straddles it."""
+    near_jump = np.zeros(disparity_px.shape, dtype=np.bool_)
+    for axis in (0, 1):
+        jump = np.abs(np.diff(disparity_px, axis=axis)) > sensor.rim_jump_px
+        for before, after in ((0, 1), (1, 0)):
+            padding = [(before, after) if a == axis else (0, 0) for a in (0, 1)]
+            near_jump |= np.pad(jump, padding)
+    one_away = near_jump.copy()
+    for axis in (0, 1):
+        for step in (-1, 1):
+            one_away |= np.roll(near_jump, step, axis=axis)
+    # Thresholds on Gaussian noise; a pixel further out is lost a good deal more seldom.
+    ragged_near = rim_noise > 1.6 - 3.2 * sensor.rim_loss
+    ragged_far = rim_noise > 2.4 - 3.2 * sensor.rim_loss
+    return (near_jump & ragged_near) | (one_away & ragged_far)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         Color,
         Config,
         Depth,
+        DepthContours,
         Edges,
         Inpainting,
         Partition,
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency SaliencyCost"
+    "config": "AutoCost BoundaryCost Color Config Depth DepthContours Edges Inpainting Partition Rejection Saliency SaliencyCost"
     " Smoothing",
     "errors": "CameraError ConfigError FileError FrameError SpigoloError",
     "frame": "Camera Frame",

@@ -102,6 +102,29 @@ class Saliency(_Stage):
     """Exponent of eq. 10 (paper)."""
 
 
+class DepthContours(_Stage):
+    """Boundaries found in the depth map alone and joined to the final map (our addition, not in the paper).
+
+    Shadows are filled with the farther side of their row for this purpose only, so that the contour of an object
+    stands where its shadow begins, and does not depend on a colour edge.
+    """
+
+    max_shadow_px: Length_px = 60
+    """Widest shadow that is filled so."""
+    step_offset_px: Annotated[int, Field(ge=1, le=100)] = 2
+    """Where depth is compared on both sides of a pixel."""
+    step_m: NotNegative = 0.015
+    """Least bend of the depth that makes a step."""
+    step_per_m: NotNegative = 0.012
+    """The same per squared distance, 1/m, so that noise far away makes no step; the larger of both holds."""
+    crease_offset_px: Annotated[int, Field(ge=1, le=100)] = 5
+    """Where the three points of a concave crease are sampled."""
+    crease_low_deg: Annotated[float, Field(ge=0, le=180)] = 30.0
+    """Smallest angle of a crease."""
+    crease_high_deg: Annotated[float, Field(ge=0, le=180)] = 140.0
+    """Largest angle of a crease; 0 looks for no creases."""
+
+
 class Edges(_Stage):
     """Canny on Scharr gradients, and which of its pixels are boundaries of objects (eqs. 12-20)."""
 
@@ -133,6 +156,8 @@ class Edges(_Stage):
     """`soft` blurs the final map and rescales it to 1, which closes its gaps (authors' release); `thin` is eq. 20."""
     blur_px: Annotated[int, Field(ge=1, le=99, multiple_of=1)] = 7
     """Width of the Gaussian that makes the map soft, odd (authors' release)."""
+    depth_contours: DepthContours | None = None
+    """Boundaries from depth alone, joined to the map before it is made soft; None is the paper's method."""
 
     @model_validator(mode="after")
     def _ordered(self) -> Edges:
@@ -222,7 +247,7 @@ class Rejection(_Stage):
     max_eccentricity: Share | None = None
     """sqrt(1 - lambda2 / lambda1) (authors' release: 0.978)."""
     max_missing: Share | None = None
-    """Share of pixels without measured depth (paper: 0.3)."""
+    """Share of pixels without depth, after in-painting where it is on (paper: 0.3, without in-painting)."""
     max_dark: Share | None = None
     """Share of pixels in the first three of 32 brightness bins, 0..23 of 255 (paper: 0.3)."""
 

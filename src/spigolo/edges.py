@@ -12,8 +12,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Edges
+from spigolo.config import DepthContours, Edges
 from spigolo.frame import Camera, Color, DepthMap, Mask
+from spigolo.kernels import contours as contour_kernel
 from spigolo.kernels import edges as kernel
 
 Gradient = npt.NDArray[np.int16]
@@ -23,7 +24,8 @@ Gradient = npt.NDArray[np.int16]
 class EdgeMaps:
     """E_E, E_B, E_C, E_F and the cue made of them, all (H, W).
 
-    canny: E_E, every edge of the colour image. depth_boundary: E_B. contact_boundary: E_C. final: E_F.
+    canny: E_E, every edge of the colour image. depth_boundary: E_B. contact_boundary: E_C. final: E_F, with the
+    depth contours where they are asked for; contours: those alone, else None.
     boundary: float32 in [0, 1], E_F as the second cost function takes it, soft or thin.
     """
 
@@ -31,6 +33,7 @@ class EdgeMaps:
     depth_boundary: Mask
     contact_boundary: Mask
     final: Mask
+    contours: Mask | None
     boundary: npt.NDArray[np.float32]
 
 
@@ -39,8 +42,12 @@ def find_edges(image: Color, depth: DepthMap, camera: Camera, config: Edges) -> 
     canny, gx, gy = scharr_canny(image, config)
     depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
     final = final_boundary(depth_boundary, contact)
+    contours = None
+    if config.depth_contours is not None:
+        contours = find_contours(depth, camera, config.depth_contours)
+        final = final | contours
     cue = soften(final, config.blur_px) if config.boundary == "soft" else final.astype(np.float32)
-    return EdgeMaps(canny, depth_boundary, contact, final, cue)
+    return EdgeMaps(canny, depth_boundary, contact, final, contours, cue)
 
 
 def scharr_canny(image: Color, config: Edges) -> tuple[Mask, Gradient, Gradient]:
@@ -85,6 +92,27 @@ def classify(
 def final_boundary(depth_boundary: Mask, contact_boundary: Mask) -> Mask:
     """Eq. 20. E_F (H, W): the union of both boundary maps."""
     return depth_boundary | contact_boundary
+
+
+def find_contours(depth: DepthMap, camera: Camera, config: DepthContours) -> Mask:
+    """Depth steps and concave creases (H, W) of a depth map (H, W) in metres, whatever the colour image shows."""
+    filled = np.empty_like(depth)
+    contour_kernel.fill_shadows(depth, config.max_shadow_px, filled)
+    steps, creases = np.zeros(depth.shape, np.uint8), np.zeros(depth.shape, np.uint8)
+    contour_kernel.mark_contours(
+        depth,
+        filled,
+        (camera.fx, camera.fy, camera.cx, camera.cy),
+        config.step_offset_px,
+        config.step_m,
+        config.step_per_m,
+        config.crease_offset_px,
+        config.crease_low_deg,
+        config.crease_high_deg,
+        steps,
+        creases,
+    )
+    return (steps | creases).view(bool)
 
 
 def soften(final: Mask, blur_px: int) -> npt.NDArray[np.float32]:

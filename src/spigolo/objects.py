@@ -13,7 +13,8 @@ import numpy.typing as npt
 from spigolo.boxes import OrientedBox, fit_box
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
-from spigolo.frame import Frame, Mask
+from spigolo.depth import missing_mask
+from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.kernels import moments
 from spigolo.regions import VGA_PX2, Regions
 
@@ -38,7 +39,7 @@ class RegionFacts:
     region: its number in `trace.regions`. box_px: (y0, x0, y1, x1), the last two exclusive. centroid_px: (y, x).
     centroid_m: mean (X, Y, Z) of its measured points, None without any. spread_px2: the eigenvalues
     (lambda1, lambda2) of the covariance of its pixel coordinates. eccentricity: sqrt(1 - lambda2 / lambda1).
-    missing: share of its pixels without measured depth. dark: share in the first three of 32 brightness bins.
+    missing: share of its pixels without measured depth; unfilled: share still without depth after in-painting. dark: share in the first three of 32 brightness bins.
     """
 
     region: int
@@ -49,6 +50,7 @@ class RegionFacts:
     spread_px2: tuple[float, float]
     eccentricity: float
     missing: float
+    unfilled: float
     dark: float
     regions: Labels = field(repr=False)
     frame: Frame = field(repr=False)
@@ -120,11 +122,11 @@ class Segmentation:
 def select_objects(regions: Regions, cues: Cues, frame: Frame, config: Config) -> Segmentation:
     """Measures every region and sorts it into objects and rejected regions.
 
-    Missing depth is counted in the measured depth. Pixel limits are those of a 640x480 image and grow with its area.
+    Pixel limits are those of a 640x480 image and grow with its area.
     """
     objects: list[ObjectMask] = []
     rejected: list[RejectedRegion] = []
-    for facts in measure_regions(regions, frame):
+    for facts in measure_regions(regions, cues.depth, frame):
         verdict = judge(facts, config.rejection, regions.labels.size / VGA_PX2)
         if verdict is None:
             objects.append(ObjectMask(label=len(objects) + 1, **_fields(facts)))
@@ -136,14 +138,15 @@ def select_objects(regions: Regions, cues: Cues, frame: Frame, config: Config) -
     return Segmentation(label_of[regions.labels], tuple(objects), tuple(rejected), config.name, config.digest)
 
 
-def measure_regions(regions: Regions, frame: Frame) -> list[RegionFacts]:
-    """The facts of every region, by number."""
+def measure_regions(regions: Regions, depth: DepthMap, frame: Frame) -> list[RegionFacts]:
+    """The facts of every region, by number. depth: (H, W) as the cues have it, for `unfilled` alone."""
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     points, dark = np.zeros((regions.count, 4)), np.zeros(regions.count, np.int64)
     camera = (frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy)
     moments.sum_regions(regions.labels, sums, boxes)
     moments.sum_depth(regions.labels, frame.depth, camera, points)
     moments.count_dark(regions.labels, frame.color, dark)
+    unfilled = np.bincount(regions.labels[missing_mask(depth)], minlength=regions.count)
     n = sums[:, 0]
     centroid = sums[:, 1:3] / n[:, None]
     large, small, eccentricity = principal_spread(sums)
@@ -157,6 +160,7 @@ def measure_regions(regions: Regions, frame: Frame) -> list[RegionFacts]:
             spread_px2=(float(large[k]), float(small[k])),
             eccentricity=float(eccentricity[k]),
             missing=float(1 - points[k, 0] / n[k]),
+            unfilled=float(unfilled[k] / n[k]),
             dark=float(dark[k] / n[k]),
             regions=regions.labels,
             frame=frame,
@@ -185,7 +189,7 @@ def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> tuple[Reas
         (Reason.TOO_LONG, facts.spread_px2[0], _scaled(rules.max_lambda1_px2, area_scale), "lambda1 {:.0f} px2, limit {:.0f}"),
         (Reason.TOO_WIDE, facts.spread_px2[1], _scaled(rules.max_lambda2_px2, area_scale), "lambda2 {:.0f} px2, limit {:.0f}"),
         (Reason.TOO_THIN, facts.eccentricity, rules.max_eccentricity, "eccentricity {:.3f}, limit {:.3f}"),
-        (Reason.MISSING_DEPTH, facts.missing, rules.max_missing, "{:.0%} without depth, limit {:.0%}"),
+        (Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, "{:.0%} without depth, limit {:.0%}"),
     ):  # fmt: skip
         if limit is not None and value is not None and value > limit:
             return reason, f"{reason.value}: {form.format(value, limit)}"

@@ -13,6 +13,8 @@ from spigolo.config import (
     BoundaryCost,
     Config,
     Depth,
+    DepthContours,
+    Edges,
     Inpainting,
     Partition,
     Rejection,
@@ -52,9 +54,16 @@ CLUTTER = Config(
 OBJECTS_1 = Config(
     name="OBJECTS_1",
     depth=Depth(inpainting=Inpainting()),
+    edges=Edges(
+        step_offset_px=5,
+        step_m=0.025,
+        contact_low_deg=40.0,
+        contact_high_deg=148.0,
+        depth_contours=DepthContours(),
+    ),
     cost=BoundaryCost(k_x=7.5, k_b=0.66),
     partition=Partition(gamma=0.006),
-    rejection=_RELEASE,
+    rejection=Rejection(max_lambda1_px2=12000.0, max_lambda2_px2=3000.0, max_eccentricity=0.985),
 )
 """Fitted to real frames of several sensors (docs/objects.md)."""
 

@@ -14,33 +14,29 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.frame import Camera
 from spigolo.synthetic import textures
-from spigolo.synthetic.meshes import Mesh, arc, box, faceted, gable_roof, lathe, tube
+from spigolo.synthetic.meshes import Mesh, arc, box, faceted, gable_roof, lathe, line, tube
+from spigolo.synthetic.structured_light import simulate_structured_light
 
 __all__ = [
     "CAMERA",
     "OBJECT_NAMES",
     "RenderedScene",
     "load_model",
+    "make_demo_frame",
     "render_colour",
     "render_demo_scene",
     "render_geometry",
 ]
 
-CAMERA: dict[str, float] = {
-    "fx": 525.0,
-    "fy": 525.0,
-    "cx": 319.5,  # the centre of a 640-pixel row, counting from the centre of its first pixel
-    "cy": 239.5,
-    "width": 640,
-    "height": 480,
-    "depth_scale": 0.001,
-}
-_WIDTH_PX, _HEIGHT_PX, _FOCAL_PX = 640, 480, 525.0
+# The principal point is the centre of the image, counting from the centre of the first pixel.
+CAMERA = Camera(fx=525.0, fy=525.0, cx=319.5, cy=239.5, width=640, height=480)
 _LOOK_AT_M = np.array([-0.005, 0.03, 0.05])
 _VIEWING_DISTANCE_M = 0.81
 _PITCH_DEG = 40.0
 _SUPERSAMPLING = 2
+_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels; more would make the PNG a great deal larger
 
 
 @dataclass(frozen=True)
@@ -127,7 +123,7 @@ def _bowl_parts() -> tuple[Part, ...]:
     outside = np.column_stack([0.036 + 0.049 * np.sin(t * np.pi / 2) ** 0.9, 0.008 + 0.060 * t**1.7])
     inside = np.column_stack([0.081 * np.sin(t * np.pi / 2) ** 0.85, 0.012 + 0.056 * t**2.1])[::-1]
     rim = arc((0.083, 0.068), 0.002, 0, 180, 9)
-    foot = [(0.0, 0.0), (0.036, 0.0)], [(0.036, 0.0), (0.036, 0.008)]
+    foot = line((0.0, 0.0), (0.036, 0.0)), line((0.036, 0.0), (0.036, 0.008))
     glaze = textures.glazed((44, 150, 152), (238, 228, 206), 0.09)
     return (Part(lathe([*foot, outside, rim, inside]), glaze, 0.5, 0.6),)
 
@@ -136,11 +132,11 @@ def _mug_parts() -> tuple[Part, ...]:
     """A hollow mug 8 cm across, 9 cm tall, and its handle."""
     foot_corner = arc((0.034, 0.006), 0.006, -90, 0, 8)
     inner_corner = arc((0.030, 0.012), 0.006, 0, -90, 8)
-    outside = [[(0.0, 0.0), (0.034, 0.0)], np.vstack([foot_corner, [(0.040, 0.088)]])]
+    outside = [line((0.0, 0.0), (0.034, 0.0)), np.vstack([foot_corner, line((0.040, 0.088))])]
     inside = [
         arc((0.038, 0.088), 0.002, 0, 180, 9),
-        np.vstack([[(0.036, 0.088)], inner_corner]),
-        [(0.030, 0.006), (0.0, 0.006)],
+        np.vstack([line((0.036, 0.088)), inner_corner]),
+        line((0.030, 0.006), (0.0, 0.006)),
     ]
     cream = textures.plain_card((242, 232, 214))
     turn = np.linspace(-np.pi / 2, np.pi / 2, 28)
@@ -154,14 +150,18 @@ def _mug_parts() -> tuple[Part, ...]:
 
 def _can_parts() -> tuple[Part, ...]:
     """A tin can: the printed label round it, and a metal lid with a raised rim."""
-    side = [[(0, 0.004), (0.0335, 0.004)], [(0.0335, 0.004), (0.0335, 0.106)], [(0.0335, 0.106), (0, 0.106)]]
+    side = [
+        line((0, 0.004), (0.0335, 0.004)),
+        line((0.0335, 0.004), (0.0335, 0.106)),
+        line((0.0335, 0.106), (0, 0.106)),
+    ]
     metal = textures.plain_card((186, 188, 192))
     rim = np.vstack([arc((0.0335, 0.1085), 0.0012, 0, 90, 5), arc((0.0320, 0.1085), 0.0012, 90, 180, 5)])
     step = arc((0.022, 0.1065), 0.0008, 0, 180, 7)
-    lid = [[(0, 0.105), (0.0347, 0.105)], [(0.0347, 0.105), (0.0347, 0.1085)], rim]
-    lid += [[(0.0308, 0.1085), (0.0308, 0.1065)], [(0.0308, 0.1065), (0.0228, 0.1065)], step]
-    lid += [[(0.0212, 0.1065), (0, 0.1065)]]
-    foot = [[(0, 0), (0.0345, 0)], [(0.0345, 0), (0.0345, 0.005)], [(0.0345, 0.005), (0, 0.005)]]
+    lid = [line((0, 0.105), (0.0347, 0.105)), line((0.0347, 0.105), (0.0347, 0.1085)), rim]
+    lid += [line((0.0308, 0.1085), (0.0308, 0.1065)), line((0.0308, 0.1065), (0.0228, 0.1065)), step]
+    lid += [line((0.0212, 0.1065), (0, 0.1065))]
+    foot = [line((0, 0), (0.0345, 0)), line((0.0345, 0), (0.0345, 0.005)), line((0.0345, 0.005), (0, 0.005))]
     return (
         Part(lathe(side), textures.can_label(), 0.25, 0.5),
         Part(lathe(lid), metal, 0.7, 0.6),
@@ -171,17 +171,21 @@ def _can_parts() -> tuple[Part, ...]:
 
 def _ball_parts() -> tuple[Part, ...]:
     """A ball of 84 mm about the object's own origin."""
-    return (Part(lathe([arc((0.0, 0.0), 0.042, -90, 90, 60)]), textures.beach_ball(), 0.12, 0.4),)
+    cap_from_deg = 74
+    wedges = lathe([arc((0, 0), 0.042, -cap_from_deg, cap_from_deg, 60)])
+    blue = textures.plain_card((38, 92, 170))
+    caps = [lathe([arc((0, 0), 0.0421, -90, -cap_from_deg, 12)]), lathe([arc((0, 0), 0.0421, cap_from_deg, 90, 12)])]
+    return (Part(wedges, textures.beach_ball(), 0.06, 0.4), *(Part(cap, blue, 0.06, 0.4) for cap in caps))
 
 
 def _flashlight_parts() -> tuple[Part, ...]:
     """A flashlight 15 cm long, tail at z = 0; it lies on its barrel, the head is as wide as the barrel."""
     profile = [
-        [(0.0, 0.0), (0.0155, 0.0)],
+        line((0.0, 0.0), (0.0155, 0.0)),
         arc((0.0155, 0.002), 0.002, -90, 0, 5),
-        [(0.0175, 0.002), (0.0175, 0.148)],
+        line((0.0175, 0.002), (0.0175, 0.148)),
         arc((0.0155, 0.148), 0.002, 0, 90, 5),
-        [(0.0155, 0.150), (0.0, 0.150)],
+        line((0.0155, 0.150), (0.0, 0.150)),
     ]
     return (Part(lathe(profile), textures.flashlight_bands(), 0.3, 0.5),)
 
@@ -206,16 +210,14 @@ def _surroundings() -> list[SceneObject]:
 
 def load_model() -> Any:
     """Compile the scene: a ``mujoco.MjModel`` whose body ``object k`` is the object of label k."""
-    import mujoco  # type: ignore[import, unused-ignore]
+    import mujoco
 
     assets: dict[str, bytes] = {}
     asset_xml: list[str] = []
     body_xml: list[str] = []
-    bodies = [("surroundings", thing) for thing in _surroundings()]
-    bodies += [("object", thing) for thing in scene_objects()]
-    for count, (kind, thing) in enumerate(bodies):
-        number = count - len(bodies) + len(OBJECT_NAMES) + 1
-        body_name = f"object {number}" if kind == "object" else thing.name
+    bodies = [(thing.name, thing) for thing in _surroundings()]
+    bodies += [(f"object {label}", thing) for label, thing in enumerate(scene_objects(), start=1)]
+    for body_name, thing in bodies:
         geoms = []
         for k, part in enumerate(thing.parts):
             name = f"{thing.name} {k}"
@@ -230,9 +232,9 @@ def _scene_xml(asset_xml: list[str], body_xml: list[str]) -> str:
     """The MJCF around the assets and bodies: camera, one movable light, rendering quality."""
     pitch = np.radians(_PITCH_DEG)
     position = _LOOK_AT_M + _VIEWING_DISTANCE_M * np.array([0.0, -np.cos(pitch), np.sin(pitch)])
-    # MuJoCo's image centre lies between the middle pixels, which is (319.5, 239.5) in pixel centres.
-    fovy_deg = np.degrees(2 * np.arctan(_HEIGHT_PX / 2 / _FOCAL_PX))
-    width, height = _SUPERSAMPLING * _WIDTH_PX, _SUPERSAMPLING * _HEIGHT_PX
+    # MuJoCo's image centre lies between the middle pixels: at (319.5, 239.5), which is the principal point.
+    fovy_deg = np.degrees(2 * np.arctan(CAMERA.height / 2 / CAMERA.fy))
+    width, height = _SUPERSAMPLING * CAMERA.width, _SUPERSAMPLING * CAMERA.height
     return f"""<mujoco model="spigolo demo scene">
   <compiler angle="degree" eulerseq="zyx" balanceinertia="true"/>
   <statistic extent="1" center="0 0 0"/>
@@ -289,6 +291,15 @@ def _linear_to_srgb(value: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     return np.where(value <= 0.0031308, 12.92 * value, 1.055 * np.maximum(value, 1e-9) ** (1 / 2.4) - 0.055)
 
 
+def make_demo_frame(seed: int = 0) -> RenderedScene:
+    """The demo scene as an RGB-D camera would record it: rendered, then with both sensors' noise."""
+    ideal = render_demo_scene()
+    rng = np.random.default_rng(seed)
+    depth_m = simulate_structured_light(ideal.depth_m, ideal.rgb, CAMERA.fx, rng)
+    noisy = ideal.rgb + rng.normal(0.0, _COLOUR_NOISE_LEVELS, ideal.rgb.shape)
+    return RenderedScene(np.clip(np.round(noisy), 0, 255).astype(np.uint8), depth_m, ideal.label)
+
+
 def render_demo_scene() -> RenderedScene:
     """Render colour, ideal depth and labels of the demo scene."""
     model = load_model()
@@ -298,12 +309,12 @@ def render_demo_scene() -> RenderedScene:
 
 def render_geometry(model: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
     """Ideal depth (H, W) in metres along the optical axis, and labels (H, W), from ``load_model()``."""
-    import mujoco  # type: ignore[import, unused-ignore]
+    import mujoco
 
     model.vis.quality.offsamples = 0  # a mean of several samples is neither a depth nor a label
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    with mujoco.Renderer(model, _HEIGHT_PX, _WIDTH_PX) as renderer:
+    with mujoco.Renderer(model, CAMERA.height, CAMERA.width) as renderer:
         renderer.update_scene(data, camera="robot")
         renderer.enable_depth_rendering()
         depth_m = np.array(renderer.render(), dtype=np.float32)
@@ -323,12 +334,12 @@ def render_colour(model: Any, lamp_samples: int = 24, sky_samples: int = 40) -> 
     MuJoCo's own shadows are hard; the mean of many renderings, each with the one light elsewhere, has the
     penumbras of a broad lamp and the soft contact shadows of a room's light.
     """
-    import mujoco  # type: ignore[import, unused-ignore]
+    import mujoco
 
     model.vis.quality.offsamples = 4
     data = mujoco.MjData(model)
-    shape = (_HEIGHT_PX, _SUPERSAMPLING, _WIDTH_PX, _SUPERSAMPLING, 3)
-    light = np.zeros((_HEIGHT_PX, _WIDTH_PX, 3))
+    shape = (CAMERA.height, _SUPERSAMPLING, CAMERA.width, _SUPERSAMPLING, 3)
+    light = np.zeros((CAMERA.height, CAMERA.width, 3))
     with mujoco.Renderer(model, shape[0] * shape[1], shape[2] * shape[3]) as renderer:
         for position_m, colour in _lights(lamp_samples, sky_samples):
             model.light_pos[0] = position_m
@@ -342,10 +353,10 @@ def render_colour(model: Any, lamp_samples: int = 24, sky_samples: int = 40) -> 
 def _lights(lamp_samples: int, sky_samples: int) -> Iterator[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
     """Positions, in metres, and linear RGB weights of the point lights that make up lamp and sky."""
     golden = np.pi * (3 - np.sqrt(5))
-    for k in range(lamp_samples):  # a warm lamp, 0.9 m across, up on the left
+    for k in range(lamp_samples):  # a warm lamp, 0.9 m across, up behind the camera on its left
         radius_m, turn = 0.45 * np.sqrt((k + 0.5) / lamp_samples), golden * k
         offset = radius_m * np.array([np.cos(turn), np.sin(turn), 0.0])
-        yield np.array([-1.1, -0.7, 2.2]) + offset, 0.85 * np.array([1.0, 0.95, 0.87]) / lamp_samples
+        yield np.array([-0.9, -1.15, 2.0]) + offset, 0.85 * np.array([1.0, 0.95, 0.87]) / lamp_samples
     for k in range(sky_samples):  # the cooler light of the room from all over the hemisphere
         height = 0.25 + 0.75 * (k + 0.5) / sky_samples
         across = np.sqrt(1 - height**2)
@@ -356,7 +367,6 @@ def _lights(lamp_samples: int, sky_samples: int) -> Iterator[tuple[npt.NDArray[n
 def _developed(light: npt.NDArray[np.float64]) -> npt.NDArray[np.uint8]:
     """Linear light to 8-bit sRGB, with a soft shoulder so that highlights do not clip."""
     knee = 0.7
-    exposed = 1.0 * light
-    bright = knee + (1 - knee) * np.tanh((exposed - knee) / (1 - knee))
-    toned = np.where(exposed > knee, bright, exposed)
+    bright = knee + (1 - knee) * np.tanh((light - knee) / (1 - knee))
+    toned = np.where(light > knee, bright, light)
     return np.round(255 * np.clip(_linear_to_srgb(toned), 0, 1)).astype(np.uint8)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Mesh", "arc", "box", "faceted", "gable_roof", "lathe", "tube"]
+__all__ = ["Mesh", "arc", "box", "faceted", "gable_roof", "lathe", "line", "tube"]
 
 FloatArray = npt.NDArray[np.float64]
 Rectangle = tuple[float, float, float, float]  # left, top, right, bottom in texture coordinates
@@ -33,30 +33,32 @@ def arc(centre: tuple[float, float], radius_m: float, start_deg: float, stop_deg
     return np.column_stack([centre[0] + radius_m * np.cos(angle), centre[1] + radius_m * np.sin(angle)])
 
 
-def lathe(sections: Sequence[npt.ArrayLike], around: int = 96) -> Mesh:
+def line(*points: tuple[float, float]) -> FloatArray:
+    """The corners (K, 2) of a straight or broken line in a lathe's (r, z) plane."""
+    return np.array(points, dtype=np.float64)
+
+
+def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     """Turn a profile about z.
 
-    Args:
-        sections: Smooth stretches of the profile, each (K, 2) of (r, z) in metres, with a sharp edge between
-            one and the next. The profile starts and ends on the axis, with the solid on its left hand.
-        around: Number of facets round the axis.
-
-    Returns:
-        The mesh; u goes once round the axis, v from 1 at the lowest point to 0 at the highest.
+    sections: smooth stretches of the profile, each (K, 2) of (r, z) in metres, with a sharp edge between one and
+    the next; the solid is on the left hand of who walks along it. around: number of facets round the axis.
+    In the texture u goes once round the axis, v from 1 at the lowest point to 0 at the highest.
     """
-    profiles = [np.asarray(section, dtype=np.float64) for section in sections]
-    lowest, highest = min(p[:, 1].min() for p in profiles), max(p[:, 1].max() for p in profiles)
+    lowest, highest = min(p[:, 1].min() for p in sections), max(p[:, 1].max() for p in sections)
     turn = np.linspace(0.0, 1.0, around + 1)  # the seam's vertices are there twice, for u = 0 and u = 1
     cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     parts = []
-    for profile in profiles:
+    for profile in sections:
         tangent = np.gradient(profile, axis=0)
         outward = np.column_stack([tangent[:, 1], -tangent[:, 0]])
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)
         r, z = profile[:, :1], np.repeat(profile[:, 1:], around + 1, axis=1)
         vertices = np.stack([r * cos, r * sin, z], axis=-1)
         normals = np.stack([outward[:, :1] * cos, outward[:, :1] * sin, 0 * z + outward[:, 1:]], axis=-1)
-        uv = np.stack([np.broadcast_to(turn, z.shape), (highest - z) / (highest - lowest)], axis=-1)
+        # Textures repeat, so v keeps off 0 and 1, where filtering would mix the first row with the last.
+        v = 0.002 + 0.996 * (highest - z) / (highest - lowest)
+        uv = np.stack([np.broadcast_to(turn, z.shape), v], axis=-1)
         parts.append(_grid_mesh(vertices, normals, uv))
     return _joined(parts)
 
@@ -67,7 +69,7 @@ def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
     tangent = np.gradient(path, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     side = np.array([0.0, 1.0, 0.0])
-    up = np.cross(tangent, side)
+    up = np.cross(side, tangent)
     turn = np.linspace(0.0, 2 * np.pi, around + 1)
     normals = np.cos(turn)[:, None] * up[:, None] + np.sin(turn)[:, None] * side
     shape = normals.shape[:2]
@@ -121,7 +123,7 @@ def gable_roof(width_m: float, depth_m: float, base_z_m: float, roof_m: float, f
     """The roof of a milk carton: two slopes and, along the ridge, the upright fin where it is glued."""
     x, y, low, ridge, top = width_m / 2, depth_m / 2, base_z_m, base_z_m + roof_m, base_z_m + roof_m + fin_m
     fin = 0.0015  # half the thickness of the glued cardboard
-    front, side, flat = panels()
+    _, side, flat = panels()
     return faceted(
         [
             ([(-x, -y, low), (x, -y, low), (x, -fin, ridge), (-x, -fin, ridge)], flat),
@@ -164,5 +166,5 @@ def _joined(parts: Sequence[Mesh]) -> Mesh:
         np.concatenate([part.vertices_m for part in parts]),
         np.concatenate([part.normals for part in parts]),
         np.concatenate([part.uv for part in parts]),
-        np.concatenate([part.triangles + start for part, start in zip(parts, starts, strict=False)]),
+        np.concatenate([part.triangles + start for part, start in zip(parts, starts[:-1], strict=True)]),
     )

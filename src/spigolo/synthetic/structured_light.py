@@ -36,7 +36,7 @@ class StructuredLight:
     noise_px: float = 0.12
     noise_radius_px: float = 1.2
     disparity_step_px: float = 0.125
-    dark_brightness: float = 0.07
+    dark_brightness: float = 0.11
     shiny_brightness: float = 0.985
     steepest_angle_deg: float = 75.0
     rim_jump_px: float = 1.0
@@ -54,15 +54,10 @@ def simulate_structured_light(
 ) -> npt.NDArray[np.float32]:
     """Turn ideal depth into what a structured-light camera would measure.
 
-    Args:
-        depth_m: Ideal distance along the optical axis, (H, W), metres; 0 or non-finite where there is none.
-        rgb: Colour image, (H, W, 3), 8 bit.
-        fx_px: Focal length in pixels; the principal point is taken to be the centre of the image.
-        rng: Source of all the randomness.
-        sensor: The depth camera; the default is like the first Kinect.
-
-    Returns:
-        Measured depth, (H, W), metres, 0 where missing.
+    depth_m: ideal distance along the optical axis, (H, W), metres; 0 or non-finite where there is none.
+    rgb: colour image, (H, W, 3), 8 bit. fx_px: focal length in pixels; the principal point is taken to be the
+    centre of the image. rng: source of all the randomness. sensor: the default is like the first Kinect.
+    Returns measured depth, (H, W), metres, 0 where missing.
     """
     sensor = sensor or StructuredLight()
     ideal = np.asarray(depth_m, dtype=np.float64)
@@ -108,7 +103,8 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
     for index in (left, left + 1):
         np.maximum.at(nearest_px, index[seen], disparity_px[seen])
     in_front_px = np.minimum(nearest_px[left], nearest_px[left + 1])
-    return seen & (in_front_px > disparity_px + _SHADOW_TOLERANCE_PX)
+    shadow: BoolArray = seen & (in_front_px > disparity_px + _SHADOW_TOLERANCE_PX)
+    return shadow
 
 
 def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> FloatArray:
@@ -133,8 +129,9 @@ def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Ge
 def _unlit(rgb: npt.NDArray[np.uint8], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
     """Surfaces too dark to return the pattern, or so shiny that the glare hides it."""
     brightness = rgb.astype(np.float64).mean(axis=2) / 255.0
-    uneven = brightness + 0.01 * raggedness
-    return (uneven < sensor.dark_brightness) | (brightness > sensor.shiny_brightness)
+    uneven = brightness + 0.02 * raggedness
+    unlit: BoolArray = (uneven < sensor.dark_brightness) | (brightness > sensor.shiny_brightness)
+    return unlit
 
 
 def _steep(depth_m: FloatArray, fx_px: float, raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
@@ -150,7 +147,8 @@ def _steep(depth_m: FloatArray, fx_px: float, raggedness: FloatArray, sensor: St
     along_ray = np.abs(np.sum(normals * points, axis=-1))
     lengths = np.linalg.norm(normals, axis=-1) * np.linalg.norm(points, axis=-1)
     angle_deg = np.degrees(np.arccos(np.clip(along_ray / np.maximum(lengths, 1e-12), 0.0, 1.0)))
-    return angle_deg + 2.0 * raggedness > sensor.steepest_angle_deg
+    steep: BoolArray = angle_deg + 2.0 * raggedness > sensor.steepest_angle_deg
+    return steep
 
 
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
@@ -174,10 +172,12 @@ def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: Structu
             padding = [(before, after) if a == axis else (0, 0) for a in (0, 1)]
             near_jump |= np.pad(jump, padding)
     one_away = near_jump.copy()
-    for axis in (0, 1):
-        for step in (-1, 1):
-            one_away |= np.roll(near_jump, step, axis=axis)
+    one_away[1:] |= near_jump[:-1]
+    one_away[:-1] |= near_jump[1:]
+    one_away[:, 1:] |= near_jump[:, :-1]
+    one_away[:, :-1] |= near_jump[:, 1:]
     # Thresholds on Gaussian noise; a pixel further out is lost a good deal more seldom.
     ragged_near = rim_noise > 1.6 - 3.2 * sensor.rim_loss
     ragged_far = rim_noise > 2.4 - 3.2 * sensor.rim_loss
-    return (near_jump & ragged_near) | (one_away & ragged_far)
+    rim: BoolArray = (near_jump & ragged_near) | (one_away & ragged_far)
+    return rim

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -42,7 +43,7 @@ def wood(rng: np.random.Generator, planks: int = 7) -> Image:
     height, width = 1024, 2048
     image = np.empty((height, width, 3))
     edges = np.linspace(0, height, planks + 1).astype(int)
-    for top, bottom in zip(edges[:-1], edges[1:], strict=True):
+    for top, bottom in pairwise(edges):
         size = (bottom - top, width)
         across = np.linspace(0, 1, size[0])[:, None]
         warp = smooth_noise(size, (2, 5), rng)
@@ -88,21 +89,21 @@ def cereal_box() -> Image:
         _fill(front, [(340, 690), *far], (224, 66, 40))
     _fill(front, [(0, 90), (680, 40), (680, 300), (0, 350)], yellow)
     _fill(front, [(0, 350), (680, 300), (680, 318), (0, 368)], _WHITE)
-    _write(front, "CRUNCH", (340, 205), 490, 20, navy)
-    _write(front, "OAT RINGS", (340, 420), 430, 9, _WHITE)
+    _write(front, "CRUNCH", (340, 205), (490, 20), navy)
+    _write(front, "OAT RINGS", (340, 420), (430, 9), _WHITE)
     _bowl_of_rings(front, (340, 690), 240)
     _disc(front, (570, 920), 84, yellow)
-    _write(front, "NEW", (570, 920), 120, 7, red)
-    _write(front, "450 g", (120, 950), 150, 4, _WHITE)
+    _write(front, "NEW", (570, 920), (120, 7), red)
+    _write(front, "450 g", (120, 950), (150, 4), _WHITE)
     side = np.full((1000, 220, 3), red, dtype=np.uint8)
     side[60:330] = yellow
-    _write(side, "OAT", (110, 150), 150, 9, navy)
-    _write(side, "RINGS", (110, 250), 170, 7, navy)
+    _write(side, "OAT", (110, 150), (150, 9), navy)
+    _write(side, "RINGS", (110, 250), (170, 7), navy)
     _table(side, (24, 390, 196, 800), 13)
     _bar_code(side, (44, 850, 176, 960))
     top = np.full((220, 680, 3), yellow, dtype=np.uint8)
     top[150:] = red
-    _write(top, "CRUNCH", (340, 80), 360, 12, navy)
+    _write(top, "CRUNCH", (340, 80), (360, 12), navy)
     return box_panels(front, side, top)
 
 
@@ -114,22 +115,22 @@ def tea_box() -> Image:
         _fill(front, [(x, 900), (x + 34, 900), (x + 934, 0), (x + 900, 0)], (92, 162, 98))
     _disc(front, (340, 390), 262, gold)
     _disc(front, (340, 390), 242, (248, 240, 214))
-    _write(front, "TEA", (340, 345), 300, 24, dark)
+    _write(front, "TEA", (340, 345), (300, 24), dark)
     for k, turn in enumerate((-40, 0, 40)):
         centre = (250 + 90 * k, 510 - 26 * (k == 1))
         cv2.ellipse(front, centre, (24, 62), turn, 0, 360, green, -1, cv2.LINE_AA)
         cv2.ellipse(front, centre, (4, 56), turn, 0, 360, dark, -1, cv2.LINE_AA)
     front[716:840] = dark
     front[706:716] = front[840:850] = gold
-    _write(front, "40 BAGS", (340, 778), 380, 9, _WHITE)
+    _write(front, "40 BAGS", (340, 778), (380, 9), _WHITE)
     side = np.full((900, 300, 3), dark, dtype=np.uint8)
     side[60:70] = side[706:716] = side[840:850] = gold
     side[716:840] = green
-    _write(side, "TEA", (150, 180), 210, 14, gold)
+    _write(side, "TEA", (150, 180), (210, 14), gold)
     _table(side, (40, 290, 260, 640), 10)
     top = np.full((300, 680, 3), green, dtype=np.uint8)
     top[120:180] = gold
-    _write(top, "TEA", (340, 150), 130, 7, dark)
+    _write(top, "TEA", (340, 150), (130, 7), dark)
     return box_panels(front, side, top)
 
 
@@ -144,8 +145,8 @@ def milk_carton() -> Image:
     cv2.ellipse(front, (320, 740), (220, 170), 0, 0, 360, (66, 140, 66), -1, cv2.LINE_AA)
     for x, y, r in ((90, 450, 26), (124, 440, 32), (160, 452, 24)):
         _disc(front, (x, y), r, _WHITE)
-    _write(front, "MILK", (180, 160), 290, 20, blue)
-    _write(front, "FRESH 1 L", (180, 275), 200, 5, (196, 44, 52))
+    _write(front, "MILK", (180, 160), (290, 20), blue)
+    _write(front, "FRESH 1 L", (180, 275), (200, 5), (196, 44, 52))
     side = front[:, ::-1].copy()
     side[50:330] = _WHITE
     _table(side, (60, 80, 300, 300), 8)
@@ -157,7 +158,7 @@ def milk_roof() -> Image:
     blue = (34, 96, 182)
     slope = np.full((200, 360, 3), blue, dtype=np.uint8)
     slope[150:170] = _WHITE
-    _write(slope, "MILK", (180, 80), 170, 9, _WHITE)
+    _write(slope, "MILK", (180, 80), (170, 9), _WHITE)
     fin = np.full((8, 8, 3), (232, 232, 226), dtype=np.uint8)
     return box_panels(slope, fin, slope)
 
@@ -171,8 +172,8 @@ def can_label() -> Image:
     for x in range(0, 512, 64):
         half[400:, x : x + 32] = red
     half[392:404] = gold
-    _write(half, "TOMATO", (256, 110), 350, 15, cream)
-    _write(half, "SOUP", (256, 305), 210, 10, red)
+    _write(half, "TOMATO", (256, 110), (350, 15), cream)
+    _write(half, "SOUP", (256, 305), (210, 10), red)
     for x in (52, 460):
         _disc(half, (x, 302), 40, red)
         _disc(half, (x, 282), 14, (86, 140, 62))
@@ -180,20 +181,18 @@ def can_label() -> Image:
 
 
 def beach_ball() -> Image:
-    """Six wedges in turn, white caps."""
-    colours = [(244, 146, 30), _WHITE, (244, 146, 30), _WHITE, (244, 146, 30), _WHITE]
-    image = np.repeat(np.array(colours, dtype=np.uint8)[None], 128, axis=1).reshape(1, -1, 3).repeat(256, axis=0)
-    image[:9] = image[-9:] = (38, 92, 170)
-    return np.ascontiguousarray(image)
+    """Six wedges, orange and white in turn."""
+    colours = np.array(3 * [(240, 138, 28), (226, 223, 216)], dtype=np.uint8)
+    return np.ascontiguousarray(np.broadcast_to(np.repeat(colours, 128, axis=0), (64, 768, 3)))
 
 
 def flashlight_bands() -> Image:
     """Along the length of the flashlight from its tail (bottom) to its lens (top)."""
-    image = np.full((512, 8, 3), (58, 62, 70), dtype=np.uint8)
+    image = np.full((512, 8, 3), (46, 49, 56), dtype=np.uint8)
     image[:8] = (214, 226, 232)  # the lens
     image[8:140] = (238, 186, 28)
     image[140:156] = (40, 42, 48)
-    image[200:440:12] = image[201:440:12] = image[202:440:12] = (30, 32, 36)  # knurls
+    image[200:440:12] = image[201:440:12] = image[202:440:12] = (24, 26, 30)  # knurls
     image[478:] = (238, 186, 28)
     return image
 
@@ -208,12 +207,12 @@ def mug_glaze() -> Image:
     return image
 
 
-def _write(image: Image, text: str, centre: tuple[int, int], width_px: int, thickness_px: int, colour: Colour) -> None:
-    """Write text of a given width about its centre."""
+def _write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, int], colour: Colour) -> None:
+    """Write text about its centre; pen_px is the width of the text and that of its strokes."""
     (unit_width, unit_height), _ = cv2.getTextSize(text, _ROUND_FONT, 1.0, 1)
-    scale = width_px / unit_width
-    x, y = centre[0] - width_px / 2, centre[1] + scale * unit_height / 2
-    cv2.putText(image, text, (round(x), round(y)), _ROUND_FONT, scale, colour, thickness_px, cv2.LINE_AA)
+    scale = pen_px[0] / unit_width
+    x, y = centre[0] - pen_px[0] / 2, centre[1] + scale * unit_height / 2
+    cv2.putText(image, text, (round(x), round(y)), _ROUND_FONT, scale, colour, pen_px[1], cv2.LINE_AA)
 
 
 def _fill(image: Image, corners: Sequence[npt.ArrayLike], colour: Colour) -> None:

@@ -1,0 +1,72 @@
+"""Boundaries found in the depth map alone, where a colour edge is missing."""
+
+from __future__ import annotations
+
+from spigolo.kernels._jit import inlined, kernel
+from spigolo.kernels.edges import SIGN_TANGENT, back_project, contact_angle_deg, is_contact, unit_vector
+
+
+@kernel
+def fill_shadows(depth, max_run, out):
+    """Gives each run of missing pixels in a row the farther depth of its two ends: a shadow lies on the background.
+
+    Runs longer than max_run and those that reach the image border stay 0. depth and out (H, W) metres.
+    """
+    height, width = depth.shape
+    for y in range(height):
+        last = 0.0
+        x = 0
+        while x < width:
+            end = x
+            while end < width and depth[y, end] == 0.0:
+                end += 1
+            after = depth[y, end] if end < width else 0.0
+            known = last > 0.0 and after > 0.0 and end - x <= max_run
+            background = max(last, after) if known else 0.0
+            out[y, x:end] = background
+            if end < width:
+                out[y, end] = after
+            last = after
+            x = end + 1
+
+
+@inlined
+def bend(before, here, after):
+    """How much the depth bends at a pixel, in metres: a step bends by its height, a slanted plane hardly at all."""
+    return abs(2.0 * here - before - after)
+
+
+@kernel
+def mark_contours(
+    depth, filled, camera, step_px, step_m, step_per_m, crease_px, crease_low_deg, crease_high_deg, steps, creases
+):
+    """Marks depth steps and concave creases, looked for in the four directions of the grid.
+
+    A step bends by max(step_m, step_per_m d^2) or more over step_px; a crease is a contact by the signed angle of
+    eqs. 14-19 over crease_px. depth (H, W) metres, marked where it is valid; filled: the same with shadows filled,
+    where the samples beside a pixel come from; camera (fx, fy, cx, cy); steps, creases (H, W)
+    uint8, zero where nothing is written.
+    """
+    height, width = depth.shape
+    fx, fy, cx, cy = camera
+    margin = max(step_px, crease_px)
+    for y in range(margin, height - margin):
+        for x in range(margin, width - margin):
+            d = float(depth[y, x])
+            if d == 0.0:
+                continue
+            limit = max(step_m, step_per_m * d * d)
+            here = back_project(depth, y, x, fx, fy, cx, cy)
+            for n_y, n_x in ((0, 1), (1, 0), (1, 1), (-1, 1)):
+                v, u = step_px * n_y, step_px * n_x
+                before, after = float(filled[y - v, x - u]), float(filled[y + v, x + u])
+                if before > 0.0 and after > 0.0 and bend(before, d, after) >= limit:
+                    steps[y, x] = 1
+                v, u = crease_px * n_y, crease_px * n_x
+                if filled[y - v, x - u] == 0.0 or filled[y + v, x + u] == 0.0:
+                    continue
+                v_plus = unit_vector(back_project(filled, y + v, x + u, fx, fy, cx, cy), here)
+                v_minus = unit_vector(back_project(filled, y - v, x - u, fx, fy, cx, cy), here)
+                angle = contact_angle_deg(v_plus, v_minus, n_y, n_x, SIGN_TANGENT)
+                if is_contact(angle, crease_low_deg, crease_high_deg):
+                    creases[y, x] = 1

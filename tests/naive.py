@@ -1,0 +1,417 @@
+"""The slow twin of every kernel, in the paper's printed forms and in plain loops.
+
+Twins return their result where kernels fill an array, and take what the paper's formula takes: an image where the
+kernel takes the points made of it, a mask where it takes an integral image, weights where it takes sorted edges.
+"""
+
+from __future__ import annotations
+
+import colorsys
+import math
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+Intrinsics = tuple[float, float, float, float]
+
+OFFSETS = ((0, 1), (1, 0), (1, 1), (-1, 1))
+NORMALS = ((0, 1), (-1, 1), (-1, 0), (-1, -1))
+"""(n_y, n_x) at 0, 45, 90 and 135 degrees, rows counted downwards."""
+
+
+def pixels(image: Array) -> Iterator[tuple[int, int]]:
+    return ((y, x) for y in range(image.shape[0]) for x in range(image.shape[1]))
+
+
+def inside(image: Array, y: int, x: int) -> bool:
+    return 0 <= y < image.shape[0] and 0 <= x < image.shape[1]
+
+
+def window(image: Array, y: int, x: int, r: int) -> list[Any]:
+    """The pixels of rows y-r..y+r and columns x-r..x+r that the image has, one by one."""
+    square = [(v, u) for v in range(y - r, y + r + 1) for u in range(x - r, x + r + 1)]
+    return [image[v, u] for v, u in square if inside(image, v, u)]
+
+
+# --- colour ---------------------------------------------------------------------------------------------------
+
+
+def hsv(rgb: Array) -> tuple[float, float, float]:
+    """Hue in degrees, saturation and value in 0..1 of a colour in 0..255."""
+    h, s, v = colorsys.rgb_to_hsv(*(float(channel) / 255 for channel in rgb))
+    return 360 * h, s, v
+
+
+def hsv_points(rgb: Array, k_dv: float, k_ds: float) -> Array:
+    out = np.empty((3, *rgb.shape[:2]))
+    for y, x in pixels(rgb):
+        h, s, v = hsv(rgb[y, x])
+        chroma = k_ds * s * np.exp(1j * math.radians(h))
+        out[:, y, x] = np.array([k_dv * v, chroma.real, chroma.imag]) / math.hypot(k_dv, k_ds)
+    return out
+
+
+def hsv_difference(a: tuple[float, float, float], b: tuple[float, float, float], k_dv: float, k_ds: float) -> float:
+    """Eq. 4 as printed, by the angle between both hues."""
+    d_v = k_dv * abs(a[2] - b[2])
+    d_h = abs(a[0] - b[0])
+    theta = d_h if d_h < 180 else 360 - d_h
+    square = a[1] ** 2 + b[1] ** 2 - 2 * a[1] * b[1] * math.cos(math.radians(theta))
+    d_s = k_ds * math.sqrt(max(square, 0.0))
+    return math.sqrt(d_v**2 + d_s**2) / math.sqrt(k_dv**2 + k_ds**2)
+
+
+def color_difference(rgb_i: Array, rgb_j: Array, k_dv: float, k_ds: float) -> float:
+    return min(hsv_difference(hsv(rgb_i), hsv(rgb_j), k_dv, k_ds), 1.0)
+
+
+# --- weights --------------------------------------------------------------------------------------------------
+
+
+def depth_difference(d_i: float, d_j: float, scale: float) -> float:
+    return 0.0 if 0 in (d_i, d_j) else min(abs(float(d_i) - float(d_j)) * scale, 1.0)
+
+
+def eq_22(d_hsv: float, d_depth: float, d_sal: float, k_x: float, k_y: float, k_s: float) -> float:
+    below = 2 + k_x + k_y + k_s
+    first = (k_y * math.log2(1 + d_hsv) + k_x * math.log2(1 + d_depth)) / below
+    coupled = d_depth * d_sal ** (1 + d_depth) + d_depth * d_hsv ** (1 + d_depth)
+    return first + (coupled + k_s * math.log2(1 + d_sal)) / below
+
+
+def eq_23(d_hsv: float, d_depth: float, d_bound: float, k_x: float, k_b: float) -> float:
+    return (k_x * d_depth * math.log2(1 + d_hsv) + k_b * d_bound) / (k_x + k_b)
+
+
+def _plane(
+    rgb: Array,
+    depth: Array,
+    cue: Array,
+    scale: float,
+    k_dv: float,
+    k_ds: float,
+    ends: str,
+    offset: tuple[int, int],
+    cost: Callable[[float, float, float], float],
+) -> Array:
+    out = np.full(depth.shape, np.inf)
+    for y, x in pixels(depth):
+        v, u = y + offset[0], x + offset[1]
+        if inside(depth, v, u):
+            d_hsv = color_difference(rgb[y, x], rgb[v, u], k_dv, k_ds)
+            d_depth = depth_difference(depth[y, x], depth[v, u], scale)
+            at_ends = [float(cue[y, x])] if ends == "i" else [float(cue[y, x]), float(cue[v, u])]
+            out[y, x] = cost(d_hsv, d_depth, max(at_ends))
+    return out
+
+
+def saliency_plane(
+    rgb: Array,
+    depth: Array,
+    saliency: Array,
+    scale: float,
+    k_dv: float,
+    k_ds: float,
+    k: tuple[float, float, float],
+    ends: str,
+    offset: tuple[int, int],
+) -> Array:
+    """k = (k_x, k_y, k_s)."""
+    return _plane(rgb, depth, saliency, scale, k_dv, k_ds, ends, offset, lambda *cues: eq_22(*cues, *k))
+
+
+def boundary_plane(
+    rgb: Array,
+    depth: Array,
+    boundary: Array,
+    scale: float,
+    k_dv: float,
+    k_ds: float,
+    k: tuple[float, float],
+    ends: str,
+    offset: tuple[int, int],
+) -> Array:
+    """k = (k_x, k_b)."""
+    return _plane(rgb, depth, boundary, scale, k_dv, k_ds, ends, offset, lambda *cues: eq_23(*cues, *k))
+
+
+# --- depth ----------------------------------------------------------------------------------------------------
+
+
+def mark_steps(depth: Array, error_per_m: float, step_factor: float) -> Array:
+    out = np.ones(depth.shape, np.uint8)
+    for y, x in pixels(depth):
+        d = float(depth[y, x])
+        beside = [float(depth[v, u]) for v, u in ((y, x + 1), (y + 1, x)) if inside(depth, v, u)]
+        if d == 0 or any(abs(e - d) >= step_factor * error_per_m * d**2 for e in beside):
+            out[y, x] = 0
+    return out
+
+
+def smoothing_radius(
+    depth: Array, distance: Array, error_per_m: float, radius_per_error: float, max_radius: int
+) -> Array:
+    height, width = depth.shape
+    out = np.empty(depth.shape, np.int32)
+    for y, x in pixels(depth):
+        by_error = radius_per_error * error_per_m * float(depth[y, x]) ** 2
+        r = math.floor(min(by_error, float(distance[y, x]) / math.sqrt(2), max_radius) + 0.5)
+        while r > 0 and not (inside(depth, y - r, x - r) and inside(depth, y + r, x + r)):
+            r -= 1
+        out[y, x] = r
+    return out
+
+
+def count_boxes(mask: Array, radius: Array) -> Array:
+    return np.array([[sum(map(bool, window(mask, y, x, r))) for x, r in enumerate(row)] for y, row in enumerate(radius)])
+
+
+def mean_boxes(depth: Array, left_out: Array, radius: Array) -> Array:
+    """Eq. 8; where nothing is left out, eq. 5, whose divisor counts missing pixels too."""
+    out = depth.astype(np.float64)
+    for y, x in pixels(depth):
+        values = window(depth, y, x, radius[y, x])
+        kept = [float(d) for d, out_of_it in zip(values, window(left_out, y, x, radius[y, x]), strict=True) if not out_of_it]
+        if depth[y, x] != 0 and kept and radius[y, x] > 0:
+            out[y, x] = math.fsum(kept) / len(kept)
+    return out
+
+
+def close_holes(depth: Array, holes: Array, step_m: float, step_share: float) -> Array:
+    out = depth.astype(np.float64)
+    for y, x in pixels(depth):
+        rim = [float(d) for d in window(depth, y, x, 1) if d > 0]
+        if holes[y, x] and depth[y, x] == 0 and rim:
+            step = max(rim) - min(rim) > max(step_m, step_share * min(rim))
+            out[y, x] = max(rim) if step else math.fsum(rim) / len(rim)
+    return out
+
+
+def measure_gaps(gaps: Array, distance: Array, depth: Array) -> tuple[Array, Array, Array]:
+    """Largest distance, nearest (+inf without any) and farthest depth (0) of the rim of gaps 1, 2, ..."""
+    count = int(gaps.max(initial=0)) + 1
+    radius, near, far = np.zeros(count), np.full(count, np.inf), np.zeros(count)
+    for gap in range(1, count):
+        there = np.argwhere(gaps == gap)
+        rim = [d for y, x in there for d in window(depth, y, x, 1) if d > 0]
+        radius[gap] = max(distance[y, x] for y, x in there)
+        near[gap], far[gap] = min(rim, default=np.inf), max(rim, default=0)
+    return radius, near, far
+
+
+# --- saliency -------------------------------------------------------------------------------------------------
+
+
+def center_surround(gray: Array, surrounds: list[int]) -> tuple[Array, Array]:
+    """In whole numbers: |centre - mean| cut to a whole level is (|n centre - sum|) // n."""
+    on, off = np.zeros(gray.shape, np.int64), np.zeros(gray.shape, np.int64)
+    for y, x in pixels(gray):
+        for half in surrounds:
+            around = gray[max(y - half + 1, 0) : y + half + 1, max(x - half + 1, 0) : x + half + 1].astype(np.int64)
+            n, center = around.size - 1, int(gray[y, x])
+            if n > 0:
+                excess = n * center - (int(around.sum()) - center)
+                on[y, x] += max(excess, 0) // n
+                off[y, x] += max(-excess, 0) // n
+    return on, off
+
+
+# --- edges ----------------------------------------------------------------------------------------------------
+
+
+def nearest_normal(gx: float, gy: float) -> Array:
+    """The one of the four directions (n_y, n_x) that the gradient or its opposite is nearest to."""
+    along = [abs(gx * n_x + gy * n_y) / math.hypot(n_y, n_x) for n_y, n_x in NORMALS]
+    return np.array(NORMALS[int(np.argmax(along))])
+
+
+def contact_angle(depth: Array, K: Array, e: Array, n: Array, offset: int, sign_rule: str) -> float:
+    """Eqs. 14-17 and 19 at the edge pixel e = (y, x); `tangent` asks for the sign along the edge."""
+    p_e, p_plus, p_minus = (
+        np.linalg.inv(K) @ (float(depth[tuple(at)]) * np.array([at[1], at[0], 1.0]))
+        for at in (e, e + offset * n, e - offset * n)
+    )
+    v_plus = (p_plus - p_e) / np.linalg.norm(p_plus - p_e)
+    v_minus = (p_minus - p_e) / np.linalg.norm(p_minus - p_e)
+    v_cross = np.cross(v_plus, v_minus)
+    theta = math.degrees(math.atan2(np.linalg.norm(v_cross), v_plus @ v_minus))
+    if sign_rule == "x":
+        upright = n[0] == 0  # all three points lie in one image row: the x component is zero
+        sign = 0.0 if upright else v_cross[0]
+    else:
+        sign = v_cross @ np.array([-n[0], n[1], 0])
+    return -theta if sign < 0 else theta
+
+
+def classify_edges(
+    edges: Array,
+    gx: Array,
+    gy: Array,
+    depth: Array,
+    camera: Intrinsics,
+    step_px: int,
+    step_m: float,
+    signed: bool,
+    missing_is_boundary: bool,
+    contact_px: int,
+    low_deg: float,
+    high_deg: float,
+    sign_rule: str,
+) -> tuple[Array, Array]:
+    fx, fy, cx, cy = camera
+    K = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    depth_boundary, contact = np.zeros(edges.shape, np.uint8), np.zeros(edges.shape, np.uint8)
+    reach = max(step_px, contact_px) + 1
+    for y, x in np.argwhere(edges > 0):
+        if not (inside(edges, y - reach, x - reach) and inside(edges, y + reach, x + reach)):
+            continue
+        e, n = np.array([y, x]), nearest_normal(int(gx[y, x]), int(gy[y, x]))
+        three = [float(depth[tuple(at)]) for at in (e, e + step_px * n, e - step_px * n)]
+        rho = [three[0] - d if three[0] and d else 0.0 for d in three[1:]]
+        if not signed:
+            rho = [abs(r) for r in rho]
+        is_texture = rho[0] < step_m and rho[1] < step_m
+        depth_boundary[y, x] = not is_texture or (missing_is_boundary and 0 in three)
+        if all(depth[tuple(at)] for at in (e, e + contact_px * n, e - contact_px * n)):
+            theta = contact_angle(depth, K, e, n, contact_px, sign_rule)
+            contact[y, x] = not (theta > high_deg or theta < low_deg)
+    return depth_boundary, contact
+
+
+# --- sorting --------------------------------------------------------------------------------------------------
+
+
+def digit(key: int, shift: int) -> int:
+    return (int(key) >> shift) % 2048
+
+
+def count_digits(keys: Array) -> Array:
+    """How many keys have a smaller digit, for each of 2048 digits at the shifts 0, 11 and 22."""
+    digits = [np.array([digit(key, shift) for key in keys], int) for shift in (0, 11, 22)]
+    return np.array([np.concatenate([[0], np.cumsum(np.bincount(d, minlength=2048))[:-1]]) for d in digits])
+
+
+def scatter(keys: Array, order: Array, shift: int) -> list[int]:
+    return sorted((int(edge) for edge in order), key=lambda edge: digit(keys[edge], shift))
+
+
+def sort_edges(weights: Array) -> list[int]:
+    return [number for _, number in sorted((float(weight), number) for number, weight in enumerate(weights))]
+
+
+# --- merging --------------------------------------------------------------------------------------------------
+
+
+class Forest:
+    """Textbook components: the component of each pixel, and of each component its pixels and I(R) of eq. 2."""
+
+    def __init__(self, count: int) -> None:
+        self.component = {pixel: pixel for pixel in range(count)}
+        self.members = {pixel: [pixel] for pixel in range(count)}
+        self.internal = dict.fromkeys(range(count), 0.0)
+
+    def join(self, a: int, b: int, weight: float) -> None:
+        if len(self.members[a]) < len(self.members[b]):
+            a, b = b, a
+        for pixel in self.members[b]:
+            self.component[pixel] = a
+        self.members[a] += self.members.pop(b)
+        self.internal[a] = max(self.internal[a], self.internal.pop(b), weight)
+
+    def labels(self) -> Array:
+        return number_regions([self.component[pixel] for pixel in range(len(self.component))])
+
+
+def sorted_edges(weights: Array) -> list[tuple[float, int, int]]:
+    """(weight, pixel, neighbour) of all edges inside the image, by weight, then by edge number."""
+    _, height, width = weights.shape
+    edges = []
+    for number, weight in enumerate(weights.reshape(-1)):
+        plane, pixel = divmod(number, height * width)
+        y, x = divmod(pixel, width)
+        v, u = y + OFFSETS[plane][0], x + OFFSETS[plane][1]
+        if inside(weights[0], v, u):
+            edges.append((float(weight), number, pixel, v * width + u))
+    return [(weight, i, j) for weight, _, i, j in sorted(edges)]
+
+
+def merge(weights: Array, gamma: float) -> Forest:
+    """Eqs. 2, 3 over planes (P, H, W) of float32 weights."""
+    forest = Forest(weights[0].size)
+    for weight, i, j in sorted_edges(weights):
+        a, b = forest.component[i], forest.component[j]
+        bounds = [forest.internal[c] + gamma / len(forest.members[c]) for c in (a, b)]
+        if a != b and weight <= min(bounds):
+            forest.join(a, b, weight)
+    return forest
+
+
+def absorb_small(forest: Forest, weights: Array, min_size: float) -> None:
+    for weight, i, j in sorted_edges(weights):
+        a, b = forest.component[i], forest.component[j]
+        if a != b and min(len(forest.members[a]), len(forest.members[b])) < min_size:
+            forest.join(a, b, weight)
+
+
+def number_regions(roots: list[int]) -> Array:
+    first_seen = {root: number for number, root in enumerate(dict.fromkeys(roots))}
+    return np.array([first_seen[root] for root in roots], np.int32)
+
+
+def partition(weights: Array, gamma: float, min_size: float) -> Array:
+    forest = merge(weights, gamma)
+    absorb_small(forest, weights, min_size)
+    return forest.labels().reshape(weights.shape[1:])
+
+
+def flood(labels: Array, connectivity: int) -> Array:
+    """Connected areas of equal label, numbered in raster order."""
+    steps = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if abs(dy) + abs(dx) in ((1,) if connectivity == 4 else (1, 2))]
+    out = np.full(labels.shape, -1)
+    areas = 0
+    for start in pixels(labels):
+        if out[start] >= 0:
+            continue
+        queue = deque([start])
+        out[start] = areas
+        while queue:
+            y, x = queue.popleft()
+            for v, u in ((y + dy, x + dx) for dy, dx in steps):
+                if inside(labels, v, u) and out[v, u] < 0 and labels[v, u] == labels[y, x]:
+                    out[v, u] = areas
+                    queue.append((v, u))
+        areas += 1
+    return out
+
+
+# --- sums over regions ----------------------------------------------------------------------------------------
+
+
+def sum_regions(labels: Array, count: int) -> tuple[Array, Array]:
+    sums, boxes = np.zeros((count, 6)), np.zeros((count, 4), np.int32)
+    for k in range(count):
+        y, x = np.nonzero(labels == k)
+        sums[k] = y.size, y.sum(), x.sum(), (y * y).sum(), (y * x).sum(), (x * x).sum()
+        boxes[k] = y.min(), x.min(), y.max() + 1, x.max() + 1
+    return sums, boxes
+
+
+def sum_depth(labels: Array, depth: Array, camera: Intrinsics, count: int) -> Array:
+    fx, fy, cx, cy = camera
+    K = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    sums = np.zeros((count, 4))
+    for k in range(count):
+        y, x = np.nonzero((labels == k) & (depth > 0))
+        points = np.linalg.solve(K, np.stack([x, y, np.ones_like(x)]) * depth[y, x].astype(np.float64))
+        sums[k] = y.size, *points.sum(axis=1)
+    return sums
+
+
+def count_dark(labels: Array, color: Array, count: int) -> list[int]:
+    """In the first three of 32 bins of max(R, G, B)."""
+    brightness = color.max(axis=2)
+    return [int(np.histogram(brightness[labels == k], bins=32, range=(0, 256))[0][:3].sum()) for k in range(count)]

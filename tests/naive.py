@@ -72,8 +72,9 @@ def color_difference(rgb_i: Array, rgb_j: Array, k_dv: float, k_ds: float) -> fl
 # --- weights --------------------------------------------------------------------------------------------------
 
 
-def depth_difference(d_i: float, d_j: float, scale: float) -> float:
-    return 0.0 if 0 in (d_i, d_j) else min(abs(float(d_i) - float(d_j)) * scale, 1.0)
+def depth_difference(d_i: float, d_j: float, scale: float, noise: float) -> float:
+    beyond_noise = abs(float(d_i) - float(d_j)) - noise * float(min(d_i, d_j)) ** 2
+    return 0.0 if 0 in (d_i, d_j) or beyond_noise < 0 else min(beyond_noise * scale, 1.0)
 
 
 def eq_22(d_hsv: float, d_depth: float, d_sal: float, k_x: float, k_y: float, k_s: float) -> float:
@@ -92,6 +93,7 @@ def _plane(
     depth: Array,
     cue: Array,
     scale: float,
+    noise: float,
     k_dv: float,
     k_ds: float,
     ends: str,
@@ -103,7 +105,7 @@ def _plane(
         v, u = y + offset[0], x + offset[1]
         if inside(depth, v, u):
             d_hsv = color_difference(rgb[y, x], rgb[v, u], k_dv, k_ds)
-            d_depth = depth_difference(depth[y, x], depth[v, u], scale)
+            d_depth = depth_difference(depth[y, x], depth[v, u], scale, noise)
             at_ends = [float(cue[y, x])] if ends == "i" else [float(cue[y, x]), float(cue[v, u])]
             out[y, x] = cost(d_hsv, d_depth, max(at_ends))
     return out
@@ -114,6 +116,7 @@ def saliency_plane(
     depth: Array,
     saliency: Array,
     scale: float,
+    noise: float,
     k_dv: float,
     k_ds: float,
     k: tuple[float, float, float],
@@ -121,7 +124,7 @@ def saliency_plane(
     offset: tuple[int, int],
 ) -> Array:
     """k = (k_x, k_y, k_s)."""
-    return _plane(rgb, depth, saliency, scale, k_dv, k_ds, ends, offset, lambda *cues: eq_22(*cues, *k))
+    return _plane(rgb, depth, saliency, scale, noise, k_dv, k_ds, ends, offset, lambda *cues: eq_22(*cues, *k))
 
 
 def boundary_plane(
@@ -129,6 +132,7 @@ def boundary_plane(
     depth: Array,
     boundary: Array,
     scale: float,
+    noise: float,
     k_dv: float,
     k_ds: float,
     k: tuple[float, float],
@@ -136,7 +140,7 @@ def boundary_plane(
     offset: tuple[int, int],
 ) -> Array:
     """k = (k_x, k_b)."""
-    return _plane(rgb, depth, boundary, scale, k_dv, k_ds, ends, offset, lambda *cues: eq_23(*cues, *k))
+    return _plane(rgb, depth, boundary, scale, noise, k_dv, k_ds, ends, offset, lambda *cues: eq_23(*cues, *k))
 
 
 # --- depth ----------------------------------------------------------------------------------------------------
@@ -155,7 +159,6 @@ def mark_steps(depth: Array, error_per_m: float, step_factor: float) -> Array:
 def smoothing_radius(
     depth: Array, distance: Array, error_per_m: float, radius_per_error: float, max_radius: int
 ) -> Array:
-    height, width = depth.shape
     out = np.empty(depth.shape, np.int32)
     for y, x in pixels(depth):
         by_error = radius_per_error * error_per_m * float(depth[y, x]) ** 2
@@ -167,7 +170,9 @@ def smoothing_radius(
 
 
 def count_boxes(mask: Array, radius: Array) -> Array:
-    return np.array([[sum(map(bool, window(mask, y, x, r))) for x, r in enumerate(row)] for y, row in enumerate(radius)])
+    return np.array(
+        [[sum(map(bool, window(mask, y, x, r))) for x, r in enumerate(row)] for y, row in enumerate(radius)]
+    )
 
 
 def mean_boxes(depth: Array, left_out: Array, radius: Array) -> Array:
@@ -175,7 +180,9 @@ def mean_boxes(depth: Array, left_out: Array, radius: Array) -> Array:
     out = depth.astype(np.float64)
     for y, x in pixels(depth):
         values = window(depth, y, x, radius[y, x])
-        kept = [float(d) for d, out_of_it in zip(values, window(left_out, y, x, radius[y, x]), strict=True) if not out_of_it]
+        kept = [
+            float(d) for d, out_of_it in zip(values, window(left_out, y, x, radius[y, x]), strict=True) if not out_of_it
+        ]
         if depth[y, x] != 0 and kept and radius[y, x] > 0:
             out[y, x] = math.fsum(kept) / len(kept)
     return out
@@ -282,6 +289,47 @@ def classify_edges(
     return depth_boundary, contact
 
 
+def fill_shadows(depth: Array, max_run: int) -> Array:
+    out = depth.copy()
+    for y, x in np.argwhere(depth == 0):
+        before, after = np.flatnonzero(depth[y, :x]), x + 1 + np.flatnonzero(depth[y, x + 1 :])
+        if before.size and after.size and after[0] - before[-1] - 1 <= max_run:
+            out[y, x] = max(depth[y, before[-1]], depth[y, after[0]])
+    return out
+
+
+def mark_contours(
+    depth: Array,
+    filled: Array,
+    camera: Intrinsics,
+    step_px: int,
+    step_m: float,
+    step_per_m: float,
+    crease_px: int,
+    low_deg: float,
+    high_deg: float,
+) -> tuple[Array, Array]:
+    """Steps and creases at pixels that are measured, or have a measured pixel `step_px` beside them."""
+    fx, fy, cx, cy = camera
+    K = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    steps, creases = np.zeros(depth.shape, np.uint8), np.zeros(depth.shape, np.uint8)
+    reach = max(step_px, crease_px)
+    for y, x in pixels(depth):
+        if not (inside(depth, y - reach, x - reach) and inside(depth, y + reach, x + reach)):
+            continue
+        for e, n in ((np.array([y, x]), np.array(normal)) for normal in NORMALS):
+            at_step = [tuple(e - step_px * n), (y, x), tuple(e + step_px * n)]
+            at_crease = [tuple(e - crease_px * n), (y, x), tuple(e + crease_px * n)]
+            if not any(depth[at] for at in at_step):
+                continue
+            before, here, after = (float(filled[at]) for at in at_step)
+            if all((before, here, after)):
+                steps[y, x] |= abs(2 * here - before - after) >= max(step_m, step_per_m * here**2)
+            if all(filled[at] for at in at_crease):
+                creases[y, x] |= low_deg <= contact_angle(filled, K, e, n, crease_px, "tangent") <= high_deg
+    return steps, creases
+
+
 # --- sorting --------------------------------------------------------------------------------------------------
 
 
@@ -370,7 +418,12 @@ def partition(weights: Array, gamma: float, min_size: float) -> Array:
 
 def flood(labels: Array, connectivity: int) -> Array:
     """Connected areas of equal label, numbered in raster order."""
-    steps = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1) if abs(dy) + abs(dx) in ((1,) if connectivity == 4 else (1, 2))]
+    steps = [
+        (dy, dx)
+        for dy in (-1, 0, 1)
+        for dx in (-1, 0, 1)
+        if abs(dy) + abs(dx) in ((1,) if connectivity == 4 else (1, 2))
+    ]
     out = np.full(labels.shape, -1)
     areas = 0
     for start in pixels(labels):

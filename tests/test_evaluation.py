@@ -392,9 +392,7 @@ def test_nothing_to_summarise_or_to_show_is_refused() -> None:
 
 
 @pytest.mark.parametrize("module", ["scipy.optimize", "scipy.spatial"])
-def test_a_missing_scipy_names_the_line_that_installs_it(
-    monkeypatch: pytest.MonkeyPatch, module: str
-) -> None:
+def test_a_missing_scipy_names_the_line_that_installs_it(monkeypatch: pytest.MonkeyPatch, module: str) -> None:
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(ModuleNotFoundError, match=r'pip install "spigolo\[evaluation\]"'):
         score_frame(GOOD, GOOD)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         Saliency,
         SaliencyCost,
         Smoothing,
+        Support,
     )
     from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError
     from spigolo.frame import Camera, Frame
@@ -45,8 +46,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "config": "AutoCost BoundaryCost Color Config Depth DepthContours Edges Inpainting Partition Rejection Saliency SaliencyCost"
-    " Smoothing",
+    "config": "AutoCost BoundaryCost Color Config Depth DepthContours Edges Inpainting Partition Rejection Saliency"
+    " SaliencyCost Smoothing Support",
     "errors": "CameraError ConfigError FileError FrameError SpigoloError",
     "frame": "Camera Frame",
     "io": "read_camera read_frame",

@@ -60,8 +60,9 @@ class Smoothing(_Stage):
 class Inpainting(_Stage):
     """Small gaps are filled, large shadows stay missing (paper, section III-E; limits are our choice)."""
 
-    max_hole_px: Annotated[int, Field(ge=0, le=2)] = 2
-    """Sampling holes up to this width are closed first, wherever they are connected to; 0 closes none."""
+    sampling_holes: bool = True
+    """Close holes of one or two pixels first, wherever they are connected to, as a map warped to a larger colour
+    image shows a grid of them."""
     max_area_px2: NotNegative = 400.0
     """Largest gap that is filled."""
     max_radius_px: Positive = 6.0
@@ -80,6 +81,9 @@ class Depth(_Stage):
     """None fills nothing (the paper's way with the first cost function)."""
     depth_range: Positive | None = None
     """Depth difference in metres that counts as 1 in eq. 9; None takes the range of each frame (authors' release)."""
+    noise_per_m: NotNegative = 0.0
+    """Differences up to this times the squared distance count as none in eq. 9, 1/m: depth comes in steps, and the
+    borders of those steps would stay in a large region of equal depths (our addition; the paper has 0)."""
 
 
 class Color(_Stage):
@@ -96,7 +100,7 @@ class Color(_Stage):
 class Saliency(_Stage):
     """Centre-surround saliency of Montabone & Soto 2010 and the power law (eq. 10)."""
 
-    surrounds_px: tuple[int, ...] = (12, 24, 48, 28, 56, 112)
+    surrounds_px: tuple[Annotated[int, Field(ge=1, le=10_000)], ...] = (12, 24, 48, 28, 56, 112)
     """Half-sizes sigma 2^s of the surrounds, for sigma in {3, 7} and s in {2, 3, 4} (Montabone's own code)."""
     power: Positive = 4.0
     """Exponent of eq. 10 (paper)."""
@@ -235,9 +239,26 @@ class Partition(_Stage):
     """Smaller regions are joined to the neighbour they differ from least (authors' release)."""
 
 
+class Support(_Stage):
+    """The largest plane of the frame, and what stands on it (our addition, not in the paper)."""
+
+    min_height_m: Positive = 0.008
+    """What rises less above the plane belongs to it."""
+    noise_per_m: NotNegative = 0.0056
+    """The same per squared distance, 1/m: twice the depth error; the larger of both holds."""
+    min_above: Share = 0.6
+    """Least share of a region's measured pixels that must stand above the plane."""
+    min_share: Share = 0.15
+    """A plane with a smaller share of the measured pixels supports nothing."""
+    contour: bool = True
+    """Join the border of what stands above the plane to the final map, where the cost reads that."""
+
+
 class Rejection(_Stage):
     """Which regions are no objects (paper, section III-F). None switches a rule off."""
 
+    support: Support | None = None
+    """Regions that do not stand above the support plane are parts of it, or lie below (our addition)."""
     max_distance_m: Positive | None = None
     """Out of reach: distance of the centroid from the camera (authors' release: 1.8)."""
     max_lambda1_px2: Positive | None = None

@@ -16,6 +16,7 @@ from spigolo.depth import missing_share, prepare_depth
 from spigolo.edges import EdgeMaps, find_edges
 from spigolo.frame import DepthMap, Frame
 from spigolo.saliency import saliency_cue
+from spigolo.support import Plane, find_support, foot_contour
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,6 +25,7 @@ class Cues:
 
     depth: D_s in metres, 0 where missing. color: points (3, H, W) of eq. 4. missing: share of the frame without depth
     inside the working range, before smoothing. cost: the function this frame is weighed by, AutoCost resolved.
+    support: the plane that objects stand on, where the rejection asks for it and there is one.
     saliency: for SaliencyCost, else None. edges: for BoundaryCost, else None.
     """
 
@@ -31,6 +33,7 @@ class Cues:
     color: Points
     missing: float
     cost: SaliencyCost | BoundaryCost
+    support: Plane | None
     saliency: npt.NDArray[np.float32] | None
     edges: EdgeMaps | None
 
@@ -52,11 +55,22 @@ def gather_cues(frame: Frame, config: Config) -> Cues:
     depth = prepare_depth(frame.depth, config.depth)
     missing = missing_share(depth, config.rejection.max_distance_m)
     cost = config.cost.choose(missing) if isinstance(config.cost, AutoCost) else config.cost
+    rule = config.rejection.support
+    support = None if rule is None else find_support(frame.depth, frame.camera, rule)
     return Cues(
         depth=depth,
         color=color_points(frame.color, config.color),
         missing=missing,
         cost=cost,
+        support=support,
         saliency=saliency_cue(frame.color, config.saliency) if isinstance(cost, SaliencyCost) else None,
-        edges=find_edges(frame.color, depth, frame.camera, config.edges) if isinstance(cost, BoundaryCost) else None,
+        edges=_edges(frame, depth, support, config) if isinstance(cost, BoundaryCost) else None,
     )
+
+
+def _edges(frame: Frame, depth: DepthMap, support: Plane | None, config: Config) -> EdgeMaps:
+    rule = config.rejection.support
+    foot = None
+    if support is not None and rule is not None and rule.contour:
+        foot = foot_contour(support, depth, frame.camera, rule)
+    return find_edges(frame.color, depth, frame.camera, config.edges, foot)

@@ -84,25 +84,31 @@ def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
 
     A gap whose rim spans a depth step gets the far value, as a shadow belongs to the background.
     """
-    for _ in range(config.max_hole_px):
-        depth = _close_holes(depth, config)
+    if config.sampling_holes:
+        depth = _close(depth, _narrow(missing_mask(depth)), 2, config)
     gaps = find_gaps(depth)
     scale = depth.size / VGA_PX2
     small = (gaps.area_px <= config.max_area_px2 * scale) & (gaps.radius_px <= config.max_radius_px * scale**0.5)
     small &= ~gaps.on_border & (gaps.far_m > 0)
     step = gaps.far_m - gaps.near_m > np.maximum(config.step_m, config.step_share * gaps.near_m)
-    blended = (small & ~step)[gaps.labels]
-    filled = cv2.inpaint(depth, blended.astype(np.uint8), 3, cv2.INPAINT_NS) if blended.any() else depth
-    return np.where((small & step)[gaps.labels], gaps.far_m[gaps.labels], np.asarray(filled, np.float32))
+    depth = np.where((small & step)[gaps.labels], gaps.far_m[gaps.labels], depth)
+    layers = int(np.ceil(gaps.radius_px[small & ~step].max(initial=0)))
+    return _close(depth, (small & ~step)[gaps.labels], layers, config)
 
 
-def _close_holes(depth: DepthMap, config: Inpainting) -> DepthMap:
-    missing = missing_mask(depth).astype(np.uint8)
-    width = config.max_hole_px + 1
-    wide = cv2.morphologyEx(missing, cv2.MORPH_OPEN, np.ones((width, width), np.uint8))
-    out = np.empty_like(depth)
-    inpainting.close_holes(depth, (missing > wide), config.step_m, config.step_share, out)
-    return out
+def _narrow(missing: Mask) -> Mask:
+    """Missing pixels that no 3x3 window of missing pixels holds: holes of one or two pixels' width."""
+    wide = cv2.morphologyEx(missing.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    return np.asarray(missing & (wide == 0))
+
+
+def _close(depth: DepthMap, holes: Mask, layers: int, config: Inpainting) -> DepthMap:
+    """Closes holes from their rim inwards, one layer of pixels a time."""
+    for _ in range(layers):
+        out = np.empty_like(depth)
+        inpainting.close_holes(depth, holes, config.step_m, config.step_share, out)
+        depth = out
+    return depth
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -37,14 +37,19 @@ class EdgeMaps:
     boundary: npt.NDArray[np.float32]
 
 
-def find_edges(image: Color, depth: DepthMap, camera: Camera, config: Edges) -> EdgeMaps:
-    """All edge maps of an RGB image (H, W, 3) with its depth (H, W) in metres."""
+def find_edges(image: Color, depth: DepthMap, camera: Camera, config: Edges, foot: Mask | None = None) -> EdgeMaps:
+    """All edge maps of an RGB image (H, W, 3) with its depth (H, W) in metres.
+
+    foot: contours (H, W) known from elsewhere, joined to the final map.
+    """
     canny, gx, gy = scharr_canny(image, config)
     depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
     final = final_boundary(depth_boundary, contact)
-    contours = None
+    contours = foot
     if config.depth_contours is not None:
         contours = find_contours(depth, camera, config.depth_contours)
+        contours = contours if foot is None else contours | foot
+    if contours is not None:
         final = final | contours
     cue = soften(final, config.blur_px) if config.boundary == "soft" else final.astype(np.float32)
     return EdgeMaps(canny, depth_boundary, contact, final, contours, cue)
@@ -116,7 +121,7 @@ def find_contours(depth: DepthMap, camera: Camera, config: DepthContours) -> Mas
 
 
 def soften(final: Mask, blur_px: int) -> npt.NDArray[np.float32]:
-    """E_F blurred by a Gaussian and rescaled to a largest value of 1: a line of one pixel would leak between diagonals."""
+    """E_F blurred by a Gaussian and rescaled to a largest value of 1: a thin line would leak between diagonals."""
     blurred = np.asarray(cv2.GaussianBlur(final.astype(np.float32), (blur_px, blur_px), 0), np.float32)
     largest = blurred.max(initial=0)
     return blurred / largest if largest > 0 else blurred

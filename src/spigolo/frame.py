@@ -40,6 +40,8 @@ class Camera:
             raise CameraError(f"expected positive finite focal lengths in pixels, got fx={self.fx}, fy={self.fy}")
         if self.width < 1 or self.height < 1:
             raise CameraError(f"expected an image size of at least 1x1, got {self.width}x{self.height}")
+        for name in ("fx", "fy", "cx", "cy"):  # whole numbers would be another type to the kernels
+            object.__setattr__(self, name, float(getattr(self, name)))
 
     @property
     def matrix(self) -> npt.NDArray[np.float64]:
@@ -132,7 +134,8 @@ def _check_depth(depth: npt.NDArray[Any], depth_scale: float | None) -> None:
 
 
 def _metres(depth: npt.NDArray[Any], depth_scale: float | None) -> tuple[DepthMap, int]:
-    metres = np.array(depth, np.float32, order="C")
+    with np.errstate(over="ignore"):  # beyond float32 is infinite, and that is missing
+        metres = np.array(depth, np.float32, order="C")
     if depth_scale is not None:
         metres *= np.float32(depth_scale)
     negative = int(np.count_nonzero(metres < 0))

@@ -11,10 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import BoundaryCost, SaliencyCost
+from spigolo.config import BoundaryCost, Depth, SaliencyCost
 from spigolo.cues import Cues
 from spigolo.frame import DepthMap
 from spigolo.kernels import costs
+
+Plane = npt.NDArray[np.float32]
 
 OFFSETS = ((0, 1), (1, 0), (1, 1), (-1, 1))
 """(dy, dx) of the planes: right, down, down-right, up-right; a 4-connected grid has the first two."""
@@ -31,15 +33,12 @@ class Graph:
     shadows: bool = False
 
 
-def weigh(cues: Cues, connectivity: int = 8, depth_range: float | None = None) -> Graph:
-    """The graph of a frame, weighed by `cues.cost`.
-
-    depth_range: depth difference in metres that counts as 1; None takes the range of the frame's depth.
-    """
+def weigh(cues: Cues, connectivity: int, config: Depth) -> Graph:
+    """The graph of a frame, weighed by `cues.cost`; `depth_range` and `noise_per_m` of the config shape eq. 9."""
     weights = np.empty((connectivity // 2, *cues.depth.shape), np.float32)
-    scale = depth_scale(cues.depth, depth_range)
+    scale = depth_scale(cues.depth, config.depth_range)
     for plane, offset in zip(weights, OFFSETS, strict=False):
-        _weigh_plane(cues, scale, offset, plane)
+        _weigh_plane(cues, scale, config.noise_per_m, offset, plane)
     return Graph(weights, shadows=isinstance(cues.cost, SaliencyCost))
 
 
@@ -52,12 +51,14 @@ def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
     return 1.0 / span if span > 0 else 0.0
 
 
-def _weigh_plane(cues: Cues, scale: float, offset: tuple[int, int], out: npt.NDArray[np.float32]) -> None:
+def _weigh_plane(cues: Cues, scale: float, noise: float, offset: tuple[int, int], out: Plane) -> None:
     cost = cues.cost
     ends = costs.ENDS_I if cost.ends == "i" else costs.ENDS_MAX
     if isinstance(cost, BoundaryCost):
-        costs.boundary_plane(cues.color, cues.depth, cues.delta_bound, scale, cost.k_x, cost.k_b, ends, *offset, out)
+        costs.boundary_plane(
+            cues.color, cues.depth, cues.delta_bound, scale, noise, cost.k_x, cost.k_b, ends, *offset, out
+        )
     else:
         costs.saliency_plane(
-            cues.color, cues.depth, cues.delta_sal, scale, cost.k_x, cost.k_y, cost.k_s, ends, *offset, out
+            cues.color, cues.depth, cues.delta_sal, scale, noise, cost.k_x, cost.k_y, cost.k_s, ends, *offset, out
         )

@@ -61,7 +61,7 @@ def read_depth(path: PathLike) -> Image:
 
 
 def read_camera(path: PathLike) -> tuple[Camera, float | None]:
-    """Camera and, if the file has one, depth scale (metres per unit) of a JSON file with fx, fy, cx, cy, width, height."""
+    """Camera of a JSON file with fx, fy, cx, cy, width, height, and its depth_scale (metres per unit) or None."""
     try:
         values = json.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:

@@ -17,6 +17,7 @@ from spigolo.depth import missing_mask
 from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.kernels import moments
 from spigolo.regions import VGA_PX2, Regions
+from spigolo.support import above_mask, support_mask
 
 Labels = npt.NDArray[np.int32]
 
@@ -24,6 +25,7 @@ Labels = npt.NDArray[np.int32]
 class Reason(str, Enum):
     """Why a region is no object, in the order in which the rules are asked."""
 
+    SUPPORT = "support"
     OUT_OF_REACH = "out of reach"
     TOO_LONG = "too long"
     TOO_WIDE = "too wide"
@@ -39,7 +41,9 @@ class RegionFacts:
     region: its number in `trace.regions`. box_px: (y0, x0, y1, x1), the last two exclusive. centroid_px: (y, x).
     centroid_m: mean (X, Y, Z) of its measured points, None without any. spread_px2: the eigenvalues
     (lambda1, lambda2) of the covariance of its pixel coordinates. eccentricity: sqrt(1 - lambda2 / lambda1).
-    missing: share of its pixels without measured depth; unfilled: share still without depth after in-painting. dark: share in the first three of 32 brightness bins.
+    missing: share of its pixels without measured depth. unfilled: share still without depth after in-painting.
+    dark: share in the first three of 32 brightness bins. above: share of its measured pixels that stand above the
+    support plane, None where there is no plane.
     """
 
     region: int
@@ -52,6 +56,7 @@ class RegionFacts:
     missing: float
     unfilled: float
     dark: float
+    above: float | None
     regions: Labels = field(repr=False)
     frame: Frame = field(repr=False)
 
@@ -94,12 +99,14 @@ class Segmentation:
     """The answer. Iterating, indexing and len() go over the objects; np.asarray() gives the labels.
 
     labels: (H, W) int32, 0 = background, 1..N = objects. rejected: all other regions with their reasons.
+    support: (H, W) bool, background pixels on the plane that objects stand on; None where none was looked for or found.
     preset, digest: name of the configuration and a hash of its values.
     """
 
     labels: Labels
     objects: tuple[ObjectMask, ...]
     rejected: tuple[RejectedRegion, ...]
+    support: Mask | None
     preset: str
     digest: str
 
@@ -124,9 +131,14 @@ def select_objects(regions: Regions, cues: Cues, frame: Frame, config: Config) -
 
     Pixel limits are those of a 640x480 image and grow with its area.
     """
+    plane, rule = cues.support, config.rejection.support
+    above, on_plane = None, None
+    if plane is not None and rule is not None:
+        above = above_mask(plane, frame.depth, frame.camera, rule)
+        on_plane = support_mask(plane, frame.depth, frame.camera, rule)
     objects: list[ObjectMask] = []
     rejected: list[RejectedRegion] = []
-    for facts in measure_regions(regions, cues.depth, frame):
+    for facts in measure_regions(regions, cues.depth, frame, above):
         verdict = judge(facts, config.rejection, regions.labels.size / VGA_PX2)
         if verdict is None:
             objects.append(ObjectMask(label=len(objects) + 1, **_fields(facts)))
@@ -135,11 +147,16 @@ def select_objects(regions: Regions, cues: Cues, frame: Frame, config: Config) -
     label_of = np.zeros(regions.count, np.int32)
     for o in objects:
         label_of[o.region] = o.label
-    return Segmentation(label_of[regions.labels], tuple(objects), tuple(rejected), config.name, config.digest)
+    labels = label_of[regions.labels]
+    support = None if on_plane is None else on_plane & (labels == 0)
+    return Segmentation(labels, tuple(objects), tuple(rejected), support, config.name, config.digest)
 
 
-def measure_regions(regions: Regions, depth: DepthMap, frame: Frame) -> list[RegionFacts]:
-    """The facts of every region, by number. depth: (H, W) as the cues have it, for `unfilled` alone."""
+def measure_regions(regions: Regions, depth: DepthMap, frame: Frame, above: Mask | None = None) -> list[RegionFacts]:
+    """The facts of every region, by number.
+
+    depth: (H, W) as the cues have it, for `unfilled`. above: (H, W) measured pixels above the support, for `above`.
+    """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     points, dark = np.zeros((regions.count, 4)), np.zeros(regions.count, np.int64)
     camera = (frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy)
@@ -147,6 +164,7 @@ def measure_regions(regions: Regions, depth: DepthMap, frame: Frame) -> list[Reg
     moments.sum_depth(regions.labels, frame.depth, camera, points)
     moments.count_dark(regions.labels, frame.color, dark)
     unfilled = np.bincount(regions.labels[missing_mask(depth)], minlength=regions.count)
+    standing = None if above is None else np.bincount(regions.labels[above], minlength=regions.count)
     n = sums[:, 0]
     centroid = sums[:, 1:3] / n[:, None]
     large, small, eccentricity = principal_spread(sums)
@@ -162,6 +180,7 @@ def measure_regions(regions: Regions, depth: DepthMap, frame: Frame) -> list[Reg
             missing=float(1 - points[k, 0] / n[k]),
             unfilled=float(unfilled[k] / n[k]),
             dark=float(dark[k] / n[k]),
+            above=None if standing is None else float(standing[k] / max(points[k, 0], 1)),
             regions=regions.labels,
             frame=frame,
         )
@@ -184,13 +203,17 @@ def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> tuple[Reas
 
     area_scale: pixels of the image as a multiple of 640x480.
     """
+    if rules.support is not None and facts.above is not None and facts.above < rules.support.min_above:
+        return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {rules.support.min_above:.0%}"
+    large, small = facts.spread_px2
+    max_large, max_small = _scaled(rules.max_lambda1_px2, area_scale), _scaled(rules.max_lambda2_px2, area_scale)
     for reason, value, limit, form in (
         (Reason.OUT_OF_REACH, facts.distance_m, rules.max_distance_m, "centroid at {:.2f} m, limit {:.2f} m"),
-        (Reason.TOO_LONG, facts.spread_px2[0], _scaled(rules.max_lambda1_px2, area_scale), "lambda1 {:.0f} px2, limit {:.0f}"),
-        (Reason.TOO_WIDE, facts.spread_px2[1], _scaled(rules.max_lambda2_px2, area_scale), "lambda2 {:.0f} px2, limit {:.0f}"),
+        (Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2, limit {:.0f} px2"),
+        (Reason.TOO_WIDE, small, max_small, "lambda2 {:.0f} px2, limit {:.0f} px2"),
         (Reason.TOO_THIN, facts.eccentricity, rules.max_eccentricity, "eccentricity {:.3f}, limit {:.3f}"),
         (Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, "{:.0%} without depth, limit {:.0%}"),
-    ):  # fmt: skip
+    ):
         if limit is not None and value is not None and value > limit:
             return reason, f"{reason.value}: {form.format(value, limit)}"
     if rules.max_dark is not None and facts.dark >= rules.max_dark:

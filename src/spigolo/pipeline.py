@@ -27,7 +27,7 @@ class Trace:
 def trace(frame: Frame, config: Config = OBJECTS) -> Trace:
     """Segments a frame and keeps what each stage made."""
     cues = gather_cues(frame, config)  # eqs. 5-21
-    graph = weigh(cues, config.partition.connectivity, config.depth.depth_range)  # eqs. 4, 9, 22 or 23
+    graph = weigh(cues, config.partition.connectivity, config.depth)  # eqs. 4, 9, 22 or 23
     regions = partition(graph, config.partition)  # eqs. 2, 3
     segmentation = select_objects(regions, cues, frame, config)  # section III-F
     return Trace(frame, cues, graph, regions, segmentation)

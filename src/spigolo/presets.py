@@ -19,6 +19,8 @@ from spigolo.config import (
     Partition,
     Rejection,
     SaliencyCost,
+    Smoothing,
+    Support,
     parse_toml,
 )
 from spigolo.errors import ConfigError
@@ -53,17 +55,20 @@ CLUTTER = Config(
 
 OBJECTS_1 = Config(
     name="OBJECTS_1",
-    depth=Depth(inpainting=Inpainting()),
+    depth=Depth(smoothing=Smoothing(max_radius_px=6, step_factor=10.0), inpainting=Inpainting(), noise_per_m=0.0028),
     edges=Edges(
         step_offset_px=5,
         step_m=0.025,
-        contact_low_deg=40.0,
-        contact_high_deg=148.0,
-        depth_contours=DepthContours(),
+        contact_low_deg=50.0,
+        contact_high_deg=150.0,
+        blur_px=9,
+        depth_contours=DepthContours(step_m=0.0125, step_per_m=0.014, crease_offset_px=5, crease_high_deg=145.0),
     ),
     cost=BoundaryCost(k_x=7.5, k_b=0.66),
-    partition=Partition(gamma=0.006),
-    rejection=Rejection(max_lambda1_px2=12000.0, max_lambda2_px2=3000.0, max_eccentricity=0.985),
+    partition=Partition(gamma=0.004),
+    rejection=Rejection(
+        support=Support(), max_lambda1_px2=7000.0, max_lambda2_px2=2400.0, max_eccentricity=0.98, max_missing=0.5
+    ),
 )
 """Fitted to real frames of several sensors (docs/objects.md)."""
 

@@ -25,8 +25,8 @@ def fine_grained_saliency(image: Color, config: Saliency) -> Map:
     gray = np.asarray(gray, np.uint8)
     on, off = np.empty(gray.shape, np.int32), np.empty(gray.shape, np.int32)
     kernel.center_surround(gray, cv2.integral(gray), np.asarray(config.surrounds_px, np.int64), on, off)
-    both = _to_255(on) + _to_255(off)
-    return _to_255(both).astype(np.float32) / np.float32(255)
+    both = np.minimum(_to_255(on) + _to_255(off), 255)  # theirs would wrap around
+    return np.asarray(both.astype(np.float32) / np.float32(255), np.float32)
 
 
 def power_law(saliency: Map, power: float) -> Map:
@@ -41,6 +41,6 @@ def saliency_cue(image: Color, config: Saliency) -> Map:
 
 
 def _to_255(values: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-    """Scales to a largest value of 255, cut to whole levels; adding two such maps cannot wrap around."""
+    """Scales to a largest value of 255, cut to whole levels."""
     largest = int(values.max(initial=0))
     return values * 255 // largest if largest > 0 else np.zeros_like(values)

@@ -38,13 +38,11 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
     array = np.asarray(labels)
     if array.ndim != 2:
         raise ValueError(
-            f"expected {name} to be a 2-D label image, got shape {array.shape}; "
-            "mend: pass one channel of one frame"
+            f"expected {name} to be a 2-D label image, got shape {array.shape}; mend: pass one channel of one frame"
         )
     if array.dtype.kind not in "iu":
         raise ValueError(
-            f"expected {name} to hold whole-number labels, got {array.dtype}; "
-            "mend: convert it with .astype(np.int32)"
+            f"expected {name} to hold whole-number labels, got {array.dtype}; mend: convert it with .astype(np.int32)"
         )
     if array.size and int(array.min()) < 0:
         raise ValueError(
@@ -55,8 +53,7 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
 
 
 def checked_radius(radius_px: float) -> float:
+    """The radius as a float; ValueError where it is negative or NaN."""
     if not radius_px >= 0:
-        raise ValueError(
-            f"expected radius_px to be 0 or more, got {radius_px}; mend: leave it out for the default"
-        )
+        raise ValueError(f"expected radius_px to be 0 or more, got {radius_px}; mend: leave it out for the default")
     return float(radius_px)

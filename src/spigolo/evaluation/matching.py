@@ -67,6 +67,7 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
     ----------
     truth, prediction
         (H, W) label images, 0 = background.
+
     """
     true_values, true_rank = np.unique(truth.ravel(), return_inverse=True)
     pred_values, pred_rank = np.unique(prediction.ravel(), return_inverse=True)
@@ -93,6 +94,7 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     objects, segments
         (min(N, S),) row and column numbers of the table. Where several pairings reach the same sum, the
         one taken depends on the order of the labels; so, in such a tie, do the measures made from it.
+
     """
     try:
         from scipy.optimize import linear_sum_assignment

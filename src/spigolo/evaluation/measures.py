@@ -154,6 +154,7 @@ def score_frame(
     ------
     ValueError
         For images that are not alike, not 2-D or not labels, an unfit `ignore`, or a negative radius.
+
     """
     true, pred = checked_pair(truth, prediction, ignore)
     radius_px = checked_radius(default_radius_px(true.shape) if radius_px is None else radius_px)
@@ -185,12 +186,11 @@ def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
     ------
     ValueError
         When there is no frame.
+
     """
     scores = list(scores)
     if not scores:
-        raise ValueError(
-            "expected the scores of at least one frame, got none; mend: give a data set with frames"
-        )
+        raise ValueError("expected the scores of at least one frame, got none; mend: give a data set with frames")
     n_objects = sum(score.n_objects for score in scores)
     return DatasetScore(
         overlap_precision=_mean([score.overlap_precision for score in scores]),
@@ -217,9 +217,7 @@ def wilson_interval(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
     Trials are taken as independent; objects of one frame are not quite.
     """
     if not 0 <= hits <= n or not z >= 0:
-        raise ValueError(
-            f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts"
-        )
+        raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts")
     if n == 0:
         return 0.0, 1.0
     share, spread = hits / n, z * z / n
@@ -249,9 +247,7 @@ _COLUMNS: tuple[tuple[str, str], ...] = (
 def format_table(scores: Mapping[str, DatasetScore]) -> str:
     """Markdown table of the headline figures, a line per name, columns aligned; "-" where a figure is NaN."""
     if not scores:
-        raise ValueError(
-            "expected at least one named score for the table, got none; mend: pass {name: summarise(...)}"
-        )
+        raise ValueError("expected at least one named score for the table, got none; mend: pass {name: summarise(...)}")
     rows = [["method", *(title for title, _ in _COLUMNS)]]
     for name, score in scores.items():
         rows.append([name.replace("|", r"\|"), *(_cell(getattr(score, field)) for _, field in _COLUMNS)])

@@ -25,7 +25,8 @@ def hue_rad(r, g, b, value, chroma):
 def hsv_points(rgb, k_dv, k_ds, out):
     """Maps each colour to a point whose distance to another one is their colour difference.
 
-    rgb (H, W, 3) float32 in 0..255; out (3, H, W) float32 = (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2).
+    rgb (H, W, 3) float32 in 0..255;
+    out (3, H, W) float32 = (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2).
     By the law of cosines the Euclidean distance of two such points is eq. 4.
     """
     height, width = rgb.shape[0], rgb.shape[1]
@@ -44,7 +45,7 @@ def hsv_points(rgb, k_dv, k_ds, out):
 
 @inlined
 def color_difference(points, y, x, v, u):
-    """Eq. 4. delta_hsv of pixels (y, x) and (v, u), clipped at 1: separate maxima of value and hue exceed it by 7e-4."""
+    """Eq. 4. delta_hsv of pixels (y, x) and (v, u), clipped at 1, which the formula exceeds by up to 7e-4."""
     a = float(points[0, y, x]) - float(points[0, v, u])
     b = float(points[1, y, x]) - float(points[1, v, u])
     c = float(points[2, y, x]) - float(points[2, v, u])

@@ -43,22 +43,24 @@ def mark_contours(
     """Marks depth steps and concave creases, looked for in the four directions of the grid.
 
     A step bends by max(step_m, step_per_m d^2) or more over step_px; a crease is a contact by the signed angle of
-    eqs. 14-19 over crease_px. depth (H, W) metres, marked where it is valid; filled: the same with shadows filled,
-    where the samples beside a pixel come from; camera (fx, fy, cx, cy); steps, creases (H, W)
-    uint8, zero where nothing is written.
+    eqs. 14-19 over crease_px. A step is marked only where the pixel or a sample of it is valid in depth (H, W);
+    samples come from filled, the same with its shadows filled, in metres. camera (fx, fy, cx, cy);
+    steps, creases (H, W) uint8, zero where nothing is written.
     """
     height, width = depth.shape
     fx, fy, cx, cy = camera
     margin = max(step_px, crease_px)
     for y in range(margin, height - margin):
         for x in range(margin, width - margin):
-            d = float(depth[y, x])
+            d = float(filled[y, x])
             if d == 0.0:
                 continue
             limit = max(step_m, step_per_m * d * d)
-            here = back_project(depth, y, x, fx, fy, cx, cy)
+            here = back_project(filled, y, x, fx, fy, cx, cy)
             for n_y, n_x in ((0, 1), (1, 0), (1, 1), (-1, 1)):
                 v, u = step_px * n_y, step_px * n_x
+                if depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0:
+                    continue
                 before, after = float(filled[y - v, x - u]), float(filled[y + v, x + u])
                 if before > 0.0 and after > 0.0 and bend(before, d, after) >= limit:
                     steps[y, x] = 1

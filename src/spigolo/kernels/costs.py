@@ -14,12 +14,16 @@ ENDS_MAX, ENDS_I = 0, 1
 
 
 @inlined
-def depth_difference(depth, y, x, v, u, scale):
-    """Eq. 9. |difference| of two depths times `scale` (1 / range), clipped at 1; 0 where an end is missing."""
+def depth_difference(depth, y, x, v, u, scale, noise):
+    """Eq. 9. |difference| of two depths times `scale` (1 / range), clipped at 1; 0 where an end is missing.
+
+    A difference within noise * d^2, d the nearer depth, counts as none; the paper has noise = 0.
+    """
     a, b = depth[y, x], depth[v, u]
     if a == 0.0 or b == 0.0:
         return 0.0
-    return min(abs(float(a) - float(b)) * scale, 1.0)
+    near = float(min(a, b))
+    return min(max(abs(float(a) - float(b)) - noise * near * near, 0.0) * scale, 1.0)
 
 
 @inlined
@@ -45,7 +49,7 @@ def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
 
 
 @kernel
-def saliency_plane(color, depth, saliency, scale, k_x, k_y, k_s, ends, dy, dx, out):
+def saliency_plane(color, depth, saliency, scale, noise, k_x, k_y, k_s, ends, dy, dx, out):
     """Eq. 22 on every edge of one plane: color (3, H, W) points, depth (H, W) metres, saliency (H, W), out (H, W)."""
     height, width = depth.shape
     for y in range(height):
@@ -55,12 +59,12 @@ def saliency_plane(color, depth, saliency, scale, k_x, k_y, k_s, ends, dy, dx, o
                 out[y, x] = np.inf
                 continue
             d_hsv = color_difference(color, y, x, v, u)
-            d_depth = depth_difference(depth, y, x, v, u, scale)
+            d_depth = depth_difference(depth, y, x, v, u, scale, noise)
             out[y, x] = saliency_cost(d_hsv, d_depth, at_ends(saliency, y, x, v, u, ends), k_x, k_y, k_s)
 
 
 @kernel
-def boundary_plane(color, depth, boundary, scale, k_x, k_b, ends, dy, dx, out):
+def boundary_plane(color, depth, boundary, scale, noise, k_x, k_b, ends, dy, dx, out):
     """Eq. 23 on every edge of one plane: color (3, H, W) points, depth (H, W) metres, boundary (H, W), out (H, W)."""
     height, width = depth.shape
     for y in range(height):
@@ -70,5 +74,5 @@ def boundary_plane(color, depth, boundary, scale, k_x, k_b, ends, dy, dx, out):
                 out[y, x] = np.inf
                 continue
             d_hsv = color_difference(color, y, x, v, u)
-            d_depth = depth_difference(depth, y, x, v, u, scale)
+            d_depth = depth_difference(depth, y, x, v, u, scale, noise)
             out[y, x] = boundary_cost(d_hsv, d_depth, at_ends(boundary, y, x, v, u, ends), k_x, k_b)

@@ -71,13 +71,16 @@ def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
 
     The three points lie in one plane with the camera, so only the sign of the cross product along the edge says
     something: positive in a valley. The printed rule takes its x component, which is right for edges whose normal
-    points upwards and zero for upright ones.
+    points upwards and zero for upright ones (left to rounding, its sign would be noise).
     """
     c = cross(v_plus, v_minus)
     sine = np.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
     cosine = v_plus[0] * v_minus[0] + v_plus[1] * v_minus[1] + v_plus[2] * v_minus[2]
     angle = np.arctan2(sine, cosine) * 180.0 / np.pi
-    along = c[0] if sign_rule == SIGN_X else -n_y * c[0] + n_x * c[1]
+    if sign_rule == SIGN_X:
+        along = c[0] if n_y != 0 else 0.0
+    else:
+        along = -n_y * c[0] + n_x * c[1]
     return -angle if along < 0.0 else angle
 
 
@@ -88,8 +91,8 @@ def is_contact(angle_deg, low_deg, high_deg):
 
 
 @kernel
-def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missing_is_boundary, contact_px, low_deg, high_deg,
-                   sign_rule, depth_boundary, contact):  # fmt: skip
+def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missing_is_boundary, contact_px, low_deg,
+                   high_deg, sign_rule, depth_boundary, contact):  # fmt: skip
     """Eqs. 12-19 on every edge pixel that is farther from the image border than its samples reach.
 
     edges (H, W) uint8; gx, gy (H, W) int16; depth (H, W) metres; camera (fx, fy, cx, cy);

@@ -35,7 +35,10 @@ def sum_regions(labels, sums, boxes):
 
 @kernel
 def sum_depth(labels, depth, camera, sums):
-    """Valid pixels of every region and the sum of their points. sums (R, 4) float64 = n, sum X, sum Y, sum Z (metres)."""
+    """Valid pixels of every region and the sum of their points in metres.
+
+    sums (R, 4) float64 = n, sum X, sum Y, sum Z, zero before.
+    """
     height, width = labels.shape
     fx, fy, cx, cy = camera
     for y in range(height):

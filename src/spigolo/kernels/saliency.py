@@ -9,8 +9,8 @@ from spigolo.kernels._jit import kernel
 def center_surround(gray, integral, surrounds, on, off):
     """Sums over all surrounds how much brighter (on) and darker (off) each pixel is than its surround.
 
-    gray (H, W) uint8; integral (H+1, W+1) of gray; surrounds: half-sizes n of 2n x 2n windows (rows y-n+1..y+n, clipped),
-    whose centre pixel does not count. Each difference is cut to a whole grey level; on and off (H, W) int32.
+    gray (H, W) uint8; integral (H+1, W+1) of gray; surrounds: half-sizes n of 2n x 2n windows (rows y-n+1..y+n,
+    clipped), whose centre pixel does not count. Each difference is cut to a whole grey level; on and off (H, W) int32.
     """
     height, width = gray.shape
     for y in range(height):

@@ -1,0 +1,50 @@
+# Two commands: `make demo` sets up and runs the main job, `make test` sets up and passes the tests.
+PYTHON ?= python3
+VENV := .venv
+ORACLE := .venv-oracle
+BIN := $(VENV)/bin
+
+.PHONY: help demo test check fast format clean
+
+help:  ## this list
+	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
+
+demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in spigolo-demo/
+	$(BIN)/spigolo demo
+
+test: $(VENV)/.developing $(ORACLE)/.installed check  ## install and run every check and test
+	$(BIN)/python -m pytest
+
+check: $(VENV)/.developing  ## style, types, import contract
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports --no-logo
+
+fast: $(VENV)/.developing  ## tests without real frames and without the oracle
+	$(BIN)/python -m pytest -m "not frames and not oracle"
+
+format: $(VENV)/.developing  ## put the source in its form
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+clean:  ## remove the environments
+	rm -rf $(VENV) $(ORACLE)
+
+$(VENV)/pyvenv.cfg:
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --upgrade "pip>=25.1"
+
+$(VENV)/.installed: $(VENV)/pyvenv.cfg pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable .
+	@touch $@
+
+$(VENV)/.developing: $(VENV)/pyvenv.cfg pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable ".[evaluation,synthetic]" --group dev
+	@touch $@ $(VENV)/.installed
+
+# OpenCV's contrib modules would overwrite the plain ones, so the oracle lives apart
+$(ORACLE)/.installed:
+	$(PYTHON) -m venv $(ORACLE)
+	$(ORACLE)/bin/python -m pip install --quiet "opencv-contrib-python-headless>=4.8"
+	@touch $@

@@ -1,0 +1,45 @@
+"""Segmentations in the words of other programs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spigolo.objects import RegionFacts, Segmentation
+
+
+def to_json(result: Segmentation) -> dict[str, Any]:
+    """The whole answer but its pixels, ready for json.dumps: objects by label, rejected regions with their reasons.
+
+    Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x).
+    """
+    return {
+        "preset": result.preset,
+        "digest": result.digest,
+        "image_size_px": list(result.labels.shape),
+        "objects": [{"label": o.label, **_facts(o), "oriented_box": _box(o)} for o in result],
+        "rejected": [{"reason": r.reason.value, "why": r.why, **_facts(r)} for r in result.rejected],
+    }
+
+
+def _facts(region: RegionFacts) -> dict[str, Any]:
+    return {
+        "area_px": region.area_px,
+        "box_px": list(region.box_px),
+        "centroid_px": list(region.centroid_px),
+        "centroid_m": None if region.centroid_m is None else list(region.centroid_m),
+        "spread_px2": list(region.spread_px2),
+        "eccentricity": region.eccentricity,
+        "missing_depth": region.missing,
+        "dark": region.dark,
+    }
+
+
+def _box(region: RegionFacts) -> dict[str, Any] | None:
+    box = region.oriented_box()
+    if box is None:
+        return None
+    return {
+        "center_m": box.center_m.tolist(),
+        "size_m": box.size_m.tolist(),
+        "R_camera_box": box.R_camera_box.tolist(),
+    }

@@ -1,0 +1,73 @@
+"""The package on real frames: every preset on every one, and what OBJECTS must reach."""
+
+from __future__ import annotations
+
+import json
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+import spigolo as sp
+from conftest import load_frame
+from spigolo.evaluation import score_frame, summarise
+
+pytestmark = pytest.mark.frames
+IGNORE = 255
+
+
+def every_frame(data: Path) -> list[str]:
+    listed = json.loads((data / "frames" / "splits.json").read_text())
+    return [*listed["dev"], *listed["unlabelled"]]
+
+
+@pytest.mark.parametrize("name", ["OBJECTS", "SHELF", "TABLE", "CLUTTER"])
+def test_every_frame_runs_and_its_answer_holds_together(data: Path, name: str) -> None:
+    names = every_frame(data)
+    assert len(names) == 88
+
+    def run(frame_name: str) -> None:
+        frame = load_frame(data / "frames" / frame_name)
+        trace = sp.trace(frame, sp.PRESETS[name])
+        result = trace.segmentation
+        assert result.labels.shape == frame.shape
+        assert result.labels.dtype == np.int32
+        assert np.array_equal(np.unique(result.labels[result.labels > 0]), np.arange(1, len(result) + 1))
+        assert len(result) + len(result.rejected) == trace.regions.count
+        for o in result:
+            assert np.array_equal(o.mask, result.labels == o.label)
+            assert o.area_px == np.count_nonzero(o.mask)
+        assert all(np.isfinite(plane[plane != np.inf]).all() for plane in trace.graph.weights)
+        finite = trace.graph.weights[trace.graph.weights != np.inf]
+        assert 0 <= finite.min(initial=0) <= finite.max(initial=0) <= 1
+
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(run, names))
+
+
+def test_objects_finds_the_objects_of_a_table(data: Path) -> None:
+    """Fitted to these frames with folds (scripts/fit_objects.py); the bounds are those asked of held-out folds."""
+
+    def score(k: int):
+        folder = data / "frames" / "osd-mosd" / f"learn{k}"
+        label = cv2.imread(str(folder / "label.png"), cv2.IMREAD_UNCHANGED)
+        ignore = label == IGNORE
+        return score_frame(np.where(ignore, 0, label), sp.segment(load_frame(folder)).labels, ignore=ignore)
+
+    with ThreadPoolExecutor(2) as pool:
+        total = summarise(list(pool.map(score, range(45))))
+    assert total.n_objects == 120
+    assert total.overlap_f >= 0.90
+    assert total.found_iou_70 >= 0.78
+
+
+def test_an_empty_tote_has_no_objects(data: Path) -> None:
+    assert len(sp.segment(load_frame(data / "frames" / "unlabelled" / "arc_tote_empty"))) == 0
+
+
+def test_two_runs_give_the_same_labels(frames: list[sp.Frame]) -> None:
+    for frame in frames:
+        for config in sp.PRESETS.values():
+            assert np.array_equal(sp.segment(frame, config).labels, sp.segment(frame, config).labels)

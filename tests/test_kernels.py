@@ -1,0 +1,519 @@
+"""Every kernel equals its slow twin in naive.py: whole numbers and partitions exactly, the rest within 1e-6."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+import naive
+from spigolo import Camera, Edges, Frame, Partition
+from spigolo.edges import scharr_canny
+from spigolo.graph import OFFSETS, Graph
+from spigolo.kernels import color, contours, costs, edges, inpainting, merging, moments, saliency, smoothing, sorting
+from spigolo.regions import VGA_PX2, partition
+
+KERNELS = Path(color.__file__).parent
+K_DV, K_DS = 4.5, 0.1
+TOLERANCE = {"rtol": 1e-6, "atol": 1e-6}
+
+# --- scenes ---------------------------------------------------------------------------------------------------
+
+
+def _frame(name: str, depth: naive.Array, rgb: naive.Array | None = None) -> Frame:
+    height, width = depth.shape
+    rng = np.random.default_rng(len(name))
+    rgb = rng.integers(0, 256, (height, width, 3), dtype=np.uint8) if rgb is None else rgb
+    camera = Camera(300.0, 310.0, width / 2 - 0.3, height / 2 + 0.2, width, height)
+    return Frame(rgb, depth.astype(np.float32), camera, name=name)
+
+
+def _synthetic() -> dict[str, Frame]:
+    rng = np.random.default_rng(1)
+    size = (17, 23)
+    random = rng.uniform(0.5, 4, size)
+    few = rng.choice([0.0, 0.8, 0.81, 1.3], size)
+    colors = rng.choice(np.array([0, 20, 255], np.uint8), (*size, 3))
+    ramp = np.linspace(0.7, 0.9, 23)[None] + np.linspace(0, 0.05, 17)[:, None]
+    crease = 1.0 + 0.01 * np.abs(np.arange(23) - 11)[None] - np.linspace(0, 0.1, 17)[:, None]
+    scenes = {
+        "random": _frame("random", random),
+        "tied": _frame("tied", few, colors),
+        "constant": _frame("constant", np.full(size, 1.25), np.full((*size, 3), 90, np.uint8)),
+        "all missing": _frame("all missing", np.zeros(size)),
+        "partly missing": _frame("partly missing", np.where(rng.random(size) < 0.3, 0, ramp)),
+        "ramp": _frame("ramp", ramp),
+        "crease": _frame("crease", crease),
+    }
+    for height, width in ((1, 1), (1, 9), (9, 1), (2, 2)):
+        depth = np.where(rng.random((height, width)) < 0.2, 0, rng.uniform(0.9, 1.1, (height, width)))
+        scenes[f"{height}x{width}"] = _frame(f"{height}x{width}", depth)
+    return scenes
+
+
+SYNTHETIC = _synthetic()
+CROPS = [pytest.param(k, id=f"crop {k}", marks=pytest.mark.frames) for k in range(3)]
+
+
+@pytest.fixture(params=[*SYNTHETIC, *CROPS])
+def scene(request: pytest.FixtureRequest) -> Frame:
+    if isinstance(request.param, str):
+        return SYNTHETIC[request.param]
+    return request.getfixturevalue("crops")[request.param]
+
+
+@pytest.fixture
+def rng(scene: Frame) -> np.random.Generator:
+    return np.random.default_rng(scene.depth.size)
+
+
+def integral(image: naive.Array, kind: type = np.float64) -> naive.Array:
+    out = np.zeros((image.shape[0] + 1, image.shape[1] + 1), kind)
+    out[1:, 1:] = image.astype(kind).cumsum(0).cumsum(1)
+    return out
+
+
+def random_radii(rng: np.random.Generator, shape: tuple[int, int], largest: int = 6) -> naive.Array:
+    y, x = np.mgrid[: shape[0], : shape[1]]
+    room = np.minimum.reduce([y, x, shape[0] - 1 - y, shape[1] - 1 - x])
+    return np.minimum(rng.integers(0, largest + 1, shape), room).astype(np.int32)
+
+
+# --- colour and weights ---------------------------------------------------------------------------------------
+
+
+def points_of(rgb: naive.Array, k_dv: float = K_DV, k_ds: float = K_DS) -> naive.Array:
+    out = np.empty((3, *rgb.shape[:2]), np.float32)
+    color.hsv_points(rgb.astype(np.float32), k_dv, k_ds, out)
+    return out
+
+
+@pytest.mark.parametrize(("k_dv", "k_ds"), [(K_DV, K_DS), (1.0, 1.0), (0.2, 3.0)])
+def test_hsv_points(scene: Frame, k_dv: float, k_ds: float) -> None:
+    np.testing.assert_allclose(
+        points_of(scene.color, k_dv, k_ds), naive.hsv_points(scene.color, k_dv, k_ds), **TOLERANCE
+    )
+
+
+@pytest.mark.parametrize(("k_dv", "k_ds"), [(K_DV, K_DS), (1.0, 1.0), (0.2, 3.0)])
+def test_color_difference_by_points_equals_the_printed_one_by_hue_angle(k_dv: float, k_ds: float) -> None:
+    corners = np.stack(np.meshgrid(*[[0, 100, 255]] * 3), -1).reshape(1, -1, 3)
+    points = points_of(corners, k_dv, k_ds)
+    for i in range(corners.shape[1]):
+        for j in range(corners.shape[1]):
+            printed = naive.color_difference(corners[0, i], corners[0, j], k_dv, k_ds)
+            assert color.color_difference(points, 0, i, 0, j) == pytest.approx(printed, abs=1e-6)
+
+
+def _scale(depth: naive.Array) -> float:
+    valid = depth[depth > 0]
+    return 1.0 / float(np.ptp(valid)) if valid.size and np.ptp(valid) > 0 else 0.0
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+@pytest.mark.parametrize("ends", ["max", "i"])
+def test_saliency_plane(scene: Frame, rng: np.random.Generator, offset: tuple[int, int], ends: str) -> None:
+    cue, k = rng.random(scene.shape, np.float32), (1.05, 1.5, 0.5)
+    out = np.empty(scene.shape, np.float32)
+    code = costs.ENDS_I if ends == "i" else costs.ENDS_MAX
+    scale = _scale(scene.depth)
+    costs.saliency_plane(points_of(scene.color), scene.depth, cue, scale, 0.001, *k, code, *offset, out)
+    twin = naive.saliency_plane(scene.color, scene.depth, cue, scale, 0.001, K_DV, K_DS, k, ends, offset)
+    np.testing.assert_allclose(out, twin, **TOLERANCE)
+
+
+@pytest.mark.parametrize("offset", OFFSETS)
+@pytest.mark.parametrize("ends", ["max", "i"])
+def test_boundary_plane(scene: Frame, rng: np.random.Generator, offset: tuple[int, int], ends: str) -> None:
+    cue, k = (rng.random(scene.shape) < 0.3).astype(np.float32), (7.5, 0.66)
+    out = np.empty(scene.shape, np.float32)
+    code = costs.ENDS_I if ends == "i" else costs.ENDS_MAX
+    costs.boundary_plane(points_of(scene.color), scene.depth, cue, 2.0, 0.0028, *k, code, *offset, out)
+    twin = naive.boundary_plane(scene.color, scene.depth, cue, 2.0, 0.0028, K_DV, K_DS, k, ends, offset)
+    np.testing.assert_allclose(out, twin, **TOLERANCE)
+
+
+# --- depth ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("step_factor", [0.5, 3.0, 18.0])
+def test_mark_steps(scene: Frame, step_factor: float) -> None:
+    out = np.empty(scene.shape, np.uint8)
+    smoothing.mark_steps(scene.depth, 0.0028, step_factor, out)
+    np.testing.assert_array_equal(out, naive.mark_steps(scene.depth, 0.0028, step_factor))
+
+
+@pytest.mark.parametrize("max_radius", [0, 3, 40])
+def test_smoothing_radius(scene: Frame, rng: np.random.Generator, max_radius: int) -> None:
+    distance = rng.uniform(0, 12, scene.shape).astype(np.float32)
+    out = np.empty(scene.shape, np.int32)
+    smoothing.smoothing_radius(scene.depth, distance, 0.0028, 1500.0, max_radius, out)
+    np.testing.assert_array_equal(out, naive.smoothing_radius(scene.depth, distance, 0.0028, 1500.0, max_radius))
+
+
+def test_count_boxes(scene: Frame, rng: np.random.Generator) -> None:
+    mask, radius = scene.depth == 0, random_radii(rng, scene.shape)
+    out = np.empty(scene.shape, np.int32)
+    smoothing.count_boxes(integral(mask), radius, out)
+    np.testing.assert_array_equal(out, naive.count_boxes(mask, radius))
+
+
+@pytest.mark.parametrize("left_out", ["missing", "nothing", "more"])
+def test_mean_boxes(scene: Frame, rng: np.random.Generator, left_out: str) -> None:
+    mask = {
+        "missing": scene.depth == 0,
+        "nothing": np.zeros(scene.shape, bool),
+        "more": (scene.depth == 0) | (rng.random(scene.shape) < 0.6),
+    }[left_out]
+    radius, out = random_radii(rng, scene.shape), np.empty(scene.shape, np.float32)
+    smoothing.mean_boxes(scene.depth, integral(np.where(mask, 0, scene.depth)), integral(mask), radius, out)
+    np.testing.assert_allclose(out, naive.mean_boxes(scene.depth, mask, radius), **TOLERANCE)
+
+
+def test_close_holes(scene: Frame, rng: np.random.Generator) -> None:
+    holes = rng.random(scene.shape) < 0.7
+    out = np.empty(scene.shape, np.float32)
+    inpainting.close_holes(scene.depth, holes, 0.03, 0.03, out)
+    np.testing.assert_allclose(out, naive.close_holes(scene.depth, holes, 0.03, 0.03), **TOLERANCE)
+
+
+def test_measure_gaps(scene: Frame, rng: np.random.Generator) -> None:
+    count, gaps = cv2.connectedComponents((scene.depth == 0).astype(np.uint8), connectivity=8)
+    distance = rng.uniform(0.5, 9, scene.shape).astype(np.float32)
+    radius, far = np.zeros(count, np.float32), np.zeros(count, np.float32)
+    near = np.full(count, np.inf, np.float32)
+    inpainting.measure_gaps(gaps, distance, scene.depth, radius, near, far)
+    twin_radius, twin_near, twin_far = naive.measure_gaps(gaps, distance, scene.depth)
+    np.testing.assert_array_equal(radius, twin_radius)
+    np.testing.assert_array_equal(near, twin_near)
+    np.testing.assert_array_equal(far, twin_far)
+
+
+# --- saliency and edges ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("surrounds", [[12, 24, 48, 28, 56, 112], [1], [2, 3]])
+def test_center_surround(scene: Frame, surrounds: list[int]) -> None:
+    gray = scene.color[:, :, 1].copy()
+    on, off = np.empty(gray.shape, np.int32), np.empty(gray.shape, np.int32)
+    saliency.center_surround(gray, integral(gray, np.int32), np.array(surrounds, np.int64), on, off)
+    twin_on, twin_off = naive.center_surround(gray, surrounds)
+    np.testing.assert_array_equal(on, twin_on)
+    np.testing.assert_array_equal(off, twin_off)
+
+
+def _classify(scene: Frame, canny: naive.Array, gx: naive.Array, gy: naive.Array, **changes: object) -> None:
+    k = scene.camera
+    camera = (k.fx, k.fy, k.cx, k.cy)
+    values: dict[str, object] = {
+        "step_px": 3,
+        "step_m": 0.03,
+        "signed": False,
+        "missing_is_boundary": False,
+        "contact_px": 2,
+        "low_deg": 56.0,
+        "high_deg": 154.0,
+        "sign_rule": "tangent",
+    }
+    values |= changes
+    rule = edges.SIGN_X if values["sign_rule"] == "x" else edges.SIGN_TANGENT
+    depth_boundary, contact = np.zeros(canny.shape, np.uint8), np.zeros(canny.shape, np.uint8)
+    rest = list((values | {"sign_rule": rule}).values())
+    edges.classify_edges(canny.astype(np.uint8), gx, gy, scene.depth, camera, *rest, depth_boundary, contact)
+    twin = naive.classify_edges(canny, gx, gy, scene.depth, camera, **values)  # type: ignore[arg-type]
+    np.testing.assert_array_equal(depth_boundary, twin[0])
+    np.testing.assert_array_equal(contact, twin[1])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"signed": True},
+        {"missing_is_boundary": True},
+        {"step_px": 1, "contact_px": 3, "step_m": 0.002},
+        {"low_deg": 0.0, "high_deg": 179.5},
+    ],
+    ids=str,
+)
+def test_classify_edges(scene: Frame, rng: np.random.Generator, changes: dict[str, object]) -> None:
+    gx, gy = rng.integers(-9000, 9000, (2, *scene.shape)).astype(np.int16)
+    _classify(scene, rng.random(scene.shape) < 0.5, gx, gy, **changes)
+    canny, gx, gy = scharr_canny(scene.color, Edges())
+    _classify(scene, canny, gx, gy, **changes)
+
+
+def test_classify_edges_by_the_printed_sign_rule(scene: Frame, rng: np.random.Generator) -> None:
+    gx, gy = rng.integers(-9000, 9000, (2, *scene.shape)).astype(np.int16)
+    _classify(scene, rng.random(scene.shape) < 0.5, gx, gy, sign_rule="x")
+
+
+@pytest.mark.parametrize("max_run", [0, 1, 2, 40])
+def test_fill_shadows(scene: Frame, max_run: int) -> None:
+    out = np.full(scene.shape, -1, np.float32)
+    contours.fill_shadows(scene.depth, max_run, out)
+    np.testing.assert_array_equal(out, naive.fill_shadows(scene.depth, max_run))
+
+
+@pytest.mark.parametrize("reach", [(1, 2), (3, 2), (4, 4)])
+def test_mark_contours(scene: Frame, reach: tuple[int, int]) -> None:
+    k, filled = scene.camera, naive.fill_shadows(scene.depth, 3)
+    camera, limits = (k.fx, k.fy, k.cx, k.cy), (0.012, 0.007)
+    steps, creases = np.zeros(scene.shape, np.uint8), np.zeros(scene.shape, np.uint8)
+    rest = (reach[0], *limits, reach[1], 40.0, 150.0)
+    contours.mark_contours(scene.depth, filled, camera, *rest, steps, creases)
+    twin_steps, twin_creases = naive.mark_contours(scene.depth, filled, camera, *rest)
+    np.testing.assert_array_equal(steps, twin_steps)
+    np.testing.assert_array_equal(creases, twin_creases)
+
+
+# --- sorting --------------------------------------------------------------------------------------------------
+
+WEIGHTS = {
+    "random": np.random.default_rng(2).random(700, np.float32),
+    "tied": np.random.default_rng(3).choice(np.float32([0, 1e-42, 0.25, 0.25000003, 1, np.inf]), 500),
+    "constant": np.full(90, 0.5, np.float32),
+    "infinite": np.full(9, np.inf, np.float32),
+    "zero": np.zeros(33, np.float32),
+    "falling": np.linspace(3e38, 0, 400, dtype=np.float32),
+    "one": np.float32([0.5]),
+    "none": np.float32([]),
+}
+
+
+@pytest.fixture(params=WEIGHTS)
+def weights(request: pytest.FixtureRequest) -> naive.Array:
+    return WEIGHTS[request.param]
+
+
+def test_count_digits(weights: naive.Array) -> None:
+    starts = np.zeros((3, sorting.BUCKETS), np.int64)
+    sorting.count_digits(weights.view(np.uint32), starts)
+    np.testing.assert_array_equal(starts, naive.count_digits(weights.view(np.uint32)))
+
+
+@pytest.mark.parametrize("pass_", [0, 1, 2])
+def test_scatter(weights: naive.Array, pass_: int) -> None:
+    keys, order = weights.view(np.uint32), np.random.default_rng(4).permutation(weights.size).astype(np.uint32)
+    shift, out = pass_ * sorting.DIGIT_BITS, np.empty_like(order)
+    sorting.scatter(keys, order, naive.count_digits(keys)[pass_].astype(np.int64), shift, out)
+    assert out.tolist() == naive.scatter(keys, order, shift)
+
+
+def test_sort_edges(weights: naive.Array) -> None:
+    order = np.arange(weights.size, dtype=np.uint32)
+    sorting.sort_edges(weights.view(np.uint32), order, np.empty_like(order))
+    assert order.tolist() == naive.sort_edges(weights)
+
+
+# --- merging --------------------------------------------------------------------------------------------------
+
+
+def planes(kind: str, shape: tuple[int, int], connectivity: int = 8) -> naive.Array:
+    """Weights (P, H, W) of a kind, +inf where an edge leaves the image."""
+    count = connectivity // 2
+    rng = np.random.default_rng(shape[0] * 100 + shape[1])
+    full = (count, *shape)
+    weights = {
+        "random": rng.random(full),
+        "tied": rng.choice([0.0, 0.1, 0.2], full),
+        "zero": np.zeros(full),
+        "constant": np.full(full, 0.3),
+        "ramp": np.broadcast_to(np.linspace(0, 1, shape[1]), full),
+        "steps": np.broadcast_to(np.arange(shape[0])[:, None] % 3 / 2, full),
+    }[kind].astype(np.float32)
+    for plane, (dy, dx) in zip(weights, OFFSETS, strict=False):
+        for y, x in naive.pixels(plane):
+            if not naive.inside(plane, y + dy, x + dx):
+                plane[y, x] = np.inf
+    return weights
+
+
+KINDS = ["random", "tied", "zero", "constant", "ramp", "steps"]
+SIZES = [(1, 1), (1, 8), (8, 1), (2, 2), (5, 6), (14, 19)]
+GAMMAS = [0.0, 0.0016, 0.3, 5.0, 1e9]
+
+
+def _merged(weights: naive.Array, gamma: float) -> tuple[naive.Array, ...]:
+    """What both merging kernels need, after the first one ran."""
+    width, pixels = weights.shape[2], weights[0].size
+    flat = weights.reshape(-1)
+    order = np.array(naive.sort_edges(flat), np.uint32)
+    offsets = np.array([dy * width + dx for dy, dx in OFFSETS[: len(weights)]], np.int64)
+    parent, size, bound = np.arange(pixels, dtype=np.int32), np.ones(pixels, np.int32), np.full(pixels, gamma)
+    merging.merge(flat, order, offsets, gamma, parent, size, bound)
+    return flat, order, offsets, parent, size, bound
+
+
+def _roots(parent: naive.Array) -> list[int]:
+    roots = np.arange(parent.size)
+    for _ in range(parent.size):
+        roots = parent[roots]
+    return [int(root) for root in roots]
+
+
+@pytest.mark.parametrize("gamma", GAMMAS)
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_merge(kind: str, size: tuple[int, int], gamma: float) -> None:
+    weights = planes(kind, size)
+    *_, parent, sizes, bound = _merged(weights, gamma)
+    forest, roots = naive.merge(weights, gamma), _roots(parent)
+    np.testing.assert_array_equal(naive.number_regions(roots), forest.labels())
+    for pixel, root in enumerate(roots):
+        component = forest.component[pixel]
+        area = len(forest.members[component])
+        assert (sizes[root], bound[root]) == (area, forest.internal[component] + gamma / area)
+
+
+@pytest.mark.parametrize("min_size", [0.0, 2.0, 7.5, 1e6])
+@pytest.mark.parametrize("kind", KINDS)
+def test_absorb_small(kind: str, min_size: float) -> None:
+    weights = planes(kind, (11, 13))
+    flat, order, offsets, parent, sizes, _ = _merged(weights, 0.4)
+    merging.absorb_small(flat, order, offsets, min_size, parent, sizes)
+    forest = naive.merge(weights, 0.4)
+    naive.absorb_small(forest, weights, min_size)
+    np.testing.assert_array_equal(naive.number_regions(_roots(parent)), forest.labels())
+    assert min(sizes[_roots(parent)]) >= min(min_size, flat.size / 4)
+
+
+@pytest.mark.parametrize("pixels", [1, 2, 50])
+def test_number_regions(pixels: int) -> None:
+    parent = np.array([np.random.default_rng(pixels).integers(0, k + 1) for k in range(pixels)], np.int32)
+    expected = naive.number_regions(_roots(parent))
+    labels = np.empty(pixels, np.int32)
+    assert merging.number_regions(parent, np.full(pixels, -1, np.int32), labels) == expected.max() + 1
+    np.testing.assert_array_equal(labels, expected)
+
+
+@pytest.mark.parametrize("connectivity", [4, 8])
+@pytest.mark.parametrize("gamma", GAMMAS)
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_partition_equals_the_textbook(kind: str, size: tuple[int, int], gamma: float, connectivity: int) -> None:
+    weights = planes(kind, size, connectivity)
+    for min_size_px2 in (0.0, 4.0 * VGA_PX2 / weights[0].size):
+        config = Partition(gamma=gamma, connectivity=connectivity, min_size_px2=min_size_px2)
+        regions = partition(Graph(weights), config)
+        expected = naive.partition(weights, gamma, min_size_px2 * weights[0].size / VGA_PX2)
+        np.testing.assert_array_equal(regions.labels, expected)
+        assert regions.count == expected.max() + 1
+
+
+@pytest.mark.frames
+@pytest.mark.parametrize("gamma", [0.0016, 0.5])
+def test_partition_of_real_frames_equals_the_textbook(crops: list[Frame], gamma: float) -> None:
+    for frame in crops:
+        weights = np.empty((4, *frame.shape), np.float32)
+        for plane, offset in zip(weights, OFFSETS, strict=True):
+            cue, scale = np.zeros(frame.shape, np.float32), _scale(frame.depth)
+            costs.saliency_plane(points_of(frame.color), frame.depth, cue, scale, 0.0, 1.0, 1.5, 0.5, 0, *offset, plane)
+        regions = partition(Graph(weights), Partition(gamma=gamma, min_size_px2=500))
+        expected = naive.partition(weights, gamma, 500 * frame.depth.size / VGA_PX2)
+        np.testing.assert_array_equal(regions.labels, expected)
+
+
+# --- sums over regions ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def labels(scene: Frame, rng: np.random.Generator) -> naive.Array:
+    scattered = rng.integers(0, min(5, scene.depth.size), scene.shape)
+    return naive.number_regions(scattered.reshape(-1).tolist()).reshape(scene.shape)
+
+
+def test_sum_regions(labels: naive.Array) -> None:
+    count = int(labels.max()) + 1
+    sums, boxes = np.zeros((count, 6)), np.zeros((count, 4), np.int32)
+    moments.sum_regions(labels, sums, boxes)
+    twin_sums, twin_boxes = naive.sum_regions(labels, count)
+    np.testing.assert_array_equal(sums, twin_sums)
+    np.testing.assert_array_equal(boxes, twin_boxes)
+
+
+def test_sum_depth(scene: Frame, labels: naive.Array) -> None:
+    count, k = int(labels.max()) + 1, scene.camera
+    sums, camera = np.zeros((count, 4)), (k.fx, k.fy, k.cx, k.cy)
+    moments.sum_depth(labels, scene.depth, camera, sums)
+    np.testing.assert_allclose(sums, naive.sum_depth(labels, scene.depth, camera, count), **TOLERANCE)
+
+
+@pytest.mark.parametrize("divisor", [1, 8])
+def test_count_dark(scene: Frame, labels: naive.Array, divisor: int) -> None:
+    count, dimmed = int(labels.max()) + 1, scene.color // np.uint8(divisor)
+    counts = np.zeros(count, np.int64)
+    moments.count_dark(labels, dimmed, counts)
+    assert counts.tolist() == naive.count_dark(labels, dimmed, count)
+
+
+# --- all of them ----------------------------------------------------------------------------------------------
+
+
+def kernel_names() -> dict[str, str]:
+    """Module of every function that carries @kernel."""
+    names = {}
+    for path in sorted(KERNELS.glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef) and any(ast.unparse(d) == "kernel" for d in node.decorator_list):
+                assert node.name not in names, f"two kernels are named {node.name}"
+                names[node.name] = path.stem
+    return names
+
+
+def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
+    tree = ast.parse(Path(__file__).read_text(encoding="utf-8"))
+    called = {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    names = kernel_names()
+    assert len(names) >= 20
+    assert [name for name in names if not hasattr(naive, name)] == []
+    assert [name for name, module in names.items() if f"{module}.{name}" not in called] == []
+    assert [name for name in names if f"naive.{name}" not in called] == []
+
+
+OUTSIDE_THE_PIPELINE = {"count_digits", "scatter", "count_boxes"}
+"""The first two are called by another kernel, which brings them along when it comes from the cache; the last one is
+eq. 7 alone, which smoothing counts within eq. 8."""
+
+COUNT_SIGNATURES = """
+import importlib, json, sys
+import numpy as np
+import spigolo as sp
+
+names, whole_numbers = json.loads(sys.argv[1]), json.loads(sys.argv[2])
+rng = np.random.default_rng(5)
+for height, width in ((60, 80), (97, 53)):
+    depth = (1000 + 3 * np.add.outer(np.arange(height), np.arange(width))).astype(np.uint16)
+    depth[20:30, 20:40] -= 150
+    depth[40:43, 30:33] = 0
+    color = rng.integers(0, 60, (height, width, 3), dtype=np.uint8)
+    color[20:30, 20:40] += 150
+    first = (height, width) == (60, 80)
+    kind = int if whole_numbers and first else float
+    camera = sp.Camera(kind(80), kind(80), kind(width // 2), kind(height // 2), width, height)
+    frames = [sp.Frame(color, depth, camera, depth_scale=0.001), sp.Frame(color, depth / 1000.0, camera)]
+    for preset in (sp.TABLE, sp.SHELF, sp.OBJECTS):
+        sp.trace(frames[0 if first else 1], preset)
+found = {n: len(getattr(importlib.import_module(f"spigolo.kernels.{m}"), n).signatures) for n, m in names.items()}
+print(json.dumps(found))
+"""
+
+
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT", "0") != "0", reason="nothing is compiled")
+@pytest.mark.parametrize("whole_numbers", [False, True], ids=["float intrinsics", "whole-number intrinsics"])
+def test_every_kernel_is_compiled_for_one_signature(whole_numbers: bool) -> None:
+    arguments = [json.dumps(kernel_names()), json.dumps(whole_numbers)]
+    run = subprocess.run(
+        [sys.executable, "-c", COUNT_SIGNATURES, *arguments], capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    signatures = json.loads(run.stdout)
+    assert {name: count for name, count in signatures.items() if count > 1} == {}
+    assert {name for name, count in signatures.items() if count == 0} <= OUTSIDE_THE_PIPELINE

@@ -1,0 +1,221 @@
+"""Facts about regions, rules of rejection, oriented boxes, the answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import spigolo as sp
+from spigolo.boxes import fit_box
+from spigolo.objects import measure_regions
+from spigolo.presets import preset
+from spigolo.regions import Regions
+
+CAMERA = sp.Camera(fx=500.0, fy=500.0, cx=79.5, cy=59.5, width=160, height=120)
+
+
+def frame_of(depth: np.ndarray, color: int = 128) -> sp.Frame:
+    return sp.Frame(np.full((*depth.shape, 3), color, np.uint8), depth, CAMERA)
+
+
+def facts_of(labels: np.ndarray, depth: np.ndarray | None = None, color: int = 128) -> list:
+    depth = np.ones(labels.shape, np.float32) if depth is None else depth
+    frame = frame_of(depth, color)
+    return measure_regions(Regions(labels.astype(np.int32), int(labels.max()) + 1), frame.depth, frame)
+
+
+def test_facts_of_a_rectangle() -> None:
+    labels = np.zeros((120, 160), np.int32)
+    labels[20:40, 30:90] = 1  # 20 x 60 pixels
+    facts = facts_of(labels)[1]
+    assert facts.area_px == 1200
+    assert facts.box_px == (20, 30, 40, 90)
+    assert facts.centroid_px == (29.5, 59.5)
+    # variance of n consecutive integers is (n^2 - 1) / 12
+    assert facts.spread_px2 == pytest.approx(((60**2 - 1) / 12, (20**2 - 1) / 12))
+    assert facts.eccentricity == pytest.approx(np.sqrt(1 - 399 / 3599))
+    # at 1 m: X = (59.5 - 79.5) / 500, Y = (29.5 - 59.5) / 500
+    assert facts.centroid_m == pytest.approx((-0.04, -0.06, 1.0), abs=1e-6)
+    assert facts.points_m().shape == (1200, 3)
+    assert facts.missing == 0
+
+
+def test_missing_depth_is_counted_in_what_was_measured() -> None:
+    labels = np.zeros((120, 160), np.int32)
+    labels[20:40, 30:90] = 1
+    depth = np.ones(labels.shape, np.float32)
+    depth[20:40, 30:60] = 0
+    facts = facts_of(labels, depth)[1]
+    assert facts.missing == 0.5
+    assert len(facts.points_m()) == 600
+
+
+def test_a_region_without_depth_has_no_place_in_space() -> None:
+    facts = facts_of(np.zeros((120, 160), np.int32), np.zeros((120, 160), np.float32))[0]
+    assert facts.centroid_m is None
+    assert facts.distance_m is None
+    assert facts.oriented_box() is None
+    assert facts.points_m().shape == (0, 3)
+
+
+def region(width: int = 60, height: int = 50, **scene):
+    """Facts of a rectangle in an image of its own."""
+    labels = np.zeros((120, 160), np.int32)
+    labels[10 : 10 + height, 10 : 10 + width] = 1
+    return facts_of(labels, **scene)[1]
+
+
+@pytest.mark.parametrize(
+    ("rule", "limit", "broken", "kept", "reason"),
+    [
+        ("max_distance_m", 1.5, {"depth": np.full((120, 160), 1.6, np.float32)}, {}, "out of reach"),
+        ("max_lambda1_px2", 310.0, {"width": 62}, {"width": 60}, "too long"),  # (n^2 - 1) / 12: 320, 300
+        ("max_lambda2_px2", 200.0, {"height": 50}, {"height": 48}, "too wide"),  # 208, 192
+        ("max_eccentricity", 0.9, {"height": 25}, {"height": 30}, "too thin"),
+        ("max_dark", 0.3, {"color": 23}, {"color": 24}, "dark"),
+    ],
+)
+def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, reason) -> None:
+    from spigolo.objects import judge
+
+    rules = sp.Rejection(**{rule: limit})
+    verdict = judge(region(**broken), rules, 1.0)
+    assert verdict is not None
+    assert verdict[0].value == reason
+    assert reason in verdict[1]
+    assert judge(region(**kept), rules, 1.0) is None
+    assert judge(region(**broken), sp.Rejection(), 1.0) is None
+
+
+def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:
+    from spigolo.objects import judge
+
+    rules = sp.Rejection(max_missing=0.3)
+    depth = np.ones((120, 160), np.float32)
+    depth[10:60, 10:28] = 0  # 18 of 60 columns: 30 %
+    assert judge(region(depth=depth), rules, 1.0) is None
+    depth[10, 28] = 0
+    verdict = judge(region(depth=depth), rules, 1.0)
+    assert verdict is not None
+    assert verdict[0] is sp.Reason.MISSING_DEPTH
+
+
+def test_dark_is_rejected_at_thirty_percent() -> None:
+    from spigolo.objects import judge
+
+    labels = np.zeros((120, 160), np.int32)
+    labels[10:60, 10:70] = 1
+    color = np.full((120, 160, 3), 200, np.uint8)
+    color[10:60, 10:28] = 23  # 30 % of it
+    frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
+    facts = measure_regions(Regions(labels, 2), frame.depth, frame)[1]
+    verdict = judge(facts, sp.Rejection(max_dark=0.3), 1.0)
+    assert verdict is not None
+    assert verdict[0] is sp.Reason.DARK
+    color[10, 10] = 24
+    frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
+    assert judge(measure_regions(Regions(labels, 2), frame.depth, frame)[1], sp.Rejection(max_dark=0.3), 1.0) is None
+
+
+def test_pixel_limits_grow_with_the_image() -> None:
+    from spigolo.objects import judge
+
+    rules = sp.Rejection(max_lambda1_px2=310.0)
+    assert judge(region(width=62), rules, 1.0) is not None
+    assert judge(region(width=62), rules, 4.0) is None
+
+
+def cuboid_depth() -> tuple[np.ndarray, np.ndarray]:
+    """Depth of a 12 x 8 cm board at 0.8 m before a wall at 1.5 m, slanted about the vertical, and its mask."""
+    y, x = np.mgrid[0:120, 0:160]
+    ray = (x - CAMERA.cx) / CAMERA.fx
+    slope = np.tan(np.deg2rad(30))
+    z = 0.8 / (1 - slope * ray)  # the plane Z = 0.8 + slope X
+    along = ray * z / np.cos(np.deg2rad(30))
+    mask = (np.abs(along) <= 0.06) & (np.abs((y - CAMERA.cy) / CAMERA.fy * z) <= 0.04)
+    return np.where(mask, z, 1.5).astype(np.float32), mask
+
+
+def test_an_oriented_box_has_the_size_and_direction_of_a_slanted_board() -> None:
+    depth, mask = cuboid_depth()
+    box = fit_box(mask, depth, CAMERA)
+    assert box is not None
+    assert box.size_m == pytest.approx((0.12, 0.08, 0.0), abs=0.006)
+    assert box.center_m == pytest.approx((0, 0, 0.8), abs=0.004)
+    assert abs(box.R_camera_box[:, 0] @ [np.cos(np.pi / 6), 0, np.sin(np.pi / 6)]) > 0.999
+    assert np.linalg.det(box.R_camera_box) == pytest.approx(1)
+    corners = box.corners_m()
+    assert corners.shape == (8, 3)
+    assert np.ptp((corners - box.center_m) @ box.R_camera_box, axis=0) == pytest.approx(box.size_m)
+
+
+def test_flying_pixels_at_the_contour_do_not_blow_up_a_box() -> None:
+    depth, mask = cuboid_depth()
+    import cv2
+
+    rim = mask & (cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0)
+    flying = depth.copy()
+    flying[rim] = np.random.default_rng(0).uniform(0.8, 1.5, np.count_nonzero(rim)).astype(np.float32)
+    clean, spoilt = fit_box(mask, depth, CAMERA), fit_box(mask, flying, CAMERA)
+    assert clean is not None
+    assert spoilt is not None
+    assert spoilt.size_m == pytest.approx(clean.size_m, abs=1e-6)
+
+
+def scene() -> sp.Frame:
+    """Two boxes that stand before a wall, at 0.7 and 0.8 m."""
+    depth = np.full((120, 160), 1.0, np.float32)
+    color = np.full((120, 160, 3), 90, np.uint8)
+    depth[30:80, 20:60], color[30:80, 20:60] = 0.7, (200, 30, 30)
+    depth[40:90, 90:140], color[40:90, 90:140] = 0.8, (30, 60, 200)
+    return sp.Frame(color, depth, CAMERA)
+
+
+def test_two_boxes_before_a_wall_are_two_objects_with_their_facts() -> None:
+    config = preset("TABLE").replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
+    result = sp.segment(scene(), config)
+    assert len(result) == 2
+    near, far = sorted(result, key=lambda o: o.centroid_m[2])
+    assert near.centroid_m[2] == pytest.approx(0.7, abs=0.005)
+    assert far.centroid_m[2] == pytest.approx(0.8, abs=0.005)
+    assert near.area_px == pytest.approx(2000, rel=0.06)
+    assert far.area_px == pytest.approx(2500, rel=0.06)
+    wall, *slivers = sorted(result.rejected, key=lambda r: -r.area_px)
+    assert wall.reason is sp.Reason.TOO_LONG
+    assert all(r.reason is sp.Reason.TOO_THIN for r in slivers)
+    assert result.preset == "TABLE"
+    assert result.digest == config.digest != preset("TABLE").digest
+
+
+def test_the_answer_is_an_array_and_a_sequence() -> None:
+    config = preset("TABLE").replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
+    result = sp.segment(scene(), config)
+    assert np.array_equal(np.asarray(result), result.labels)
+    assert np.asarray(result, dtype=np.uint8).dtype == np.uint8
+    assert [o.label for o in result] == [1, 2]
+    assert result[0].label == 1
+    copy = np.array(result)
+    copy[:] = 0
+    assert result.labels.any()
+
+
+def test_results_do_not_change_when_the_next_frame_is_segmented() -> None:
+    first = sp.segment(scene(), sp.TABLE)
+    before = first.labels.copy()
+    sp.segment(sp.Frame(np.zeros((120, 160, 3), np.uint8), np.ones((120, 160), np.float32), CAMERA), sp.TABLE)
+    assert np.array_equal(first.labels, before)
+
+
+def test_auto_cost_follows_the_missing_depth() -> None:
+    cost = sp.AutoCost()
+    config = sp.TABLE.replace(cost=cost, partition={"gamma_shadows": 5.0})
+    full = sp.trace(scene(), config)
+    assert isinstance(full.cues.cost, sp.BoundaryCost)
+    assert full.cues.saliency is None
+    holed = scene().depth.copy()
+    holed[35:75, 62:88] = 0  # a shadow between the boxes
+    shadows = sp.trace(sp.Frame(scene().color, holed, CAMERA), config)
+    assert shadows.cues.missing == pytest.approx(40 * 26 / (120 * 160))
+    assert isinstance(shadows.cues.cost, sp.SaliencyCost)
+    assert shadows.graph.shadows
+    assert shadows.cues.edges is None

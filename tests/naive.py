@@ -289,6 +289,17 @@ def classify_edges(
     return depth_boundary, contact
 
 
+def sum_contours(labels: Array, boundary: Array) -> Array:
+    """(R, 2): pairs of 4-neighbours across the border of each region, and the sum of the larger boundary of each."""
+    out = np.zeros((labels.max() + 1, 2))
+    for y, x in pixels(labels):
+        for v, u in ((y, x + 1), (y + 1, x)):
+            if inside(labels, v, u) and labels[v, u] != labels[y, x]:
+                for region in (labels[y, x], labels[v, u]):
+                    out[region] += 1, float(max(boundary[y, x], boundary[v, u]))
+    return out
+
+
 def fill_shadows(depth: Array, max_run: int) -> Array:
     out = depth.copy()
     for y, x in np.argwhere(depth == 0):

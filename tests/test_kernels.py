@@ -454,6 +454,13 @@ def test_count_dark(scene: Frame, labels: naive.Array, divisor: int) -> None:
     assert counts.tolist() == naive.count_dark(labels, dimmed, count)
 
 
+def test_sum_contours(scene: Frame, labels: naive.Array, rng: np.random.Generator) -> None:
+    boundary = rng.random(labels.shape, np.float32)
+    sums = np.zeros((int(labels.max()) + 1, 2))
+    moments.sum_contours(labels, boundary, sums)
+    np.testing.assert_allclose(sums, naive.sum_contours(labels, boundary), **TOLERANCE)
+
+
 # --- all of them ----------------------------------------------------------------------------------------------
 
 

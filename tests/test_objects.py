@@ -7,6 +7,7 @@ import pytest
 
 import spigolo as sp
 from spigolo.boxes import fit_box
+from spigolo.cues import Cues, gather_cues
 from spigolo.objects import measure_regions
 from spigolo.presets import preset
 from spigolo.regions import Regions
@@ -18,10 +19,16 @@ def frame_of(depth: np.ndarray, color: int = 128) -> sp.Frame:
     return sp.Frame(np.full((*depth.shape, 3), color, np.uint8), depth, CAMERA)
 
 
+def cues_of(frame: sp.Frame) -> Cues:
+    """The cues of a frame as it came, for the first cost function."""
+    config = sp.SHELF.replace(depth={"smoothing": {"mean": "none"}})
+    return gather_cues(frame, config)
+
+
 def facts_of(labels: np.ndarray, depth: np.ndarray | None = None, color: int = 128) -> list:
     depth = np.ones(labels.shape, np.float32) if depth is None else depth
     frame = frame_of(depth, color)
-    return measure_regions(Regions(labels.astype(np.int32), int(labels.max()) + 1), frame.depth, frame)
+    return measure_regions(Regions(labels.astype(np.int32), int(labels.max()) + 1), cues_of(frame), frame)
 
 
 def test_facts_of_a_rectangle() -> None:
@@ -108,13 +115,28 @@ def test_dark_is_rejected_at_thirty_percent() -> None:
     color = np.full((120, 160, 3), 200, np.uint8)
     color[10:60, 10:28] = 23  # 30 % of it
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
-    facts = measure_regions(Regions(labels, 2), frame.depth, frame)[1]
+    facts = measure_regions(Regions(labels, 2), cues_of(frame), frame)[1]
     verdict = judge(facts, sp.Rejection(max_dark=0.3), 1.0)
     assert verdict is not None
     assert verdict[0] is sp.Reason.DARK
     color[10, 10] = 24
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
-    assert judge(measure_regions(Regions(labels, 2), frame.depth, frame)[1], sp.Rejection(max_dark=0.3), 1.0) is None
+    assert judge(measure_regions(Regions(labels, 2), cues_of(frame), frame)[1], sp.Rejection(max_dark=0.3), 1.0) is None
+
+
+def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
+    from spigolo.objects import contour_strength
+
+    labels = np.zeros((10, 12), np.int32)
+    labels[2:6, 3:8] = 1
+    boundary = np.zeros(labels.shape, np.float32)
+    boundary[2:6, 3] = 0.5  # its left column: 4 of 18 pairs to the left, and the ends of both rows
+    strength = contour_strength(Regions(labels, 2), boundary)
+    assert strength == pytest.approx([6 * 0.5 / 18] * 2)
+    config = sp.TABLE.replace(rejection={"min_contour": 0.99, "max_lambda1_px2": None, "max_lambda2_px2": None})
+    result = sp.segment(scene(), config)
+    assert len(result) == 0
+    assert sp.Reason.WEAK_CONTOUR in {r.reason for r in result.rejected}
 
 
 def test_pixel_limits_grow_with_the_image() -> None:

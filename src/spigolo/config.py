@@ -259,6 +259,8 @@ class Rejection(_Stage):
 
     support: Support | None = None
     """Regions that do not stand above the support plane are parts of it, or lie below (our addition)."""
+    min_contour: Share | None = None
+    """Least mean of the boundary along a region's border, where the cost reads a boundary (our addition)."""
     max_distance_m: Positive | None = None
     """Out of reach: distance of the centroid from the camera (authors' release: 1.8)."""
     max_lambda1_px2: Positive | None = None

@@ -25,17 +25,17 @@ class Cues:
 
     depth: D_s in metres, 0 where missing. color: points (3, H, W) of eq. 4. missing: share of the frame without depth
     inside the working range, before smoothing. cost: the function this frame is weighed by, AutoCost resolved.
-    support: the plane that objects stand on, where the rejection asks for it and there is one.
-    saliency: for SaliencyCost, else None. edges: for BoundaryCost, else None.
+    saliency: for SaliencyCost, else None. edges: for BoundaryCost, else None. support: the plane that objects stand on,
+    where the rejection asks for it and there is one.
     """
 
     depth: DepthMap
     color: Points
     missing: float
     cost: SaliencyCost | BoundaryCost
-    support: Plane | None
     saliency: npt.NDArray[np.float32] | None
     edges: EdgeMaps | None
+    support: Plane | None = None
 
     @property
     def delta_sal(self) -> npt.NDArray[np.float32]:

@@ -14,7 +14,7 @@ from spigolo.boxes import OrientedBox, fit_box
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
 from spigolo.depth import missing_mask
-from spigolo.frame import DepthMap, Frame, Mask
+from spigolo.frame import Frame, Mask
 from spigolo.kernels import moments
 from spigolo.regions import VGA_PX2, Regions
 from spigolo.support import above_mask, support_mask
@@ -26,6 +26,7 @@ class Reason(str, Enum):
     """Why a region is no object, in the order in which the rules are asked."""
 
     SUPPORT = "support"
+    WEAK_CONTOUR = "weak contour"
     OUT_OF_REACH = "out of reach"
     TOO_LONG = "too long"
     TOO_WIDE = "too wide"
@@ -43,7 +44,8 @@ class RegionFacts:
     (lambda1, lambda2) of the covariance of its pixel coordinates. eccentricity: sqrt(1 - lambda2 / lambda1).
     missing: share of its pixels without measured depth. unfilled: share still without depth after in-painting.
     dark: share in the first three of 32 brightness bins. above: share of its measured pixels that stand above the
-    support plane, None where there is no plane.
+    support plane, None where there is no plane. contour: mean of the boundary cue along its border, in [0, 1], None
+    where the cost reads no boundary.
     """
 
     region: int
@@ -57,6 +59,7 @@ class RegionFacts:
     unfilled: float
     dark: float
     above: float | None
+    contour: float | None
     regions: Labels = field(repr=False)
     frame: Frame = field(repr=False)
 
@@ -138,7 +141,7 @@ def select_objects(regions: Regions, cues: Cues, frame: Frame, config: Config) -
         on_plane = support_mask(plane, frame.depth, frame.camera, rule)
     objects: list[ObjectMask] = []
     rejected: list[RejectedRegion] = []
-    for facts in measure_regions(regions, cues.depth, frame, above):
+    for facts in measure_regions(regions, cues, frame, above):
         verdict = judge(facts, config.rejection, regions.labels.size / VGA_PX2)
         if verdict is None:
             objects.append(ObjectMask(label=len(objects) + 1, **_fields(facts)))
@@ -152,20 +155,18 @@ def select_objects(regions: Regions, cues: Cues, frame: Frame, config: Config) -
     return Segmentation(labels, tuple(objects), tuple(rejected), support, config.name, config.digest)
 
 
-def measure_regions(regions: Regions, depth: DepthMap, frame: Frame, above: Mask | None = None) -> list[RegionFacts]:
-    """The facts of every region, by number.
-
-    depth: (H, W) as the cues have it, for `unfilled`. above: (H, W) measured pixels above the support, for `above`.
-    """
+def measure_regions(regions: Regions, cues: Cues, frame: Frame, above: Mask | None = None) -> list[RegionFacts]:
+    """The facts of every region, by number. above: (H, W), measured pixels above the support."""
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     points, dark = np.zeros((regions.count, 4)), np.zeros(regions.count, np.int64)
     camera = (frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy)
     moments.sum_regions(regions.labels, sums, boxes)
     moments.sum_depth(regions.labels, frame.depth, camera, points)
     moments.count_dark(regions.labels, frame.color, dark)
-    unfilled = np.bincount(regions.labels[missing_mask(depth)], minlength=regions.count)
+    unfilled = np.bincount(regions.labels[missing_mask(cues.depth)], minlength=regions.count)
     standing = None if above is None else np.bincount(regions.labels[above], minlength=regions.count)
-    n = sums[:, 0]
+    contour = None if cues.edges is None else contour_strength(regions, cues.delta_bound)
+    n, measured = sums[:, 0], points[:, 0]
     centroid = sums[:, 1:3] / n[:, None]
     large, small, eccentricity = principal_spread(sums)
     return [
@@ -177,15 +178,23 @@ def measure_regions(regions: Regions, depth: DepthMap, frame: Frame, above: Mask
             centroid_m=_mean_point(points[k]),
             spread_px2=(float(large[k]), float(small[k])),
             eccentricity=float(eccentricity[k]),
-            missing=float(1 - points[k, 0] / n[k]),
+            missing=float(1 - measured[k] / n[k]),
             unfilled=float(unfilled[k] / n[k]),
             dark=float(dark[k] / n[k]),
-            above=None if standing is None else float(standing[k] / max(points[k, 0], 1)),
+            above=None if standing is None else float(standing[k] / max(measured[k], 1)),
+            contour=None if contour is None else float(contour[k]),
             regions=regions.labels,
             frame=frame,
         )
         for k in range(regions.count)
     ]
+
+
+def contour_strength(regions: Regions, boundary: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+    """Mean of the boundary cue (H, W) along the border of each region (R,); 0 for a region without neighbours."""
+    sums = np.zeros((regions.count, 2))
+    moments.sum_contours(regions.labels, boundary, sums)
+    return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
 
 
 def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
@@ -205,6 +214,8 @@ def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> tuple[Reas
     """
     if rules.support is not None and facts.above is not None and facts.above < rules.support.min_above:
         return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {rules.support.min_above:.0%}"
+    if rules.min_contour is not None and facts.contour is not None and facts.contour < rules.min_contour:
+        return Reason.WEAK_CONTOUR, f"weak contour: mean boundary {facts.contour:.2f}, least {rules.min_contour:.2f}"
     large, small = facts.spread_px2
     max_large, max_small = _scaled(rules.max_lambda1_px2, area_scale), _scaled(rules.max_lambda2_px2, area_scale)
     for reason, value, limit, form in (

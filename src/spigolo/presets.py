@@ -55,19 +55,24 @@ CLUTTER = Config(
 
 OBJECTS_1 = Config(
     name="OBJECTS_1",
-    depth=Depth(smoothing=Smoothing(max_radius_px=6, step_factor=10.0), inpainting=Inpainting(), noise_per_m=0.0028),
+    depth=Depth(smoothing=Smoothing(max_radius_px=5, step_factor=7.5), inpainting=Inpainting(), noise_per_m=0.0028),
     edges=Edges(
         step_offset_px=5,
         step_m=0.025,
-        contact_low_deg=50.0,
-        contact_high_deg=150.0,
+        contact_low_deg=35.0,
+        contact_high_deg=146.0,
         blur_px=9,
-        depth_contours=DepthContours(step_m=0.0125, step_per_m=0.014, crease_offset_px=5, crease_high_deg=145.0),
+        depth_contours=DepthContours(step_m=0.018, step_per_m=0.0083, crease_offset_px=4, crease_high_deg=144.0),
     ),
-    cost=BoundaryCost(k_x=7.5, k_b=0.66),
-    partition=Partition(gamma=0.004),
+    cost=BoundaryCost(k_x=2.0, k_b=0.66),
+    partition=Partition(gamma=0.0065),
     rejection=Rejection(
-        support=Support(), max_lambda1_px2=7000.0, max_lambda2_px2=2400.0, max_eccentricity=0.98, max_missing=0.5
+        support=Support(),
+        min_contour=0.65,
+        max_lambda1_px2=7000.0,
+        max_lambda2_px2=2400.0,
+        max_eccentricity=0.98,
+        max_missing=0.5,
     ),
 )
 """Fitted to real frames of several sensors (docs/objects.md)."""

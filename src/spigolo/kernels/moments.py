@@ -60,3 +60,24 @@ def count_dark(labels, color, counts):
         for x in range(width):
             if max(color[y, x, 0], color[y, x, 1], color[y, x, 2]) < np.uint8(DARK_BELOW):
                 counts[labels[y, x]] += 1
+
+
+@kernel
+def sum_contours(labels, boundary, sums):
+    """How many pairs of 4-neighbours each region's border has, and the sum of the boundary there.
+
+    boundary (H, W) in [0, 1], the larger of both ends counts for both regions; sums (R, 2) float64 = pairs, sum.
+    The image border is no contour.
+    """
+    height, width = labels.shape
+    for y in range(height):
+        for x in range(width):
+            here = labels[y, x]
+            for dy, dx in ((0, 1), (1, 0)):
+                v, u = y + dy, x + dx
+                if v >= height or u >= width or labels[v, u] == here:
+                    continue
+                strength = float(max(boundary[y, x], boundary[v, u]))
+                for region in (here, labels[v, u]):
+                    sums[region, 0] += 1.0
+                    sums[region, 1] += strength

@@ -34,7 +34,7 @@ def partition(graph: Graph, config: Partition) -> Regions:
     order = edge_order(weights)
     offsets = np.array([dy * width + dx for dy, dx in OFFSETS[:planes]], np.int64)
     gamma = config.gamma_shadows if graph.shadows and config.gamma_shadows is not None else config.gamma
-    parent, size = np.arange(pixels, dtype=np.int32), np.ones(pixels, np.int32)
+    parent, size = np.arange(pixels, dtype=np.uint32), np.ones(pixels, np.int32)
     merging.merge(weights, order, offsets, float(gamma), parent, size, np.full(pixels, gamma, np.float64))
     merging.absorb_small(weights, order, offsets, config.min_size_px2 * pixels / VGA_PX2, parent, size)
     labels = np.empty(pixels, np.int32)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from spigolo.kernels._jit import inlined, kernel
 from spigolo.kernels.edges import SIGN_TANGENT, back_project, contact_angle_deg, is_contact, unit_vector
 
@@ -36,6 +38,25 @@ def bend(before, here, after):
     return abs(2.0 * here - before - after)
 
 
+@inlined
+def hollow(before, here, after):
+    """How far a pixel lies behind the chord between its samples, in metres: along a line in space 1 / Z is linear."""
+    return here - 2.0 * before * after / (before + after)
+
+
+@inlined
+def least_hollow(camera, shape, crease_px, crease_high_deg):
+    """No crease of crease_high_deg or less is hollow by less than this times its depth.
+
+    Its sides are at least crease_px d / f long, so its tip lies their length times cos(angle / 2) behind the chord;
+    along a slanted ray that is longer by the ray's length. Spares most pixels the angle.
+    """
+    fx, fy, cx, cy = camera
+    x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
+    rounding = 0.99
+    return rounding * crease_px / max(fx, fy) * np.cos(crease_high_deg * np.pi / 360.0) / np.sqrt(1.0 + x * x + y * y)
+
+
 @kernel
 def mark_contours(
     depth, filled, camera, step_px, step_m, step_per_m, crease_px, crease_low_deg, crease_high_deg, steps, creases
@@ -50,6 +71,7 @@ def mark_contours(
     height, width = depth.shape
     fx, fy, cx, cy = camera
     margin = max(step_px, crease_px)
+    least = least_hollow(camera, depth.shape, crease_px, crease_high_deg)
     for y in range(margin, height - margin):
         for x in range(margin, width - margin):
             d = float(filled[y, x])
@@ -65,7 +87,8 @@ def mark_contours(
                 if before > 0.0 and after > 0.0 and bend(before, d, after) >= limit:
                     steps[y, x] = 1
                 v, u = crease_px * n_y, crease_px * n_x
-                if filled[y - v, x - u] == 0.0 or filled[y + v, x + u] == 0.0:
+                before, after = float(filled[y - v, x - u]), float(filled[y + v, x + u])
+                if before == 0.0 or after == 0.0 or hollow(before, d, after) < least * min(before, d, after):
                     continue
                 v_plus = unit_vector(back_project(filled, y + v, x + u, fx, fy, cx, cy), here)
                 v_minus = unit_vector(back_project(filled, y - v, x - u, fx, fy, cx, cy), here)

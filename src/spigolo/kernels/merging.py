@@ -8,8 +8,16 @@ from spigolo.kernels._jit import inlined, kernel
 
 
 @inlined
+def ends(edge, pixels, offsets):
+    """Both pixels of an edge. Plane by comparison, as a division would cost more than the rest of a merge."""
+    plane = np.int64(edge >= pixels) + np.int64(edge >= 2 * pixels) + np.int64(edge >= 3 * pixels)
+    pixel = np.int64(edge) - plane * pixels
+    return np.uint32(pixel), np.uint32(pixel + offsets[plane])
+
+
+@inlined
 def find(parent, node):
-    """Root of a node's tree; the path behind is halved."""
+    """Root of a node's tree; the path behind is halved. Unsigned, so that no index is tested for its sign."""
     while parent[node] != node:
         parent[node] = parent[parent[node]]
         node = parent[node]
@@ -43,7 +51,7 @@ def merge(weights, order, offsets, gamma, parent, size, bound):
     """Eqs. 2, 3. Merges regions over the edges in order.
 
     weights (E,) float32, plane by plane; order (E,) sorted edge numbers; offsets (P,) from a pixel to its neighbour.
-    parent and size (H W,) start as 0..N-1 and 1; bound (H W,) float64 starts as gamma. I(R) of eq. 2 is the weight of
+    parent (H W,) uint32 and size start as 0..N-1 and 1; bound (H W,) float64 starts as gamma. I(R) of eq. 2 is the weight of
     the last merge: the edges come sorted, so it is the largest one in the minimum spanning tree of R.
     """
     pixels = parent.size
@@ -51,9 +59,8 @@ def merge(weights, order, offsets, gamma, parent, size, bound):
         weight = float(weights[edge])
         if weight == np.inf:
             return
-        pixel = edge % pixels
-        a = find(parent, pixel)
-        b = find(parent, pixel + offsets[edge // pixels])
+        here, there = ends(edge, pixels, offsets)
+        a, b = find(parent, here), find(parent, there)
         if a != b and may_merge(weight, bound[a], bound[b]):
             root = unite(parent, size, a, b)
             bound[root] = merge_bound(weight, gamma, size[root])
@@ -66,9 +73,8 @@ def absorb_small(weights, order, offsets, min_size, parent, size):
     for edge in order:
         if weights[edge] == np.inf:
             return
-        pixel = edge % pixels
-        a = find(parent, pixel)
-        b = find(parent, pixel + offsets[edge // pixels])
+        here, there = ends(edge, pixels, offsets)
+        a, b = find(parent, here), find(parent, there)
         if a != b and (size[a] < min_size or size[b] < min_size):
             unite(parent, size, a, b)
 
@@ -78,7 +84,7 @@ def number_regions(parent, number, labels):
     """Labels 0..R-1 in the order of each region's first pixel. number (H W,) starts at -1; returns R."""
     regions = 0
     for pixel in range(parent.size):
-        root = find(parent, pixel)
+        root = find(parent, np.uint32(pixel))
         if number[root] < 0:
             number[root] = regions
             regions += 1

@@ -76,12 +76,12 @@ def above_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -
 
 
 def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
-    """Pixels (H, W) above the plane with a measured neighbour that is not: where objects meet their support.
+    """Pixels (H, W) above the plane with a neighbour that is not, or has no depth: where objects end.
 
     Speckles of a pixel or two are smoothed away first.
     """
     above = cv2.medianBlur(above_mask(plane, depth, camera, config).view(np.uint8), SPECKLE_PX)
-    beside = ((depth > 0) & (above == 0)).view(np.uint8)
+    beside = (above == 0).view(np.uint8)
     return np.asarray((above > 0) & (cv2.dilate(beside, np.ones((3, 3), np.uint8)) > 0))
 
 

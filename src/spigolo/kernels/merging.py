@@ -51,8 +51,8 @@ def merge(weights, order, offsets, gamma, parent, size, bound):
     """Eqs. 2, 3. Merges regions over the edges in order.
 
     weights (E,) float32, plane by plane; order (E,) sorted edge numbers; offsets (P,) from a pixel to its neighbour.
-    parent (H W,) uint32 and size start as 0..N-1 and 1; bound (H W,) float64 starts as gamma. I(R) of eq. 2 is the weight of
-    the last merge: the edges come sorted, so it is the largest one in the minimum spanning tree of R.
+    parent (H W,) uint32 and size start as 0..N-1 and 1; bound (H W,) float64 starts as gamma. I(R) of eq. 2 is the
+    weight of the last merge: the edges come sorted, so it is the largest one in the minimum spanning tree of R.
     """
     pixels = parent.size
     for edge in order:

@@ -40,7 +40,7 @@ $(VENV)/.installed: $(VENV)/pyvenv.cfg pyproject.toml
 	@touch $@
 
 $(VENV)/.developing: $(VENV)/pyvenv.cfg pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable ".[evaluation,synthetic]" --group dev
+	$(BIN)/python -m pip install --quiet --editable ".[evaluation,synthetic,yaml]" --group dev
 	@touch $@ $(VENV)/.installed
 
 # OpenCV's contrib modules would overwrite the plain ones, so the oracle lives apart

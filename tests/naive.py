@@ -479,3 +479,56 @@ def count_dark(labels: Array, color: Array, count: int) -> list[int]:
     """In the first three of 32 bins of max(R, G, B)."""
     brightness = color.max(axis=2)
     return [int(np.histogram(brightness[labels == k], bins=32, range=(0, 256))[0][:3].sum()) for k in range(count)]
+
+
+# --- registration ---------------------------------------------------------------------------------------------
+
+
+def one_surface(a: float, b: float, step_m: float, step_share: float) -> bool:
+    return min(a, b) > 0 and abs(a - b) <= max(step_m, step_share * min(a, b))
+
+
+def _quads(depth: Array, step_m: float, step_share: float) -> Iterator[list[tuple[float, float, float]]]:
+    """Corners (x, y, depth) of all that is drawn: between four pixels on one surface, else the quarters of pixels."""
+    around = np.pad(depth.astype(np.float64), 1)
+    for top, left in pixels(around[1:, 1:]):
+        corners = [(top, left), (top, left + 1), (top + 1, left + 1), (top + 1, left)]
+        z = [float(around[corner]) for corner in corners]
+        if one_surface(min(z), max(z), step_m, step_share):
+            yield [(x - 1, y - 1, around[y, x]) for y, x in corners]
+            continue
+        for y, x in (corner for corner in corners if around[corner] > 0):
+            z_here = float(around[y, x])
+            same = [other for other in corners if one_surface(z_here, float(around[other]), step_m, step_share)]
+            near = {other: 1 / around[other] for other in same}
+            beside, below = (y, 2 * left + 1 - x), (2 * top + 1 - y, x)
+            quarter = [[(y, x)], [(y, x), beside], list(near), [(y, x), below]]
+            middles = [(left + 0.5 if k in (1, 2) else x, top + 0.5 if k in (2, 3) else y) for k in range(4)]
+            means = [float(np.mean([near[p] for p in group if p in near])) for group in quarter]
+            yield [(u - 1, v - 1, 1 / mean) for (u, v), mean in zip(middles, means, strict=True)]
+
+
+def splat_depth(
+    depth: Array, source: Array, target: Array, T: Array, step_m: float, step_share: float, shape: tuple[int, int]
+) -> Array:
+    """source, target: K (3, 3)."""
+    out = np.zeros(shape)
+    for quad in _quads(depth, step_m, step_share):
+        points = [np.linalg.solve(source, [x, y, 1]) * z for x, y, z in quad]
+        moved = np.array([T[:3, :3] @ point + T[:3, 3] for point in points])
+        if moved[:, 2].min() < 0.01:
+            continue
+        projected = target @ (moved / moved[:, 2:]).T
+        first = np.clip(np.floor(projected.min(axis=1)).astype(int), 0, None)
+        last = np.clip(np.ceil(projected.max(axis=1)).astype(int), None, [shape[1] - 1, shape[0] - 1, 1])
+        for triangle in ([0, 1, 2], [0, 2, 3]):
+            if abs(np.linalg.det(projected[:, triangle])) <= 1e-6:
+                continue
+            to_shares = np.linalg.inv(projected[:, triangle])
+            for y in range(first[1], last[1] + 1):
+                for x in range(first[0], last[0] + 1):
+                    shares = to_shares @ (x, y, 1)
+                    if shares.min() >= -1e-6:
+                        z = 1 / (shares @ (1 / moved[triangle, 2]))
+                        out[y, x] = min(z, out[y, x] or z)
+    return out

@@ -54,7 +54,8 @@ def test_depth_may_be_an_array_of_metres(files: Path) -> None:
         (lambda f: write(f / "empty.png", b""), sp.FileError, "0 bytes"),
         (lambda f: write(f / "cut.png", (f / "depth.png").read_bytes()[:60]), sp.FileError, "none that OpenCV reads"),
         (lambda f: image(f / "8bit.png", np.ones((24, 32), np.uint8)), sp.FrameError, "8 bits"),
-        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint8)), sp.FrameError, "no depth"),
+        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint8)), sp.FrameError, "picture of depth"),
+        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint16)), sp.FrameError, "picture of depth"),
         (lambda f: image(f / "small.png", np.ones((24, 31), np.uint16)), sp.FrameError, "32x24, got 31x24"),
         (lambda f: write(f / "depth.jpg", b"x"), sp.FrameError, "JPEG"),
         (lambda f: write(f / "depth.npy", b"x"), sp.FileError, "cannot be read"),
@@ -76,6 +77,12 @@ def image(path: Path, pixels: np.ndarray) -> Path:
     return path
 
 
+def test_a_colour_file_of_16_bits_is_read_as_one_of_8(files: Path) -> None:
+    pixels = np.full((24, 32, 3), 40_000, np.uint16)
+    frame = sp.read_frame(image(files / "deep.png", pixels), files / "depth.png", files / "camera.json")
+    assert set(frame.color.ravel().tolist()) == {40_000 >> 8}
+
+
 def test_integer_depth_wants_its_scale(files: Path) -> None:
     with pytest.raises(sp.FrameError, match="depth_scale"):
         sp.read_frame(files / "rgb.png", files / "depth.png", files / "bare.json")
@@ -87,7 +94,7 @@ def test_cameras_that_cannot_be(files: Path) -> None:
         (CAMERA | {"fy": -3.0}, "focal"),
         (CAMERA | {"width": 0}, "size"),
         ({"fx": 1}, "fy, cx, cy, width, height not found"),
-        ([1], "not found"),
+        ([1], "got list"),
     ):
         io.write_json(files / "bad.json", values)
         with pytest.raises(sp.CameraError, match=words):

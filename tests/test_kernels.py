@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import dataclasses
 import json
 import os
 import subprocess
@@ -17,8 +18,21 @@ import naive
 from spigolo import Camera, Edges, Frame, Partition
 from spigolo.edges import scharr_canny
 from spigolo.graph import OFFSETS, Graph
-from spigolo.kernels import color, contours, costs, edges, inpainting, merging, moments, saliency, smoothing, sorting
+from spigolo.kernels import (
+    color,
+    contours,
+    costs,
+    edges,
+    inpainting,
+    merging,
+    moments,
+    registration,
+    saliency,
+    smoothing,
+    sorting,
+)
 from spigolo.regions import VGA_PX2, partition
+from spigolo.registration import projection
 
 KERNELS = Path(color.__file__).parent
 K_DV, K_DS = 4.5, 0.1
@@ -461,6 +475,35 @@ def test_sum_contours(scene: Frame, labels: naive.Array, rng: np.random.Generato
     np.testing.assert_allclose(sums, naive.sum_contours(labels, boundary), **TOLERANCE)
 
 
+# --- registration ---------------------------------------------------------------------------------------------
+
+
+def _turned(axis: tuple[float, float, float], translation: tuple[float, float, float]) -> naive.Array:
+    """A transform by an axis times its angle in radians and a translation in metres."""
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = cv2.Rodrigues(np.array(axis, float))[0], translation
+    return T
+
+
+@pytest.mark.parametrize(
+    ("T", "scale"),
+    [
+        pytest.param(np.eye(4), 1.0, id="identity"),
+        pytest.param(_turned((0, 0, 0), (0.013, -0.004, 0.002)), 2.0, id="beside, upsampled"),
+        pytest.param(_turned((0.1, -0.2, 0.3), (0.2, 0.1, 0.05)), 0.7, id="turned, downsampled"),
+        pytest.param(_turned((0, 0, 0), (0.01, 0.02, -0.8)), 0.5, id="partly behind"),
+    ],
+)
+def test_splat_depth(scene: Frame, T: naive.Array, scale: float) -> None:
+    depth = np.ascontiguousarray(scene.depth[-32:, -40:])
+    source = dataclasses.replace(scene.camera, width=depth.shape[1], height=depth.shape[0])
+    target = source.scaled(max(int(source.width * scale), 1), max(int(source.height * scale), 1))
+    out = np.zeros((target.height, target.width), np.float32)
+    registration.splat_depth(depth, projection(source, target, T), 0.03, 0.03, out)
+    twin = naive.splat_depth(depth, source.matrix, target.matrix, T, 0.03, 0.03, out.shape)
+    np.testing.assert_allclose(out, twin, **TOLERANCE)
+
+
 # --- all of them ----------------------------------------------------------------------------------------------
 
 
@@ -485,9 +528,9 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
     assert [name for name in names if f"naive.{name}" not in called] == []
 
 
-OUTSIDE_THE_PIPELINE = {"count_digits", "scatter", "count_boxes"}
-"""The first two are called by another kernel, which brings them along when it comes from the cache; the last one is
-eq. 7 alone, which smoothing counts within eq. 8."""
+OUTSIDE_THE_PIPELINE = {"count_digits", "scatter", "count_boxes", "splat_depth"}
+"""The first two are called by another kernel, which brings them along when it comes from the cache; the third is eq. 7
+alone, which smoothing counts within eq. 8; the last one makes frames."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys

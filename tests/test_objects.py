@@ -8,9 +8,10 @@ import pytest
 import spigolo as sp
 from spigolo.boxes import fit_box
 from spigolo.cues import Cues, gather_cues
-from spigolo.objects import measure_regions
+from spigolo.facts import RegionFacts, contour_strength, measure_regions
 from spigolo.presets import preset
 from spigolo.regions import Regions
+from spigolo.rejection import judge
 
 CAMERA = sp.Camera(fx=500.0, fy=500.0, cx=79.5, cy=59.5, width=160, height=120)
 
@@ -25,10 +26,14 @@ def cues_of(frame: sp.Frame) -> Cues:
     return gather_cues(frame, config)
 
 
+def measure(regions: Regions, frame: sp.Frame) -> list[RegionFacts]:
+    return measure_regions(regions, cues_of(frame), frame, np.zeros(frame.shape, np.float32))
+
+
 def facts_of(labels: np.ndarray, depth: np.ndarray | None = None, color: int = 128) -> list:
     depth = np.ones(labels.shape, np.float32) if depth is None else depth
     frame = frame_of(depth, color)
-    return measure_regions(Regions(labels.astype(np.int32), int(labels.max()) + 1), cues_of(frame), frame)
+    return measure(Regions(labels.astype(np.int32), int(labels.max()) + 1), frame)
 
 
 def test_facts_of_a_rectangle() -> None:
@@ -83,8 +88,6 @@ def region(width: int = 60, height: int = 50, **scene):
     ],
 )
 def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, reason) -> None:
-    from spigolo.objects import judge
-
     rules = sp.Rejection(**{rule: limit})
     verdict = judge(region(**broken), rules, 1.0)
     assert verdict is not None
@@ -95,8 +98,6 @@ def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, rea
 
 
 def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:
-    from spigolo.objects import judge
-
     rules = sp.Rejection(max_missing=0.3)
     depth = np.ones((120, 160), np.float32)
     depth[10:60, 10:28] = 0  # 18 of 60 columns: 30 %
@@ -108,25 +109,21 @@ def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:
 
 
 def test_dark_is_rejected_at_thirty_percent() -> None:
-    from spigolo.objects import judge
-
     labels = np.zeros((120, 160), np.int32)
     labels[10:60, 10:70] = 1
     color = np.full((120, 160, 3), 200, np.uint8)
     color[10:60, 10:28] = 23  # 30 % of it
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
-    facts = measure_regions(Regions(labels, 2), cues_of(frame), frame)[1]
+    facts = measure(Regions(labels, 2), frame)[1]
     verdict = judge(facts, sp.Rejection(max_dark=0.3), 1.0)
     assert verdict is not None
     assert verdict[0] is sp.Reason.DARK
     color[10, 10] = 24
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
-    assert judge(measure_regions(Regions(labels, 2), cues_of(frame), frame)[1], sp.Rejection(max_dark=0.3), 1.0) is None
+    assert judge(measure(Regions(labels, 2), frame)[1], sp.Rejection(max_dark=0.3), 1.0) is None
 
 
 def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
-    from spigolo.objects import contour_strength
-
     labels = np.zeros((10, 12), np.int32)
     labels[2:6, 3:8] = 1
     boundary = np.zeros(labels.shape, np.float32)
@@ -140,8 +137,6 @@ def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
 
 
 def test_pixel_limits_grow_with_the_image() -> None:
-    from spigolo.objects import judge
-
     rules = sp.Rejection(max_lambda1_px2=310.0)
     assert judge(region(width=62), rules, 1.0) is not None
     assert judge(region(width=62), rules, 4.0) is None

@@ -37,11 +37,15 @@ if TYPE_CHECKING:
         Support,
     )
     from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError
+    from spigolo.facts import RegionFacts
     from spigolo.frame import Camera, Frame
     from spigolo.io import read_camera, read_frame
-    from spigolo.objects import ObjectMask, Reason, RejectedRegion, Segmentation
-    from spigolo.pipeline import Trace, segment, trace
+    from spigolo.objects import ObjectMask, RejectedRegion, Segmentation
+    from spigolo.pipeline import Trace, segment, segment_at, trace
     from spigolo.presets import CLUTTER, OBJECTS, OBJECTS_1, PRESETS, SHELF, TABLE, preset
+    from spigolo.registration import register_depth
+    from spigolo.rejection import Reason
+    from spigolo.roi import MetricBox
 
 __version__ = "0.1.0"
 
@@ -52,8 +56,12 @@ _HOMES = {
     "frame": "Camera Frame",
     "io": "read_camera read_frame",
     "boxes": "OrientedBox",
-    "objects": "ObjectMask Reason RejectedRegion Segmentation",
-    "pipeline": "Trace segment trace",
+    "facts": "RegionFacts",
+    "objects": "ObjectMask RejectedRegion Segmentation",
+    "registration": "register_depth",
+    "rejection": "Reason",
+    "roi": "MetricBox",
+    "pipeline": "Trace segment segment_at trace",
     "presets": "CLUTTER OBJECTS OBJECTS_1 PRESETS SHELF TABLE preset",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}

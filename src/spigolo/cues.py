@@ -56,7 +56,8 @@ def gather_cues(frame: Frame, config: Config) -> Cues:
     missing = missing_share(depth, config.rejection.max_distance_m)
     cost = config.cost.choose(missing) if isinstance(config.cost, AutoCost) else config.cost
     rule = config.rejection.support
-    support = None if rule is None else find_support(frame.depth, frame.camera, rule)
+    camera = frame.camera
+    support = None if rule is None or camera is None else find_support(frame.depth, camera, rule)
     return Cues(
         depth=depth,
         color=color_points(frame.color, config.color),
@@ -71,6 +72,6 @@ def gather_cues(frame: Frame, config: Config) -> Cues:
 def _edges(frame: Frame, depth: DepthMap, support: Plane | None, config: Config) -> EdgeMaps:
     rule = config.rejection.support
     foot = None
-    if support is not None and rule is not None and rule.contour:
+    if support is not None and rule is not None and rule.contour and frame.camera is not None:
         foot = foot_contour(support, depth, frame.camera, rule)
     return find_edges(frame.color, depth, frame.camera, config.edges, foot)

@@ -17,6 +17,9 @@ from spigolo.frame import Camera, Color, DepthMap, Mask
 from spigolo.kernels import contours as contour_kernel
 from spigolo.kernels import edges as kernel
 
+NO_ANGLE_DEG = 360.0
+"""A low threshold that no angle reaches: without intrinsics there are depth steps but no angles."""
+
 Gradient = npt.NDArray[np.int16]
 
 
@@ -37,7 +40,9 @@ class EdgeMaps:
     boundary: npt.NDArray[np.float32]
 
 
-def find_edges(image: Color, depth: DepthMap, camera: Camera, config: Edges, foot: Mask | None = None) -> EdgeMaps:
+def find_edges(
+    image: Color, depth: DepthMap, camera: Camera | None, config: Edges, foot: Mask | None = None
+) -> EdgeMaps:
     """All edge maps of an RGB image (H, W, 3) with its depth (H, W) in metres.
 
     foot: contours (H, W) known from elsewhere, joined to the final map.
@@ -70,7 +75,7 @@ def scharr_canny(image: Color, config: Edges) -> tuple[Mask, Gradient, Gradient]
 
 
 def classify(
-    canny: Mask, gx: Gradient, gy: Gradient, depth: DepthMap, camera: Camera, config: Edges
+    canny: Mask, gx: Gradient, gy: Gradient, depth: DepthMap, camera: Camera | None, config: Edges
 ) -> tuple[Mask, Mask]:
     """Depth boundary E_B and contact boundary E_C, both (H, W), of every pixel of `canny`."""
     depth_boundary, contact = np.zeros(canny.shape, np.uint8), np.zeros(canny.shape, np.uint8)
@@ -79,13 +84,13 @@ def classify(
         gx,
         gy,
         depth,
-        (camera.fx, camera.fy, camera.cx, camera.cy),
+        _numbers(camera),
         config.step_offset_px,
         config.step_m,
         config.signed_step,
         config.missing_is_boundary,
         config.contact_offset_px,
-        config.contact_low_deg,
+        config.contact_low_deg if camera is not None else NO_ANGLE_DEG,
         config.contact_high_deg,
         kernel.SIGN_X if config.sign_rule == "x" else kernel.SIGN_TANGENT,
         depth_boundary,
@@ -94,12 +99,16 @@ def classify(
     return depth_boundary.view(bool), contact.view(bool)
 
 
+def _numbers(camera: Camera | None) -> tuple[float, float, float, float]:
+    return (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)
+
+
 def final_boundary(depth_boundary: Mask, contact_boundary: Mask) -> Mask:
     """Eq. 20. E_F (H, W): the union of both boundary maps."""
     return depth_boundary | contact_boundary
 
 
-def find_contours(depth: DepthMap, camera: Camera, config: DepthContours) -> Mask:
+def find_contours(depth: DepthMap, camera: Camera | None, config: DepthContours) -> Mask:
     """Depth steps and concave creases (H, W) of a depth map (H, W) in metres, whatever the colour image shows."""
     filled = np.empty_like(depth)
     contour_kernel.fill_shadows(depth, config.max_shadow_px, filled)
@@ -107,12 +116,12 @@ def find_contours(depth: DepthMap, camera: Camera, config: DepthContours) -> Mas
     contour_kernel.mark_contours(
         depth,
         filled,
-        (camera.fx, camera.fy, camera.cx, camera.cy),
+        _numbers(camera),
         config.step_offset_px,
         config.step_m,
         config.step_per_m,
         config.crease_offset_px,
-        config.crease_low_deg,
+        config.crease_low_deg if camera is not None else NO_ANGLE_DEG,
         config.crease_high_deg,
         steps,
         creases,

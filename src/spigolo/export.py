@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from spigolo.objects import RegionFacts, Segmentation
+from spigolo.facts import RegionFacts
+from spigolo.objects import Segmentation
 
 
 def to_json(result: Segmentation) -> dict[str, Any]:
@@ -16,6 +17,7 @@ def to_json(result: Segmentation) -> dict[str, Any]:
         "preset": result.preset,
         "digest": result.digest,
         "image_size_px": list(result.labels.shape),
+        "left_out": list(result.left_out),
         "objects": [{"label": o.label, **_facts(o), "oriented_box": _box(o)} for o in result],
         "rejected": [{"reason": r.reason.value, "why": r.why, **_facts(r)} for r in result.rejected],
     }
@@ -23,6 +25,7 @@ def to_json(result: Segmentation) -> dict[str, Any]:
 
 def _facts(region: RegionFacts) -> dict[str, Any]:
     return {
+        "score": region.score,
         "area_px": region.area_px,
         "box_px": list(region.box_px),
         "centroid_px": list(region.centroid_px),
@@ -31,6 +34,8 @@ def _facts(region: RegionFacts) -> dict[str, Any]:
         "eccentricity": region.eccentricity,
         "missing_depth": region.missing,
         "dark": region.dark,
+        "above_support": region.above,
+        "contour": region.contour,
     }
 
 

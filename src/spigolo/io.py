@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import os
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,35 +14,60 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.camera import Camera, CameraLike, camera_from_mapping
 from spigolo.errors import CameraError, FileError, FrameError
-from spigolo.frame import Camera, Frame
+from spigolo.frame import MAX_PIXELS, Frame
 
 Image = npt.NDArray[Any]
 PathLike = str | os.PathLike[str]
 
+YAML = (".yaml", ".yml")
+LARGEST_SCALE_M = 0.02
+"""Metres per unit beyond which 16 bits would reach farther than a kilometre: the scale has another unit."""
 
-def read_frame(color: PathLike, depth: PathLike, camera: Camera | PathLike, depth_scale: float | None = None) -> Frame:
-    """A frame from a colour image, a 16-bit depth PNG (or .npy) and a camera or camera file.
 
+def read_frame(
+    color: PathLike,
+    depth: PathLike,
+    camera: CameraLike | PathLike,
+    depth_scale: float | None = None,
+    *,
+    max_pixels: int = MAX_PIXELS,
+) -> Frame:
+    """A frame from a colour image, a 16-bit depth PNG (or .npy) and a camera.
+
+    camera: a camera file (`read_camera`), or any form that `as_camera` takes, None where the intrinsics are not known;
+    a string is a file if there is one of that name or it ends in .json, .yaml or .yml, and else a camera's name.
     depth_scale: metres per stored unit, 0.001 for millimetres; if None, that of the camera file.
     Raises FileError, CameraError or FrameError.
     """
-    if not isinstance(camera, Camera):
-        camera, scale = read_camera(camera)
-        depth_scale = scale if depth_scale is None else depth_scale
-    stored = read_depth(depth)
-    if stored.dtype.kind in "ui" and stored.dtype != np.uint8 and depth_scale is None:
+    pixels, stored = read_color(color), read_depth(depth)
+    whole_numbers = stored.dtype.kind in "ui"
+    if isinstance(camera, os.PathLike) or (isinstance(camera, str) and _names_file(camera)):
+        path = camera
+        camera, scale = read_camera(path, pixels.shape[1], pixels.shape[0])
+        if depth_scale is None and whole_numbers and scale is not None:
+            depth_scale = _checked_scale(path, scale)
+    if whole_numbers and stored.dtype != np.uint8 and depth_scale is None:
         raise FrameError(
             f"expected depth_scale with the integers in {depth}: metres per unit, 0.001 for millimetres"
             ' (or "depth_scale" in the camera file)'
         )
-    return Frame(
-        read_color(color),
-        stored,
-        camera,
-        name=Path(color).stem,
-        depth_scale=depth_scale if stored.dtype.kind in "ui" else None,
-    )
+    scale = depth_scale if whole_numbers else None
+    return Frame(pixels, stored, camera, name=Path(color).stem, depth_scale=scale, max_pixels=max_pixels)
+
+
+def _names_file(text: str) -> bool:
+    return text.lower().endswith((".json", *YAML)) or os.path.isfile(text)
+
+
+def _checked_scale(path: PathLike, scale: float) -> float:
+    if scale > LARGEST_SCALE_M:
+        raise CameraError(
+            f"expected depth_scale in {path} as metres per unit, 0.001 for millimetres, got {scale}:"
+            " divide it by 1000 if it is millimetres per unit, take 1 / depth_scale if it is units per metre"
+        )
+    return scale
 
 
 def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
@@ -49,32 +76,77 @@ def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
 
 
 def read_depth(path: PathLike) -> Image:
-    """Depth as stored: integers of a PNG or TIFF, floating-point metres of a TIFF, either of a .npy file."""
+    """Depth (H, W) as stored: integers of a PNG or TIFF, floating-point metres of a TIFF, either of a .npy file."""
     if Path(path).suffix.lower() in (".jpg", ".jpeg"):
         raise FrameError(f"expected depth without loss, got the JPEG {path}: store depth as 16-bit PNG")
     if Path(path).suffix.lower() != ".npy":
-        return _decode(path, cv2.IMREAD_UNCHANGED)
+        stored = _decode(path, cv2.IMREAD_UNCHANGED)
+        if stored.ndim != 2:
+            raise FrameError(
+                f"expected distances in one channel in {path}, got {stored.shape[2]} channels: it is a picture of depth"
+                " in colours, and no depth"
+            )
+        return stored
     try:
         return np.asarray(np.load(path, allow_pickle=False))
     except (OSError, ValueError, EOFError) as error:
         raise FileError(f"expected a depth array in {path}, but it cannot be read: {error}") from None
 
 
-def read_camera(path: PathLike) -> tuple[Camera, float | None]:
-    """Camera of a JSON file with fx, fy, cx, cy, width, height, and its depth_scale (metres per unit) or None."""
+def read_camera(path: PathLike, width: int | None = None, height: int | None = None) -> tuple[Camera, float | None]:
+    """Camera of a file, and its depth_scale (metres per unit) or None.
+
+    JSON: ours (fx, fy, cx, cy, width, height, depth_scale), RealSense's (ppx, ppy, coeffs), Open3D's
+    (intrinsic_matrix), a matrix K or camera_matrix, one image's cam_K of BOP. YAML: ROS's CameraInfo as
+    `ros2 topic echo` prints it, and the file that camera_calibration writes; for rectified images leave out D and
+    give K of P. `camera_from_mapping` lists the fields.
+    BOP's depth_scale is millimetres per unit: beside cam_K it is divided by 1000.
+    width, height: size of the images, for files that do not say it. Raises FileError or CameraError.
+    """
+    values = _read_mapping(path)
     try:
-        values = json.loads(Path(path).read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise FileError(f"expected a camera in JSON in {path}, but it cannot be read: {error}") from None
-    names = ("fx", "fy", "cx", "cy", "width", "height")
-    lacking = [name for name in names if not isinstance(values, dict) or not isinstance(values.get(name), int | float)]
-    if lacking:
-        raise CameraError(f"expected numbers {', '.join(names)} in {path}: {', '.join(lacking)} not found")
-    numbers = {name: float(values[name]) for name in names[:4]}
-    scale = values.get("depth_scale")
-    return Camera(
-        **numbers, width=int(values["width"]), height=int(values["height"])
-    ), None if scale is None else float(scale)
+        if not isinstance(values, Mapping):
+            raise CameraError(
+                f"expected fields with the intrinsics of a camera, got {type(values).__name__}: not found"
+            )
+        _refuse_many_images(values)
+        return camera_from_mapping(values, width, height), _depth_scale(values)
+    except CameraError as error:
+        raise CameraError(f"{path}: {error}") from None
+
+
+def _read_mapping(path: PathLike) -> Any:
+    """What a JSON or YAML file holds; of several YAML documents the first."""
+    yaml = _yaml(path) if Path(path).suffix.lower() in YAML else None
+    refused = ValueError if yaml is None else yaml.YAMLError
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        return json.loads(text) if yaml is None else next(yaml.safe_load_all(text), None)
+    except (OSError, ValueError, RecursionError, refused) as error:
+        kind, sentence = "JSON" if yaml is None else "YAML", " ".join(str(error).split())
+        raise FileError(f"expected a camera in {kind} in {path}, but it cannot be read: {sentence}") from None
+
+
+def _yaml(path: PathLike) -> Any:
+    try:
+        return importlib.import_module("yaml")
+    except ImportError:
+        raise FileError(f'expected PyYAML to read {path}, but it is missing: pip install "spigolo[yaml]"') from None
+
+
+def _refuse_many_images(values: Mapping[str, Any]) -> None:
+    inner = next(iter(values.values()), None)
+    if isinstance(inner, Mapping) and "cam_K" in inner:
+        raise CameraError(f"expected one camera, got those of {len(values)} images: store one image's cam_K alone")
+
+
+def _depth_scale(values: Mapping[str, Any]) -> float | None:
+    stored = values.get("depth_scale")
+    if stored is None:
+        return None
+    if not isinstance(stored, int | float):
+        raise CameraError(f"expected depth_scale as a number, got {stored!r}")
+    return stored / 1000 if "cam_K" in values else float(stored)
 
 
 def write_png(path: PathLike, image: Image) -> None:

@@ -1,85 +1,25 @@
-"""From regions to objects: facts about every region, rejection with a reason, the answer (section III-F)."""
+"""From regions to objects: the answer, and corrections of it by hand."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import dataclasses
+import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.boxes import OrientedBox, fit_box
-from spigolo.config import Config, Rejection
+from spigolo.config import Config
 from spigolo.cues import Cues
-from spigolo.depth import missing_mask
+from spigolo.facts import Labels, RegionFacts, contour_cue, measure_regions
 from spigolo.frame import Frame, Mask
-from spigolo.kernels import moments
-from spigolo.regions import VGA_PX2, Regions
+from spigolo.graph import Graph
+from spigolo.regions import Regions
+from spigolo.rejection import Reason, Verdict, judge
+from spigolo.roi import Roi, roi_mask
 from spigolo.support import above_mask, support_mask
-
-Labels = npt.NDArray[np.int32]
-
-
-class Reason(str, Enum):
-    """Why a region is no object, in the order in which the rules are asked."""
-
-    SUPPORT = "support"
-    WEAK_CONTOUR = "weak contour"
-    OUT_OF_REACH = "out of reach"
-    TOO_LONG = "too long"
-    TOO_WIDE = "too wide"
-    TOO_THIN = "too thin"
-    MISSING_DEPTH = "missing depth"
-    DARK = "dark"
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class RegionFacts:
-    """What is known of one region.
-
-    region: its number in `trace.regions`. box_px: (y0, x0, y1, x1), the last two exclusive. centroid_px: (y, x).
-    centroid_m: mean (X, Y, Z) of its measured points, None without any. spread_px2: the eigenvalues
-    (lambda1, lambda2) of the covariance of its pixel coordinates. eccentricity: sqrt(1 - lambda2 / lambda1).
-    missing: share of its pixels without measured depth. unfilled: share still without depth after in-painting.
-    dark: share in the first three of 32 brightness bins. above: share of its measured pixels that stand above the
-    support plane, None where there is no plane. contour: mean of the boundary cue along its border, in [0, 1], None
-    where the cost reads no boundary.
-    """
-
-    region: int
-    area_px: int
-    box_px: tuple[int, int, int, int]
-    centroid_px: tuple[float, float]
-    centroid_m: tuple[float, float, float] | None
-    spread_px2: tuple[float, float]
-    eccentricity: float
-    missing: float
-    unfilled: float
-    dark: float
-    above: float | None
-    contour: float | None
-    regions: Labels = field(repr=False)
-    frame: Frame = field(repr=False)
-
-    @property
-    def mask(self) -> Mask:
-        """Its pixels, (H, W) bool, a new array each time."""
-        return np.asarray(self.regions == self.region)
-
-    @property
-    def distance_m(self) -> float | None:
-        """Distance of the centroid from the camera, None without depth."""
-        return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
-
-    def points_m(self) -> npt.NDArray[np.float32]:
-        """Its measured points (N, 3) in the camera's frame, in raster order; never in-painted depth."""
-        return self.frame.camera.back_project(self.frame.depth, self.mask)
-
-    def oriented_box(self) -> OrientedBox | None:
-        """The box around its measured surface, trimmed against flying pixels; None with fewer than 10 points."""
-        return fit_box(self.mask, self.frame.depth, self.frame.camera)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -98,20 +38,40 @@ class RejectedRegion(RegionFacts):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What an answer was made from, kept for corrections by hand."""
+
+    regions: Regions
+    cues: Cues
+    frame: Frame
+    config: Config
+    contour: npt.NDArray[np.float32]
+    above: Mask | None
+    inside: tuple[Mask, Mask] | None
+
+    def measure(self, regions: Regions) -> list[RegionFacts]:
+        """The facts of these regions."""
+        return measure_regions(regions, self.cues, self.frame, self.contour, self.above, self.inside)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Segmentation:
-    """The answer. Iterating, indexing and len() go over the objects; np.asarray() gives the labels.
+    """The answer. Iterating, indexing and len() go over the objects, best score first; np.asarray() gives the labels.
 
     labels: (H, W) int32, 0 = background, 1..N = objects. rejected: all other regions with their reasons.
     support: (H, W) bool, background pixels on the plane that objects stand on; None where none was looked for or found.
-    preset, digest: name of the configuration and a hash of its values.
+    left_out: what could not be done for want of intrinsics. preset, digest: name of the configuration and a hash of its
+    values.
     """
 
     labels: Labels
     objects: tuple[ObjectMask, ...]
     rejected: tuple[RejectedRegion, ...]
     support: Mask | None
+    left_out: tuple[str, ...]
     preset: str
     digest: str
+    scene: Scene = field(repr=False)
 
     def __iter__(self) -> Iterator[ObjectMask]:
         return iter(self.objects)
@@ -128,119 +88,109 @@ class Segmentation:
         labels = self.labels if dtype is None else self.labels.astype(dtype, copy=False)
         return labels.copy() if copy else labels
 
+    def at(self, point: tuple[int, int]) -> ObjectMask | RejectedRegion:
+        """The object or rejected region at a pixel (y, x). Raises IndexError outside the image."""
+        height, width = self.labels.shape
+        y, x = point
+        if not (0 <= y < height and 0 <= x < width):
+            raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {point}")
+        region = int(self.scene.regions.labels[y, x])
+        everything: tuple[ObjectMask | RejectedRegion, ...] = (*self.objects, *self.rejected)
+        return next(r for r in everything if r.region == region)
 
-def select_objects(regions: Regions, cues: Cues, frame: Frame, config: Config) -> Segmentation:
+    def keep(self, region: RegionFacts) -> Segmentation:
+        """The answer with a rejected region as an object."""
+        return self._with({region.region: None})
+
+    def drop(self, region: RegionFacts) -> Segmentation:
+        """The answer without an object."""
+        return self._with({region.region: (Reason.BY_HAND, "dropped by hand")})
+
+    def merge(self, a: RegionFacts, b: RegionFacts) -> Segmentation:
+        """The answer with two objects or regions as one object, measured anew."""
+        if a.region == b.region:
+            return self.keep(a)
+        first, second = sorted((a.region, b.region))
+        labels = self.scene.regions.labels.copy()
+        labels[labels == second] = first
+        labels[labels > second] -= 1
+        regions = Regions(labels, self.scene.regions.count - 1)
+        verdicts = self._verdicts()
+        verdicts[first] = None
+        del verdicts[second]
+        return assemble(dataclasses.replace(self.scene, regions=regions), self.scene.measure(regions), verdicts)
+
+    def _with(self, changes: dict[int, Verdict | None]) -> Segmentation:
+        verdicts = self._verdicts()
+        for region, verdict in changes.items():
+            verdicts[region] = verdict
+        return assemble(self.scene, sorted((*self.objects, *self.rejected), key=lambda r: r.region), verdicts)
+
+    def _verdicts(self) -> list[Verdict | None]:
+        verdicts: list[Verdict | None] = [None] * self.scene.regions.count
+        for r in self.rejected:
+            verdicts[r.region] = (r.reason, r.why)
+        return verdicts
+
+
+def select_objects(
+    regions: Regions, graph: Graph, cues: Cues, frame: Frame, config: Config, roi: Roi | None = None
+) -> Segmentation:
     """Measures every region and sorts it into objects and rejected regions.
 
-    Pixel limits are those of a 640x480 image and grow with its area.
+    Pixel limits are those of a 640x480 image and grow with its area. roi: regions outside are rejected.
     """
     plane, rule = cues.support, config.rejection.support
-    above, on_plane = None, None
-    if plane is not None and rule is not None:
+    above = None
+    if plane is not None and rule is not None and frame.camera is not None:
         above = above_mask(plane, frame.depth, frame.camera, rule)
-        on_plane = support_mask(plane, frame.depth, frame.camera, rule)
-    objects: list[ObjectMask] = []
-    rejected: list[RejectedRegion] = []
-    for facts in measure_regions(regions, cues, frame, above):
-        verdict = judge(facts, config.rejection, regions.labels.size / VGA_PX2)
-        if verdict is None:
-            objects.append(ObjectMask(label=len(objects) + 1, **_fields(facts)))
-        else:
-            rejected.append(RejectedRegion(reason=verdict[0], why=verdict[1], **_fields(facts)))
-    label_of = np.zeros(regions.count, np.int32)
+    inside = None if roi is None else roi_mask(roi, frame)
+    scene = Scene(regions, cues, frame, config, contour_cue(cues, graph), above, inside)
+    facts = scene.measure(regions)
+    if frame.depth.any():
+        return assemble(scene, facts, [judge(f, config.rejection, 1 / regions.vga_scale) for f in facts])
+    warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=4)
+    return assemble(scene, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
+
+
+def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]) -> Segmentation:
+    """The answer from the facts of every region, by number, and what was found against it."""
+    accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
+    objects = tuple(ObjectMask(label=k, **_fields(f)) for k, f in enumerate(accepted, start=1))
+    rejected = tuple(
+        RejectedRegion(reason=v[0], why=v[1], **_fields(f))
+        for f, v in zip(facts, verdicts, strict=True)
+        if v is not None
+    )
+    label_of = np.zeros(scene.regions.count, np.int32)
     for o in objects:
         label_of[o.region] = o.label
-    labels = label_of[regions.labels]
-    support = None if on_plane is None else on_plane & (labels == 0)
-    return Segmentation(labels, tuple(objects), tuple(rejected), support, config.name, config.digest)
+    labels = label_of[scene.regions.labels]
+    return Segmentation(
+        labels=labels,
+        objects=objects,
+        rejected=rejected,
+        support=_support(scene, labels),
+        left_out=_left_out(scene),
+        preset=scene.config.name,
+        digest=scene.config.digest,
+        scene=scene,
+    )
 
 
-def measure_regions(regions: Regions, cues: Cues, frame: Frame, above: Mask | None = None) -> list[RegionFacts]:
-    """The facts of every region, by number. above: (H, W), measured pixels above the support."""
-    sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
-    points, dark = np.zeros((regions.count, 4)), np.zeros(regions.count, np.int64)
-    camera = (frame.camera.fx, frame.camera.fy, frame.camera.cx, frame.camera.cy)
-    moments.sum_regions(regions.labels, sums, boxes)
-    moments.sum_depth(regions.labels, frame.depth, camera, points)
-    moments.count_dark(regions.labels, frame.color, dark)
-    unfilled = np.bincount(regions.labels[missing_mask(cues.depth)], minlength=regions.count)
-    standing = None if above is None else np.bincount(regions.labels[above], minlength=regions.count)
-    contour = None if cues.edges is None else contour_strength(regions, cues.delta_bound)
-    n, measured = sums[:, 0], points[:, 0]
-    centroid = sums[:, 1:3] / n[:, None]
-    large, small, eccentricity = principal_spread(sums)
-    return [
-        RegionFacts(
-            region=k,
-            area_px=int(n[k]),
-            box_px=(int(boxes[k, 0]), int(boxes[k, 1]), int(boxes[k, 2]), int(boxes[k, 3])),
-            centroid_px=(float(centroid[k, 0]), float(centroid[k, 1])),
-            centroid_m=_mean_point(points[k]),
-            spread_px2=(float(large[k]), float(small[k])),
-            eccentricity=float(eccentricity[k]),
-            missing=float(1 - measured[k] / n[k]),
-            unfilled=float(unfilled[k] / n[k]),
-            dark=float(dark[k] / n[k]),
-            above=None if standing is None else float(standing[k] / max(measured[k], 1)),
-            contour=None if contour is None else float(contour[k]),
-            regions=regions.labels,
-            frame=frame,
-        )
-        for k in range(regions.count)
-    ]
-
-
-def contour_strength(regions: Regions, boundary: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Mean of the boundary cue (H, W) along the border of each region (R,); 0 for a region without neighbours."""
-    sums = np.zeros((regions.count, 2))
-    moments.sum_contours(regions.labels, boundary, sums)
-    return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
-
-
-def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
-    """lambda1 >= lambda2 (px^2) and eccentricity of each region from its moments (R, 6), covariance divided by N."""
-    n, y, x, yy, yx, xx = sums.T
-    a, b, c = yy / n - (y / n) ** 2, yx / n - y * x / n**2, xx / n - (x / n) ** 2
-    middle, root = (a + c) / 2, np.hypot((a - c) / 2, b)
-    large, small = np.maximum(middle + root, 0), np.maximum(middle - root, 0)
-    ratio = np.divide(small, large, out=np.ones_like(large), where=large > 0)
-    return large, small, np.sqrt(1 - ratio)
-
-
-def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> tuple[Reason, str] | None:
-    """The first rule that a region breaks, with its numbers in a sentence, or None.
-
-    area_scale: pixels of the image as a multiple of 640x480.
-    """
-    if rules.support is not None and facts.above is not None and facts.above < rules.support.min_above:
-        return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {rules.support.min_above:.0%}"
-    if rules.min_contour is not None and facts.contour is not None and facts.contour < rules.min_contour:
-        return Reason.WEAK_CONTOUR, f"weak contour: mean boundary {facts.contour:.2f}, least {rules.min_contour:.2f}"
-    large, small = facts.spread_px2
-    max_large, max_small = _scaled(rules.max_lambda1_px2, area_scale), _scaled(rules.max_lambda2_px2, area_scale)
-    for reason, value, limit, form in (
-        (Reason.OUT_OF_REACH, facts.distance_m, rules.max_distance_m, "centroid at {:.2f} m, limit {:.2f} m"),
-        (Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2, limit {:.0f} px2"),
-        (Reason.TOO_WIDE, small, max_small, "lambda2 {:.0f} px2, limit {:.0f} px2"),
-        (Reason.TOO_THIN, facts.eccentricity, rules.max_eccentricity, "eccentricity {:.3f}, limit {:.3f}"),
-        (Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, "{:.0%} without depth, limit {:.0%}"),
-    ):
-        if limit is not None and value is not None and value > limit:
-            return reason, f"{reason.value}: {form.format(value, limit)}"
-    if rules.max_dark is not None and facts.dark >= rules.max_dark:
-        return Reason.DARK, f"dark: {facts.dark:.0%} in the first three brightness bins, limit {rules.max_dark:.0%}"
-    return None
-
-
-def _scaled(limit: float | None, scale: float) -> float | None:
-    return None if limit is None else limit * scale
-
-
-def _mean_point(sums: npt.NDArray[np.float64]) -> tuple[float, float, float] | None:
-    if sums[0] == 0:
+def _support(scene: Scene, labels: Labels) -> Mask | None:
+    plane, rule, frame = scene.cues.support, scene.config.rejection.support, scene.frame
+    if plane is None or rule is None or frame.camera is None:
         return None
-    x, y, z = (sums[1:] / sums[0]).tolist()
-    return x, y, z
+    return np.asarray(support_mask(plane, frame.depth, frame.camera, rule) & (labels == 0))
+
+
+def _left_out(scene: Scene) -> tuple[str, ...]:
+    if scene.frame.camera is not None:
+        return ()
+    contact = ("contact boundary",) if scene.cues.edges is not None else ()
+    support = ("support plane",) if scene.config.rejection.support is not None else ()
+    return (*contact, *support, "reach", "points, centroids and boxes in metres")
 
 
 def _fields(facts: RegionFacts) -> dict[str, Any]:

@@ -8,9 +8,10 @@ from spigolo.config import Config
 from spigolo.cues import Cues, gather_cues
 from spigolo.frame import Frame
 from spigolo.graph import Graph, weigh
-from spigolo.objects import Segmentation, select_objects
+from spigolo.objects import ObjectMask, Segmentation, select_objects
 from spigolo.presets import OBJECTS
 from spigolo.regions import Regions, partition
+from spigolo.roi import Roi
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,19 +25,31 @@ class Trace:
     segmentation: Segmentation
 
 
-def trace(frame: Frame, config: Config = OBJECTS) -> Trace:
+def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Trace:
     """Segments a frame and keeps what each stage made."""
     cues = gather_cues(frame, config)  # eqs. 5-21
     graph = weigh(cues, config.partition.connectivity, config.depth)  # eqs. 4, 9, 22 or 23
     regions = partition(graph, config.partition)  # eqs. 2, 3
-    segmentation = select_objects(regions, cues, frame, config)  # section III-F
+    segmentation = select_objects(regions, graph, cues, frame, config, roi)  # section III-F
     return Trace(frame, cues, graph, regions, segmentation)
 
 
-def segment(frame: Frame, config: Config = OBJECTS) -> Segmentation:
+def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:
     """The objects of a frame.
 
-    frame: colour, depth and camera. config: a preset or a configuration of your own.
+    frame: colour, depth and camera. config: a preset or a configuration of your own. roi: where objects are wanted: a
+    mask (H, W), a pixel box (y0, x0, y1, x1) or a MetricBox; regions outside are rejected.
     Returns the label image, the objects with their 2-D and 3-D facts, and the rejected regions with their reasons.
     """
-    return trace(frame, config).segmentation
+    return trace(frame, config, roi).segmentation
+
+
+def segment_at(frame: Frame, point: tuple[int, int], config: Config = OBJECTS) -> ObjectMask:
+    """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one."""
+    result = segment(frame, config)
+    region = result.at(point)
+    if isinstance(region, ObjectMask):
+        return region
+    kept = result.keep(region).at(point)
+    assert isinstance(kept, ObjectMask)
+    return kept

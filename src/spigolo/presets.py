@@ -81,6 +81,14 @@ OBJECTS = OBJECTS_1
 
 PRESETS = {"OBJECTS": OBJECTS, "OBJECTS_1": OBJECTS_1, "SHELF": SHELF, "TABLE": TABLE, "CLUTTER": CLUTTER}
 
+SUMMARIES = {
+    "OBJECTS": "your own data: the newest of OBJECTS_1, ...",
+    "OBJECTS_1": "fitted to real frames of several sensors; depth contours and support plane",
+    "SHELF": "the paper's Rutgers APC: shelves, low light, large shadows (first cost function)",
+    "TABLE": "the paper's RGB-D Scenes: table-tops, nearly full depth (second cost function)",
+    "CLUTTER": "the paper's multiple instances among clutter (second cost function)",
+}
+
 
 def preset(name: str | Path) -> Config:
     """The preset of that name in any case, or the one in a TOML file.

@@ -22,6 +22,11 @@ class Regions:
     labels: npt.NDArray[np.int32]
     count: int
 
+    @property
+    def vga_scale(self) -> float:
+        """What a pixel of this image counts at 640x480."""
+        return VGA_PX2 / self.labels.size
+
 
 def partition(graph: Graph, config: Partition) -> Regions:
     """Merges pixels over their edges in the order of (float32 weight, edge number), then joins small regions.

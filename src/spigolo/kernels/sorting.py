@@ -31,7 +31,7 @@ def scatter(keys, order, start, shift, out):
     """One stable pass of a radix sort: puts `order` into `out` by the digit of its keys at `shift`."""
     for k in range(order.size):
         edge = order[k]
-        bucket = (keys[edge] >> np.uint32(shift)) & np.uint32(BUCKETS - 1)
+        bucket = (keys[edge] >> shift) & np.uint32(BUCKETS - 1)
         out[start[bucket]] = edge
         start[bucket] += 1
 
@@ -44,7 +44,7 @@ def sort_edges(keys, order, spare):
     """
     starts = np.zeros((3, BUCKETS), np.int64)
     count_digits(keys, starts)
-    scatter(keys, order, starts[0], 0, spare)
-    scatter(keys, spare, starts[1], DIGIT_BITS, order)
-    scatter(keys, order, starts[2], 2 * DIGIT_BITS, spare)
+    scatter(keys, order, starts[0], np.uint32(0), spare)
+    scatter(keys, spare, starts[1], np.uint32(DIGIT_BITS), order)
+    scatter(keys, order, starts[2], np.uint32(2 * DIGIT_BITS), spare)
     order[:] = spare

@@ -40,9 +40,11 @@ def overlay(result: Segmentation, color: Color) -> Color:
     return picture
 
 
-def draw_boxes(picture: Color, result: Segmentation, camera: Camera) -> Color:
-    """A copy of a picture with the oriented box of each object as a wire frame."""
+def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> Color:
+    """A copy of a picture with the oriented box of each object as a wire frame; without intrinsics there is none."""
     drawn = picture.copy()
+    if camera is None:
+        return drawn
     for o, tint in zip(result, palette(len(result)), strict=True):
         box = o.oriented_box()
         if box is None:
@@ -59,12 +61,16 @@ def draw_boxes(picture: Color, result: Segmentation, camera: Camera) -> Color:
 
 
 def depth_picture(depth: DepthMap) -> Color:
-    """Depth (H, W) in colours, near = red, far = blue, between the 1st and 99th percentile; missing = black."""
+    """Depth (H, W) in colours, near = red, far = blue, missing = black.
+
+    Colours follow 1 / Z, as the camera's resolution does, between the 1st and 99th percentile.
+    """
     valid = depth > 0
     if not valid.any():
         return np.zeros((*depth.shape, 3), np.uint8)
-    near, far = np.percentile(depth[valid], [1, 99])
-    level = np.clip((far - depth) / max(far - near, 1e-6), 0, 1)
+    closeness = 1 / np.where(valid, depth, np.inf)
+    far, near = np.percentile(closeness[valid], [1, 99])
+    level = np.clip((closeness - far) / max(near - far, 1e-6), 0, 1)
     picture = cv2.cvtColor(cv2.applyColorMap((level * 255).astype(np.uint8), cv2.COLORMAP_TURBO), cv2.COLOR_BGR2RGB)
     picture[~valid] = 0
     return np.asarray(picture, np.uint8)

@@ -1,0 +1,70 @@
+"""How often an object is right, by its score: the calibration table of docs/score.md.
+
+    python scripts/calibrate_score.py [--preset OBJECTS]
+
+An object counts as right with IoU above 0.7 against a labelled object. Frames on which every object is labelled
+(osd-mosd, osd-full, hand-uoc); objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from itertools import pairwise
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+import spigolo as sp
+from spigolo.evaluation import wilson_interval
+
+DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).parents[2] / "shared" / "data")) / "frames"
+SETS = ("osd-mosd", "osd-full", "hand-uoc")
+EDGES = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
+IGNORE = 255
+
+
+def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
+    """IoU with the labelled object that fits best, ignored pixels left out; NaN where most of the mask is ignored."""
+    seen = mask & (label != IGNORE)
+    if np.count_nonzero(seen) < 0.5 * np.count_nonzero(mask):
+        return float("nan")
+    ids = np.setdiff1d(label[seen], [0, IGNORE])
+    return max(
+        (np.count_nonzero(seen & (label == k)) / np.count_nonzero(seen | (label == k)) for k in ids), default=0.0
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--preset", default="OBJECTS")
+    config = sp.preset(parser.parse_args().preset)
+    names = json.loads((DATA / "splits.json").read_text())["dev"]
+    scores, right = [], []
+    for folder in (DATA / name for name in sorted(names) if name.startswith(SETS)):
+        label = cv2.imread(str(folder / "label.png"), cv2.IMREAD_UNCHANGED)
+        for o in sp.segment(sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json"), config):
+            iou = best_iou(o.mask, label)
+            if np.isfinite(iou):
+                scores.append(o.score)
+                right.append(iou > 0.7)
+    score, hit = np.array(scores), np.array(right)
+    print("| score | objects | mean score | right (IoU > 0.7) | 95 % interval |\n|---|---|---|---|---|")
+    for low, high in pairwise(EDGES):
+        of = (score >= low) & ((score < high) | (high == 1.0))
+        if of.any():
+            hits, n = int(hit[of].sum()), int(of.sum())
+            bottom, top = wilson_interval(hits, n)
+            print(
+                f"| {low:.2f} - {high:.2f} | {n} | {score[of].mean():.2f} | {hits / n:.0%} | {bottom:.0%} - {top:.0%} |"
+            )
+    worse = (score[hit][:, None] > score[~hit]).mean() + 0.5 * (score[hit][:, None] == score[~hit]).mean()
+    print(
+        f"\n{len(score)} objects, {hit.mean():.0%} right; a right one scores above a wrong one {worse:.0%} of the time"
+    )
+
+
+if __name__ == "__main__":
+    main()

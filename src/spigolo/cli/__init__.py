@@ -1,0 +1,40 @@
+"""The command line: typed functions become verbs. The only room that prints and exits.
+
+Exit codes: 0 done; 1 some of several frames failed; 2 the input is at fault, said in one sentence. Heavy modules are
+imported inside the verbs, so that help is there at once.
+"""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from typing import Any
+
+import cyclopts
+
+from spigolo.errors import SpigoloError
+
+DONE, SOME_FAILED, FAILED = 0, 1, 2
+
+
+def main() -> None:
+    """Entry point of `spigolo`."""
+    from spigolo.cli.verbs import app
+
+    warnings.showwarning = _say_warning
+    try:
+        code = app(result_action="return_value", exit_on_error=False, print_error=True)
+    except SpigoloError as error:
+        print(f"spigolo: {error}", file=sys.stderr)
+        code = FAILED
+    except cyclopts.CycloptsError:
+        code = FAILED  # already printed
+    except KeyboardInterrupt:
+        print("spigolo: interrupted", file=sys.stderr)
+        code = 130
+    sys.exit(code)
+
+
+def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    """A warning as one line, without the line of source that Python adds."""
+    print(f"spigolo: warning: {message}", file=sys.stderr)

@@ -1,0 +1,157 @@
+"""What stands on the command line: files and folders become frames, dotted flags become fields of the preset."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from spigolo.errors import ConfigError, FileError
+
+if TYPE_CHECKING:
+    from spigolo.config import Config
+
+IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+COLOR_NAMES = ("rgb", "color", "colour", "image")
+
+
+@dataclass(frozen=True, slots=True)
+class FramePaths:
+    """Where a frame lies. camera: a file found beside it, or None."""
+
+    name: str
+    color: Path
+    depth: Path
+    camera: Path | None
+
+
+def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+    """Separates inputs from dotted flags: `--partition.gamma 0.004` or `--partition.gamma=0.004`."""
+    inputs: list[str] = []
+    flags: dict[str, str] = {}
+    rest = iter(words)
+    for word in rest:
+        if not word.startswith("--"):
+            inputs.append(word)
+            continue
+        key, equals, value = word[2:].replace("-", "_").partition("=")
+        if equals:
+            value = word.partition("=")[2]
+        else:
+            value = next(rest, "")
+            if not value:
+                raise ConfigError(f"expected a value after {word}")
+        flags[key] = value
+    return inputs, flags
+
+
+def configure(preset: str, flags: dict[str, str]) -> Config:
+    """The preset with the fields that flags change, each checked by its type."""
+    from spigolo.presets import preset as find
+
+    config = find(preset)
+    known = field_names(config)
+    for key in flags:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=3, cutoff=0.4)
+            hint = f"did you mean {' or '.join('--' + n.replace('_', '-') for n in near)}?" if near else ""
+            raise ConfigError(f"unknown flag --{key.replace('_', '-')} for preset {config.name}: {hint}".rstrip(": "))
+    return config.replace(**{key: _scalar(value) for key, value in flags.items()}) if flags else config
+
+
+def field_names(config: Config) -> dict[str, str]:
+    """Dotted name and meaning of every field that the preset can have, from the types of the configuration."""
+    return dict(_walk(config, ""))
+
+
+def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
+    """Fields of a model or of a model's class; of an unset stage, those that setting one of them would create."""
+    from pydantic import BaseModel
+
+    kind: type[BaseModel] = model if isinstance(model, type) else type(model)
+    for name, field in kind.model_fields.items():
+        value = None if isinstance(model, type) else getattr(model, name)
+        candidates = [field.annotation, *getattr(field.annotation, "__args__", ())]
+        stages = [c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)]
+        inner = value if isinstance(value, BaseModel) else stages[0] if stages else None
+        if inner is not None:
+            yield from _walk(inner, f"{prefix}{name}.")
+            if type(None) in candidates:
+                yield f"{prefix}{name}", "none switches it off"
+        elif name not in ("name", "kind"):
+            yield f"{prefix}{name}", " ".join((field.description or "").split())
+
+
+def _scalar(text: str) -> Any:
+    """A value as TOML would read it; `none` is None; anything else is text."""
+    if text.lower() == "none":
+        return None
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
+    """The frames that files and folders name.
+
+    Two files are a frame, colour first; more files are pairs. A folder is a frame if it holds a colour and a depth
+    image (rgb.png and depth.png), else its subfolders are, or the equally named files of its folders rgb/ and depth/.
+    """
+    paths = [Path(word) for word in inputs]
+    if not paths:
+        raise FileError("expected a colour and a depth image, or a folder of frames, got nothing")
+    absent = [path for path in paths if not path.exists()]
+    if absent:
+        raise FileError(f"expected an image or folder, but there is no {absent[0]}")
+    files = [path for path in paths if not path.is_dir()]
+    if len(files) % 2:
+        raise FileError(f"expected files in pairs, colour then depth, got {len(files)}: {files[-1]} has no depth image")
+    pairs = zip(files[::2], files[1::2], strict=True)
+    frames = [FramePaths(color.stem, color, depth, _camera_in(color.parent)) for color, depth in pairs]
+    for folder in (path for path in paths if path.is_dir()):
+        frames += _frames_in(folder)
+    return frames
+
+
+def _frames_in(folder: Path) -> list[FramePaths]:
+    frames = _frame_of(folder) or _paired(folder)
+    if not frames:
+        frames = [frame for inner in sorted(folder.iterdir()) if inner.is_dir() for frame in _frame_of(inner)]
+    if not frames:
+        raise FileError(
+            f"expected rgb.png and depth.png in {folder} or in its subfolders, or folders rgb/ and depth/ with equally"
+            " named files"
+        )
+    return frames
+
+
+def _frame_of(folder: Path) -> list[FramePaths]:
+    color = next(
+        (f for name in COLOR_NAMES for f in sorted(folder.glob(f"{name}.*")) if f.suffix.lower() in IMAGES), None
+    )
+    depth = next((f for f in sorted(folder.glob("depth.*")) if f.suffix.lower() in (*IMAGES, ".npy")), None)
+    return [FramePaths(folder.name, color, depth, _camera_in(folder))] if color and depth else []
+
+
+def _paired(folder: Path) -> list[FramePaths]:
+    colors = next((folder / name for name in COLOR_NAMES if (folder / name).is_dir()), None)
+    if colors is None or not (folder / "depth").is_dir():
+        return []
+    depths = {f.stem: f for f in (folder / "depth").iterdir()}
+    return [
+        FramePaths(f.stem, f, depths[f.stem], _camera_in(folder))
+        for f in sorted(colors.iterdir())
+        if f.suffix.lower() in IMAGES and f.stem in depths
+    ]
+
+
+def _camera_in(folder: Path) -> Path | None:
+    names = ("camera.json", "camera.yaml", "camera.yml", "camera_info.yaml")
+    return next((folder / name for name in names if (folder / name).is_file()), None)

@@ -1,0 +1,84 @@
+"""What the verbs print and write."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from spigolo import export, io
+from spigolo.view.overlay import overlay
+
+if TYPE_CHECKING:
+    from spigolo.cli.inputs import FramePaths
+    from spigolo.doctor import Diagnosis
+    from spigolo.frame import Frame
+    from spigolo.objects import Segmentation
+
+
+def announce_compilation() -> None:
+    """Says that the first run on a machine takes longer."""
+    from spigolo.kernels import _jit
+
+    if _jit.CACHE_FOLDER is None or not any(_jit.CACHE_FOLDER.iterdir()):
+        print("compiling the kernels, once on this machine: about 20 s", file=sys.stderr, flush=True)
+
+
+def progress(frames: list[FramePaths], what: str) -> Iterable[FramePaths]:
+    """The frames with a bar on the error stream while they are worked on."""
+    return track(frames, description=what, console=Console(stderr=True), disable=not sys.stderr.isatty())
+
+
+def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
+    """labels.png, objects.json and overlay.png in the folder `out`."""
+    picture = overlay(result, frame.color)
+    io.write_png(out / "labels.png", result.labels.astype(np.uint16))
+    io.write_json(out / "objects.json", export.to_json(result))
+    io.write_png(out / "overlay.png", picture)
+
+
+def write_array(path: Path, array: npt.NDArray[np.generic]) -> None:
+    """An array as .npy file, written at once."""
+    buffer = BytesIO()
+    np.save(buffer, array)
+    io.write_bytes(path, buffer.getvalue())
+
+
+def print_result(result: Segmentation, out: Path) -> None:
+    """A row an object, the rejected regions with their reasons, and where the files are."""
+    table = Table("object", "score", "pixels", "centroid x, y, z (m)", "size (m)", "missing depth", box=None)
+    for o in result:
+        box = o.oriented_box()
+        centroid = "-" if o.centroid_m is None else " ".join(f"{v:.3f}" for v in o.centroid_m)
+        size = "-" if box is None else " x ".join(f"{v:.2f}" for v in box.size_m)
+        table.add_row(str(o.label), f"{o.score:.2f}", str(o.area_px), centroid, size, f"{o.missing:.0%}")
+    if len(result):
+        Console().print(table)
+    print(f"{len(result)} objects, {len(result.rejected)} regions rejected ({result.preset} {result.digest})")
+    for region in result.rejected:
+        print(f"  rejected {region.area_px} px at {region.box_px}: {region.why}")
+    if result.left_out:
+        print(f"left out, as no intrinsics were given: {', '.join(result.left_out)}")
+    print(f"written: {out / 'labels.png'}, {out / 'objects.json'}, {out / 'overlay.png'}")
+
+
+def print_diagnosis(diagnosis: Diagnosis) -> None:
+    """A line a finding, warnings marked, and the advice."""
+    marks = {"ok": "[green]ok     [/]", "note": "[cyan]note   [/]", "warning": "[bold red]warning[/]"}
+    console = Console(highlight=False, soft_wrap=True)
+    for finding in diagnosis.findings:
+        console.print(f"{marks[finding.severity.value]} [bold]{finding.check}[/]: {finding.sentence}", markup=True)
+
+
+def warn_of(diagnosis: Diagnosis, name: str) -> None:
+    """The warnings of a frame, on the error stream."""
+    for finding in diagnosis.warnings:
+        print(f"spigolo: warning: {name}: {finding.sentence}", file=sys.stderr)

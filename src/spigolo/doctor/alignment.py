@@ -1,0 +1,161 @@
+"""Whether depth lies on colour: where an object ends in depth, colour changes too.
+
+The contours of near things are taken from depth, and the colour gradient below them is averaged for every shift of the
+contours. Aligned, the average is largest where the shift is 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.depth import VGA_PX2
+from spigolo.doctor.findings import Finding, fine, note, warning
+from spigolo.frame import Color, DepthMap
+from spigolo.kernels.contours import fill_shadows
+
+ALIGNMENT = "alignment"
+
+SEARCH_PX = 24
+TOLERANCE_PX = 4
+"""Edges compare depth from 5 pixels on either side: an offset up to this is harmless."""
+MIN_CONTOUR_PX = 500
+"""Fewer contour pixels, in an image of 640x480, are no evidence."""
+MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
+"""How much the gradient under the contours must stand out: from those around, in units of their mean, and from what
+other shifts score, in standard deviations. Else the best shift is one of many."""
+SHIFTED = 0.95
+"""Unshifted, contours fit less than this share of their best fit."""
+MIRRORED = 0.8
+"""The same of unmirrored contours; less, as scenes have some symmetry."""
+
+STEP_OFFSET_PX = 2
+STEP_M, STEP_PER_M = 0.02, 0.012
+"""Depth must rise by the larger of STEP_M and STEP_PER_M times the squared depth."""
+MAX_SHADOW_PX = 60
+GRADIENT_SIGMA_PX, AROUND_PX = 1.2, 33
+FLAT_GRADIENT = 2.0
+"""Gradients well below this, in grey levels per pixel, are noise."""
+MAX_GRADIENT = 3.0
+"""Gradients count up to this multiple of those around, so that no single strong edge decides."""
+
+Map = npt.NDArray[np.float32]
+Pair = tuple[Map, Map]
+"""Of upright things (compared along x) and of level ones (along y)."""
+
+TURNS = {"mirrored left to right": (1,), "upside down": (0, 1), "mirrored top to bottom": (0,)}
+"""Image axes that are reversed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """The best shift of the contours (dx_px, dy_px) and its score.
+
+    peak: by how many standard deviations the score lies above the mean of all shifts. unshifted: the best score of the
+    shifts within the tolerance.
+    """
+
+    dx_px: int
+    dy_px: int
+    score: float
+    peak: float
+    unshifted: float
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether the best shift is any better than chance."""
+        return self.score >= MIN_CONTRAST and self.peak >= MIN_PEAK
+
+
+def check_alignment(color: Color, filled: DepthMap) -> Finding:
+    """Finds depth that is shifted against colour, or mirrored. filled: depth with its small gaps in-painted."""
+    contours = depth_contours(filled)
+    count = count_contours(contours)
+    if count < MIN_CONTOUR_PX * filled.size / VGA_PX2:
+        return note(ALIGNMENT, f"alignment of depth and colour cannot be judged: {count} pixels of depth steps are few")
+    gradients = color_gradients(color)
+    fit = best_shift(contours, gradients)
+    turned = {name: best_shift(_turn(contours, axes), gradients) for name, axes in TURNS.items()}
+    name = max(turned, key=lambda n: turned[n].score)
+    if turned[name].is_clear and fit.score < MIRRORED * turned[name].score:
+        return warning(
+            ALIGNMENT,
+            f"expected the contours of depth on those of colour, found that they fit when {name}:"
+            " turn one of the two images",
+        )
+    if not fit.is_clear:
+        return note(ALIGNMENT, "alignment of depth and colour cannot be judged: colour does not change at depth steps")
+    if fit.unshifted < SHIFTED * fit.score:
+        return warning(
+            ALIGNMENT,
+            f"expected the contours of depth on those of colour, found that depth fits when moved by {fit.dx_px:+d} px"
+            f" in x and {fit.dy_px:+d} px in y: register depth to colour, and take both from the same instant",
+        )
+    return fine(ALIGNMENT, "depth contours lie on colour edges")
+
+
+def depth_contours(depth: DepthMap) -> Pair:
+    """The near side of every depth step, as two float maps (H, W) of 0 and 1; nothing near the image border.
+
+    Shadows count as the background behind them. The near side must be flat: slanted surfaces have no steps.
+    """
+    limit = np.maximum(np.float32(STEP_M), np.float32(STEP_PER_M) * depth * depth)
+    pair = []
+    for axis in (1, 0):
+        filled = _fill_along(depth, axis)
+        contour = np.zeros(depth.shape, bool)
+        for sign in (1, -1):
+            beyond, behind = np.roll(filled, -sign * STEP_OFFSET_PX, axis), np.roll(filled, sign * STEP_OFFSET_PX, axis)
+            flat = (behind > 0) & (np.abs(behind - depth) < limit / 2)
+            contour |= (depth > 0) & (beyond - depth > limit) & flat
+        inner = np.zeros(depth.shape, np.float32)
+        inside = (slice(SEARCH_PX, -SEARCH_PX), slice(SEARCH_PX, -SEARCH_PX))
+        inner[inside] = contour[inside]
+        pair.append(inner)
+    return pair[0], pair[1]
+
+
+def count_contours(contours: Pair) -> int:
+    """Pixels on both kinds of contours."""
+    return int(contours[0].sum() + contours[1].sum())
+
+
+def color_gradients(color: Color) -> Pair:
+    """Gradients (H, W) along x and y of the channel that changes most, by the mean gradient around, less their mean."""
+    smooth = cv2.GaussianBlur(color, (0, 0), GRADIENT_SIGMA_PX)
+    along_x, along_y = (
+        np.abs(cv2.Scharr(smooth, cv2.CV_16S, *order)).max(axis=2).astype(np.float32) / 32 for order in ((1, 0), (0, 1))
+    )
+    around = cv2.boxFilter(along_x + along_y, -1, (AROUND_PX, AROUND_PX)) + FLAT_GRADIENT
+    x, y = np.minimum(along_x / around, MAX_GRADIENT), np.minimum(along_y / around, MAX_GRADIENT)
+    return x - x.mean(), y - y.mean()
+
+
+def best_shift(contours: Pair, gradients: Pair) -> Fit:
+    """Tries every shift of the contours up to 24 pixels in x and y."""
+    inside = (slice(SEARCH_PX, -SEARCH_PX), slice(SEARCH_PX, -SEARCH_PX))
+    sums = sum(
+        np.asarray(cv2.matchTemplate(gradient, contour[inside], cv2.TM_CCORR))
+        for contour, gradient in zip(contours, gradients, strict=True)
+    )
+    scores = np.asarray(sums) / max(count_contours(contours), 1)
+    y, x = np.unravel_index(int(scores.argmax()), scores.shape)
+    near = slice(SEARCH_PX - TOLERANCE_PX, SEARCH_PX + TOLERANCE_PX + 1)
+    best, deviation = float(scores.max()), float(scores.std())
+    peak = (best - float(scores.mean())) / deviation if deviation > 0 else 0.0
+    return Fit(int(x) - SEARCH_PX, int(y) - SEARCH_PX, best, peak, float(scores[near, near].max()))
+
+
+def _fill_along(depth: DepthMap, axis: int) -> DepthMap:
+    rows = np.ascontiguousarray(depth if axis == 1 else depth.T)
+    filled = np.empty_like(rows)
+    fill_shadows(rows, MAX_SHADOW_PX, filled)
+    return filled if axis == 1 else filled.T
+
+
+def _turn(contours: Pair, axes: tuple[int, ...]) -> Pair:
+    x, y = (np.ascontiguousarray(np.flip(c, axes)) for c in contours)
+    return x, y

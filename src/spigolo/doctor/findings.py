@@ -1,0 +1,61 @@
+"""What a check says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Severity(str, Enum):
+    """OK: as expected. NOTE: worth knowing, or not to be judged. WARNING: mend this first."""
+
+    OK = "ok"
+    NOTE = "note"
+    WARNING = "warning"
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What one check found.
+
+    check: its name. sentence: a short statement; for a warning what was expected, what was found, how to mend it.
+    """
+
+    check: str
+    severity: Severity
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """All findings of a frame, in the order of the checks."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def warnings(self) -> tuple[Finding, ...]:
+        """The findings to mend first."""
+        return tuple(f for f in self.findings if f.severity is Severity.WARNING)
+
+    @property
+    def advice(self) -> str:
+        """Which cost function fits the frame, and why."""
+        return next((f.sentence for f in self.findings if f.check == COST), "")
+
+
+COST = "cost function"
+
+
+def fine(check: str, sentence: str) -> Finding:
+    """A finding that is as expected."""
+    return Finding(check, Severity.OK, sentence)
+
+
+def note(check: str, sentence: str) -> Finding:
+    """A finding worth knowing."""
+    return Finding(check, Severity.NOTE, sentence)
+
+
+def warning(check: str, sentence: str) -> Finding:
+    """A finding to mend."""
+    return Finding(check, Severity.WARNING, sentence)

@@ -1,0 +1,147 @@
+"""Whether the intrinsics can be those of the camera.
+
+A wrong focal length keeps planes plane but bends right angles. What stands on a table is mostly upright - the sides of
+boxes, cans and mugs - so the focal length is tried at which most surfaces are upright.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.config import Support
+from spigolo.doctor.findings import Finding, fine, note, warning
+from spigolo.doctor.local_planes import LocalPlanes, fit_local_planes
+from spigolo.frame import Camera, DepthMap
+from spigolo.support import Plane, find_support, support_mask
+
+INTRINSICS, FOCAL_LENGTH = "intrinsics", "focal length"
+
+MAX_ASPECT = 0.05
+USUAL_SHARE = (0.7, 1.15)
+"""Focal length by image width of most RGB-D cameras: Kinect v1 and Xtion 0.82 to 0.9, RealSense D415, D435 and SR300
+0.96 (4:3) and 0.72 (16:9), Zivid 0.92."""
+KNOWN_WIDE = (
+    (16 / 9, 0.473, "Azure Kinect"),
+    (16 / 9, 0.50, "RealSense D455 or depth of D435"),
+    (16 / 10, 0.50, "RealSense D455 or depth of D435"),
+    (16 / 9, 0.563, "Kinect v2"),
+    (4 / 3, 0.60, "RealSense D455 or depth of D435"),
+)
+"""Width by height, focal length by width, and the cameras beyond that range that have both."""
+KNOWN_WITHIN = 0.03
+
+TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
+"""Factors on the focal length."""
+RIGHT_WITHIN = 1.25
+"""What stands slants a little: a factor up to this may come of the things themselves."""
+MIN_TILT_DEG = 20.0
+"""Seen straight from above, an upright side stays upright with any focal length."""
+UPRIGHT_COS = 0.07
+"""Within 4 degrees of upright."""
+MIN_UPRIGHT = 0.05
+"""Share of the surfaces beside the support that are upright with the best factor; fewer are no evidence."""
+CLEAR = 2.0
+"""The best factor has this many times the upright surfaces of the given focal length, or the reverse."""
+SURFACES, MIN_SURFACES, SEED = 15000, 2000, 7
+FLAT_M, FLAT_PER_M = 0.002, 0.003
+"""Windows that lie off their plane by more (m, and 1/m by squared depth) hold an edge."""
+
+Points = npt.NDArray[np.float64]
+
+
+def check_intrinsics(camera: Camera) -> Finding:
+    """Principal point near the middle, square pixels."""
+    x, y = camera.cx / camera.width, camera.cy / camera.height
+    if not (1 / 3 <= x <= 2 / 3 and 1 / 3 <= y <= 2 / 3):
+        return warning(
+            INTRINSICS,
+            f"expected the principal point in the middle third of {camera.width}x{camera.height}, found"
+            f" ({camera.cx:.0f}, {camera.cy:.0f}): unless the image is cropped, take the intrinsics of this size",
+        )
+    if abs(camera.fx / camera.fy - 1) > MAX_ASPECT:
+        return warning(
+            INTRINSICS,
+            f"expected fx and fy within {MAX_ASPECT:.0%} of each other, found {camera.fx:.0f} and {camera.fy:.0f}:"
+            " unless the image was stretched, take the intrinsics of this size",
+        )
+    return fine(INTRINSICS, "principal point near the middle, square pixels")
+
+
+def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
+    """Right angles first; where they say nothing, what cameras have. filled: depth, its small gaps in-painted."""
+    share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
+    stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
+    factor = upright_factor(filled, camera)
+    if factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN):
+        return warning(
+            FOCAL_LENGTH,
+            f"expected upright sides at right angles to the support, found them so with about {factor:.2f} times the"
+            f" focal length ({stated}): take the intrinsics of the stream that depth is aligned to, at this size",
+        )
+    if factor is not None:
+        return fine(FOCAL_LENGTH, f"{stated}: upright sides stand at right angles to the support")
+    if USUAL_SHARE[0] <= share <= USUAL_SHARE[1]:
+        return fine(FOCAL_LENGTH, f"{stated}: usual for RGB-D cameras")
+    known = [name for aspect, of_width, name in KNOWN_WIDE if _is_known(camera, aspect, of_width)]
+    if known:
+        return note(FOCAL_LENGTH, f"{stated}: unusual, but that of {' or '.join(known)}")
+    return warning(
+        FOCAL_LENGTH,
+        f"expected a focal length of {USUAL_SHARE[0]} to {USUAL_SHARE[1]} image widths, found {share:.2f} ({stated}):"
+        " take the intrinsics of the stream that depth is aligned to, at this size",
+    )
+
+
+def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
+    """The factor on the focal length with which most surfaces are upright; 1 if the given one does about as well.
+
+    None without evidence: no support, a view from straight above, few upright surfaces, or no clear best.
+    """
+    support = find_support(filled, camera, Support())
+    if support is None or np.degrees(np.arccos(min(abs(support.normal[2]), 1.0))) < MIN_TILT_DEG:
+        return None
+    normals = _normals_beside(support, filled, camera)
+    if len(normals) < MIN_SURFACES:
+        return None
+    upright = count_upright(normals, support.normal)
+    off = np.abs(np.log(TRIED))
+    best, given = upright.max(), upright[off <= np.log(RIGHT_WITHIN)].max()
+    if best < MIN_UPRIGHT * len(normals):
+        return None
+    if best >= CLEAR * given:
+        return float(TRIED[upright.argmax()])
+    others = upright[off > 2 * np.log(RIGHT_WITHIN)].max()
+    return 1.0 if given >= CLEAR * others else None
+
+
+def count_upright(normals: Points, support: Points) -> npt.NDArray[np.intp]:
+    """How many of the normals (N, 3) lie at right angles to the support's (3,), with each factor on the focal length.
+
+    With t times the focal length the normal (a, b, c) of a plane is really (t a, t b, c).
+    """
+    level = normals[:, :2] @ support[:2]
+    inward = normals[:, 2] * support[2]
+    flat2, deep2 = (normals[:, :2] ** 2).sum(1), normals[:, 2] ** 2
+    t2 = (TRIED**2)[:, None]
+    length2 = (t2 * flat2 + deep2) * (t2 * (support[:2] ** 2).sum() + support[2] ** 2)
+    return np.asarray(((t2 * level + inward) ** 2 < UPRIGHT_COS**2 * length2).sum(1))
+
+
+def _normals_beside(support: Plane, filled: DepthMap, camera: Camera) -> Points:
+    """Normals (N, 3) of a sample of the smooth surfaces that are not on the support."""
+    planes = fit_local_planes(filled)
+    smooth = _is_smooth(planes, filled) & ~support_mask(support, filled, camera, Support())
+    y, x = np.nonzero(smooth)
+    chosen = np.random.default_rng(SEED).permutation(len(y))[:SURFACES]
+    return planes.normals(y[chosen], x[chosen], camera)
+
+
+def _is_smooth(planes: LocalPlanes, depth: DepthMap) -> npt.NDArray[np.bool_]:
+    off_m = planes.residual * depth * depth
+    return np.asarray(planes.whole & (off_m < np.maximum(FLAT_M, FLAT_PER_M * depth * depth)))
+
+
+def _is_known(camera: Camera, aspect: float, of_width: float) -> bool:
+    same_shape = abs(camera.width / camera.height / aspect - 1) < KNOWN_WITHIN
+    return same_shape and abs(camera.fx / camera.width / of_width - 1) < KNOWN_WITHIN

@@ -1,0 +1,122 @@
+"""Depth as it was measured: its sign, its gaps, its unit."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from spigolo.depth import find_gaps, missing_mask
+from spigolo.doctor.findings import Finding, fine, note, warning
+from spigolo.doctor.local_planes import fit_local_planes
+from spigolo.frame import DepthMap, Frame
+
+MISSING, UNIT = "missing depth", "depth unit"
+
+FEW_VALID = 0.02
+"""With a smaller share of valid pixels there is nothing to segment."""
+MUCH_MISSING = 0.2
+HOLES = 0.02
+"""A share of the frame in holes of one or two pixels, from here on told."""
+
+NEAR_M, FAR_M = 0.2, 6.0
+"""The median depth of a frame that shows things to grasp lies in between."""
+TABLE_M = 0.8
+"""A usual distance: the guess at the scale is the power of ten that comes closest to it."""
+COARSE_UNIT_M = 0.004
+"""Cameras store depth in units of 0.1 to 1 mm; some drivers double that."""
+FINEST_TICK_M = 1e-4
+ROOM_M = 3.0
+FINE_NOISE_PER_M = 2.5e-4
+"""Depth noise of triangulating cameras and of time of flight is not less than this times the squared distance."""
+
+
+def check_negative(frame: Frame) -> Finding:
+    """Negative depth comes of a subtraction, of a wrong integer type or of the wrong axis."""
+    if frame.negative_depth:
+        return warning(
+            "negative depth",
+            f"expected depth of 0 or more, found {frame.negative_depth} negative pixels:"
+            " store the Z coordinate (forward), as unsigned integers or as floating-point metres",
+        )
+    return fine("negative depth", "no pixel has negative depth")
+
+
+def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
+    """How much depth is missing, and where: at the border, inside, or in a grid of sampling holes.
+
+    filled: the same with its small gaps in-painted: a grid of holes would join all gaps to those at the border.
+    """
+    missing = missing_mask(depth)
+    share = float(missing.mean())
+    if 1 - share < FEW_VALID:
+        return [
+            warning(
+                MISSING,
+                f"expected depth in most of the frame, found it missing in {share:.1%}:"
+                " check that the depth stream is on, the range of the camera, and that 0 means missing",
+            )
+        ]
+    gaps = find_gaps(filled)
+    border, large = float(gaps.area_px[gaps.on_border].sum() / depth.size), float(missing_mask(filled).mean())
+    say = note if share > MUCH_MISSING else fine
+    places = f"{border:.1%} at the border, {large - border:.1%} in large gaps inside, {share - large:.1%} in small ones"
+    findings = [say(MISSING, f"{share:.1%} of depth is missing: {places}")]
+    narrow = missing & (cv2.morphologyEx(missing.view(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)) == 0)
+    if narrow.mean() > HOLES:
+        why = "the grid that a depth map warped to a larger colour image shows; in-painting closes them"
+        findings.append(
+            note("sampling holes", f"{narrow.mean():.1%} of the frame is holes of one or two pixels, {why}")
+        )
+    return findings
+
+
+def check_unit(depth: DepthMap, filled: DepthMap) -> Finding:
+    """Whether depth can be in metres, by its distance, its stored unit and its noise.
+
+    filled: the same with its small gaps in-painted, so that the noise is measured between sampling holes too.
+    """
+    median = float(np.median(depth[depth > 0]))
+    guess = guess_factor(median)
+    mend = f"multiply depth_scale by {guess:g} (stored millimetres: 0.001; TUM: 0.0002; 0.1 mm: 0.0001)"
+    if not NEAR_M <= median <= FAR_M:
+        return warning(
+            UNIT, f"expected a median depth of {NEAR_M:g} to {FAR_M:g} m, found {median:.3g} m: if it is not so, {mend}"
+        )
+    unit = stored_unit_m(depth)
+    if unit >= COARSE_UNIT_M:
+        return warning(
+            UNIT,
+            f"expected depth in units of at most 1 or 2 mm, found it in whole multiples of {unit * 1e3:.0f} mm"
+            f" with a median of {median:.3g} m: {mend}",
+        )
+    noise = noise_per_m(filled)
+    if median > ROOM_M and noise is not None and noise < FINE_NOISE_PER_M:
+        return warning(
+            UNIT,
+            f"expected depth noise of centimetres at a median depth of {median:.3g} m, found"
+            f" {noise * median**2 * 1e3:.1f} mm, as of something near: unless the frame is rendered, {mend}",
+        )
+    return fine(UNIT, f"median depth {median:.2f} m")
+
+
+def guess_factor(median_m: float) -> float:
+    """The power of ten that brings a median depth closest to that of a table-top."""
+    return float(10.0 ** np.round(np.log10(TABLE_M / median_m)))
+
+
+def stored_unit_m(depth: DepthMap) -> float:
+    """The largest unit that all depths are whole multiples of, looked for from 0.1 mm upwards.
+
+    Times ten, millimetres come in steps of 10 mm, which no camera stores. Floating-point depth has no unit: 0.1 mm.
+    """
+    ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
+    return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M
+
+
+def noise_per_m(filled: DepthMap) -> float | None:
+    """Depth noise by squared distance (1/m) on the smoother surfaces; None where no surface is whole.
+
+    It is about constant for a sensor, and depth times ten has a tenth of it.
+    """
+    planes = fit_local_planes(filled)
+    return float(np.percentile(planes.residual[planes.whole], 25)) if planes.whole.any() else None

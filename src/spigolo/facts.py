@@ -1,0 +1,196 @@
+"""What is known of every region, in the image and in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.boxes import OrientedBox, fit_box
+from spigolo.cues import Cues
+from spigolo.depth import missing_mask
+from spigolo.errors import CameraError
+from spigolo.frame import Frame, Mask
+from spigolo.graph import Graph
+from spigolo.kernels import moments
+from spigolo.regions import Regions
+
+Labels = npt.NDArray[np.int32]
+
+SUPPORTED_PX2 = 3000.0
+"""Measured pixels, at 640x480, at which a score has risen to 63 % of what the rest allows (our choice)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class RegionFacts:
+    """What is known of one region.
+
+    region: its number in `trace.regions`. score: how much speaks for an object, in [0, 1] (`region_score`).
+    box_px: (y0, x0, y1, x1), the last two exclusive. centroid_px: (y, x). centroid_m: mean (X, Y, Z) of its measured
+    points, None without any or without intrinsics. spread_px2: the eigenvalues (lambda1, lambda2) of the covariance of
+    its pixel coordinates. eccentricity: sqrt(1 - lambda2 / lambda1). missing: share of its pixels without measured
+    depth. unfilled: share still without depth after in-painting. dark: share in the first three of 32 brightness bins.
+    above: share of its measured pixels that stand above the support plane, None where there is no plane. inside: share
+    in the region of interest, None where none is given. contour: strength of its contour in [0, 1], the mean of
+    `contour_cue` along its border.
+    """
+
+    region: int
+    score: float
+    area_px: int
+    box_px: tuple[int, int, int, int]
+    centroid_px: tuple[float, float]
+    centroid_m: tuple[float, float, float] | None
+    spread_px2: tuple[float, float]
+    eccentricity: float
+    missing: float
+    unfilled: float
+    dark: float
+    above: float | None
+    inside: float | None
+    contour: float
+    regions: Labels = field(repr=False)
+    frame: Frame = field(repr=False)
+
+    @property
+    def mask(self) -> Mask:
+        """Its pixels, (H, W) bool, a new array each time."""
+        return np.asarray(self.regions == self.region)
+
+    @property
+    def distance_m(self) -> float | None:
+        """Distance of the centroid from the camera, None without depth."""
+        return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
+
+    def points_m(self) -> npt.NDArray[np.float32]:
+        """Its measured points (N, 3) in the camera's frame, in raster order; never in-painted depth.
+
+        Raises CameraError for a frame without intrinsics.
+        """
+        if self.frame.camera is None:
+            raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
+        return self.frame.camera.back_project(self.frame.depth, self.mask)
+
+    def oriented_box(self) -> OrientedBox | None:
+        """The box around its measured surface, trimmed against flying pixels.
+
+        None with fewer than 10 measured pixels, or without intrinsics.
+        """
+        camera = self.frame.camera
+        return None if camera is None else fit_box(self.mask, self.frame.depth, camera)
+
+
+def measure_regions(
+    regions: Regions,
+    cues: Cues,
+    frame: Frame,
+    contour: npt.NDArray[np.float32],
+    above: Mask | None = None,
+    inside: tuple[Mask, Mask] | None = None,
+) -> list[RegionFacts]:
+    """The facts of every region, by number.
+
+    contour: (H, W) as `contour_cue` gives it. above: (H, W), measured pixels above the support. inside: pixels (H, W)
+    in the region of interest and those that count.
+    """
+    sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
+    moments.sum_regions(regions.labels, sums, boxes)
+    n = sums[:, 0]
+    centroid = sums[:, 1:3] / n[:, None]
+    large, small, eccentricity = principal_spread(sums)
+    points = _sum_points(regions, frame)
+    measured = points[:, 0]
+    dark = np.zeros(regions.count, np.int64)
+    moments.count_dark(regions.labels, frame.color, dark)
+    strength = contour_strength(regions, contour)
+    standing = None if above is None else _share(regions, above, measured)
+    wanted = None if inside is None else _share(regions, inside[0] & inside[1], _count(regions, inside[1]))
+    score = region_score(strength, measured * regions.vga_scale, standing)
+    unfilled = _count(regions, missing_mask(cues.depth)) / n
+    return [
+        RegionFacts(
+            region=k,
+            score=float(score[k]),
+            area_px=int(n[k]),
+            box_px=(int(boxes[k, 0]), int(boxes[k, 1]), int(boxes[k, 2]), int(boxes[k, 3])),
+            centroid_px=(float(centroid[k, 0]), float(centroid[k, 1])),
+            centroid_m=None if frame.camera is None else _mean_point(points[k]),
+            spread_px2=(float(large[k]), float(small[k])),
+            eccentricity=float(eccentricity[k]),
+            missing=float(1 - measured[k] / n[k]),
+            unfilled=float(unfilled[k]),
+            dark=float(dark[k] / n[k]),
+            above=None if standing is None else float(standing[k]),
+            inside=None if wanted is None else float(wanted[k]),
+            contour=float(strength[k]),
+            regions=regions.labels,
+            frame=frame,
+        )
+        for k in range(regions.count)
+    ]
+
+
+def region_score(
+    contour: npt.NDArray[np.float64], measured_px2: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
+) -> npt.NDArray[np.float64]:
+    """How much speaks for each region (R,) being an object: contour times depth support, in [0, 1].
+
+    contour x (1 - exp(-measured / 3000 px)) x share above the support plane (1 where there is none); measured pixels
+    count as at 640x480. Larger surfaces with a closed contour, off the table, are more often whole objects.
+    """
+    score = contour * (1 - np.exp(-measured_px2 / SUPPORTED_PX2))
+    return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)
+
+
+def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
+    """What a border is measured by, (H, W) in [0, 1]: delta_bound, or the weights where the cost reads no boundary.
+
+    Of the weights the larger of the right and lower edge of each pixel counts, as a share of their 95th percentile.
+    """
+    if cues.edges is not None:
+        return cues.edges.boundary
+    right, down = graph.weights[:2]
+    largest = np.maximum(np.where(np.isinf(right), 0, right), np.where(np.isinf(down), 0, down))
+    strong = float(np.percentile(largest, 95))
+    return np.asarray(np.clip(largest / strong, 0, 1) if strong > 0 else largest, np.float32)
+
+
+def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+    """Mean of a cue (H, W) along the border of each region (R,); 0 for a region without neighbours."""
+    sums = np.zeros((regions.count, 2))
+    moments.sum_contours(regions.labels, contour, sums)
+    return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
+
+
+def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
+    """lambda1 >= lambda2 (px^2) and eccentricity of each region from its moments (R, 6), covariance divided by N."""
+    n, y, x, yy, yx, xx = sums.T
+    a, b, c = yy / n - (y / n) ** 2, yx / n - y * x / n**2, xx / n - (x / n) ** 2
+    middle, root = (a + c) / 2, np.hypot((a - c) / 2, b)
+    large, small = np.maximum(middle + root, 0), np.maximum(middle - root, 0)
+    ratio = np.divide(small, large, out=np.ones_like(large), where=large > 0)
+    return large, small, np.sqrt(1 - ratio)
+
+
+def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
+    """Measured pixels and sum of their X, Y, Z of each region (R, 4); without a camera only the count is right."""
+    camera, sums = frame.camera, np.zeros((regions.count, 4))
+    numbers = (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)
+    moments.sum_depth(regions.labels, frame.depth, numbers, sums)
+    return sums
+
+
+def _count(regions: Regions, mask: Mask) -> npt.NDArray[np.int64]:
+    return np.bincount(regions.labels[mask], minlength=regions.count)
+
+
+def _share(regions: Regions, mask: Mask, of: npt.NDArray[np.generic]) -> npt.NDArray[np.float64]:
+    return np.asarray(_count(regions, mask) / np.maximum(of, 1))
+
+
+def _mean_point(sums: npt.NDArray[np.float64]) -> tuple[float, float, float] | None:
+    if sums[0] == 0:
+        return None
+    x, y, z = (sums[1:] / sums[0]).tolist()
+    return x, y, z

@@ -1,0 +1,156 @@
+"""Depth of one camera moved into the image of another, as the surfaces that it samples."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+NEAREST_M = 0.01
+"""Surfaces nearer to the colour camera than this would fill its image."""
+ROUNDING = 1e-6
+"""How far beyond its edges a triangle still counts as covering a pixel centre, as a share of its height."""
+SMALLEST_PX2 = 1e-6
+"""Twice the area of the smallest triangle that is drawn."""
+
+
+@inlined
+def project(x, y, z, P):
+    """(u, v, 1 / Z) in the target image of the point at depth z of pixel (x, y) of the source; 1 / Z = 0 if too near.
+
+    Along a plane 1 / Z is linear in the image.
+    """
+    Z = (P[2, 0] * x + P[2, 1] * y + P[2, 2]) * z + P[2, 3]
+    if Z < NEAREST_M:
+        return 0.0, 0.0, 0.0
+    w = 1.0 / Z
+    u = ((P[0, 0] * x + P[0, 1] * y + P[0, 2]) * z + P[0, 3]) * w
+    v = ((P[1, 0] * x + P[1, 1] * y + P[1, 2]) * z + P[1, 3]) * w
+    return u, v, w
+
+
+@inlined
+def one_surface(a, b, step_m, step_share):
+    """Whether two depths are valid and less than a step apart."""
+    return a > 0.0 and b > 0.0 and abs(a - b) <= max(step_m, step_share * min(a, b))
+
+
+@inlined
+def middle(a, b):
+    """Depth halfway in the image between two pixels of one plane."""
+    return 2.0 * a * b / (a + b)
+
+
+@inlined
+def triangle(a, b, c):
+    """Its corner a, the sides to b and c in the image and in 1 / Z, and one over its area (0 if it has none)."""
+    b_x, b_y, c_x, c_y = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
+    area = b_x * c_y - b_y * c_x
+    scale = 1.0 / area if abs(area) > SMALLEST_PX2 else 0.0
+    return a[0], a[1], a[2], b_x, b_y, b[2] - a[2], c_x, c_y, c[2] - a[2], scale
+
+
+@inlined
+def inverse_depth_at(x, y, t):
+    """1 / Z of a triangle at (x, y), 0 beside it."""
+    a_x, a_y, a_w, b_x, b_y, b_w, c_x, c_y, c_w, scale = t
+    share_b = ((x - a_x) * c_y - (y - a_y) * c_x) * scale
+    share_c = (b_x * (y - a_y) - b_y * (x - a_x)) * scale
+    inside = (share_b >= -ROUNDING) & (share_c >= -ROUNDING) & (share_b + share_c <= 1.0 + ROUNDING) & (scale != 0.0)
+    return a_w + share_b * b_w + share_c * c_w if inside else 0.0
+
+
+@inlined
+def draw_quad(a, b, c, d, out):
+    """Draws the triangles a b c and a c d into out (H, W) metres where nothing nearer is, unless a corner is too near.
+
+    The corners are projected points (u, v, 1 / Z).
+    """
+    height, width = out.shape
+    first_x = int(max(np.ceil(min(a[0], b[0], c[0], d[0]) - ROUNDING), 0.0))
+    last_x = int(min(np.floor(max(a[0], b[0], c[0], d[0]) + ROUNDING), width - 1.0))
+    first_y = int(max(np.ceil(min(a[1], b[1], c[1], d[1]) - ROUNDING), 0.0))
+    last_y = int(min(np.floor(max(a[1], b[1], c[1], d[1]) + ROUNDING), height - 1.0))
+    if first_x > last_x or first_y > last_y or min(a[2], b[2], c[2], d[2]) == 0.0:
+        return
+    upper, lower = triangle(a, b, c), triangle(a, c, d)
+    for y in range(first_y, last_y + 1):
+        for x in range(first_x, last_x + 1):
+            w = max(inverse_depth_at(x, y, upper), inverse_depth_at(x, y, lower))
+            if w > 0.0 and (out[y, x] == 0.0 or w * out[y, x] > 1.0):
+                out[y, x] = 1.0 / w
+
+
+@inlined
+def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
+    """Draws the quarter of pixel (y, x) towards its neighbours to_y rows and to_x columns away.
+
+    It reaches half the way. At its corners lie the depths that it shares with those of the three neighbours which
+    are on its surface, and its own where they are not.
+    """
+    height, width = depth.shape
+    z = np.float64(depth[y, x])
+    v, u = y + to_y, x + to_x
+    beside = np.float64(depth[y, u]) if 0 <= u < width else 0.0
+    below = np.float64(depth[v, x]) if 0 <= v < height else 0.0
+    across = np.float64(depth[v, u]) if 0 <= u < width and 0 <= v < height else 0.0
+    side = middle(z, beside) if one_surface(z, beside, step_m, step_share) else z
+    foot = middle(z, below) if one_surface(z, below, step_m, step_share) else z
+    total, count = 1.0 / z, 1.0
+    for other in (beside, below, across):
+        if one_surface(z, other, step_m, step_share):
+            total += 1.0 / other
+            count += 1.0
+    half_y, half_x = y + 0.5 * to_y, x + 0.5 * to_x
+    draw_quad(
+        project(x, y, z, P),
+        project(half_x, y, side, P),
+        project(half_x, half_y, count / total, P),
+        project(x, half_y, foot, P),
+        out,
+    )
+
+
+@inlined
+def project_row(depth, y, P, points):
+    """Fills points (w, 3) with the projections of row y of depth; 0 where there is none."""
+    for x in range(depth.shape[1]):
+        z = np.float64(depth[y, x])
+        if z > 0.0:
+            points[x, 0], points[x, 1], points[x, 2] = project(x, y, z, P)
+        else:
+            points[x, 2] = 0.0
+
+
+@kernel
+def splat_depth(depth, P, step_m, step_share, out):
+    """Draws the surfaces of a depth map into the image of another camera, the nearest one winning.
+
+    Four neighbouring pixels on one surface make a quad between their projections. Of other four each valid one draws
+    the quarter of itself that lies between them, so that a surface ends half a pixel behind its last pixel and nothing
+    is drawn across a step of more than max(step_m, step_share Z).
+    depth (h, w) metres; P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1); out (H, W) metres, 0 before.
+    """
+    height, width = depth.shape
+    above, here = np.zeros((width, 3)), np.zeros((width, 3))
+    for y in range(height + 1):  # of the cell whose lower right pixel is (y, x); the first and last ones reach outside
+        above, here = here, above
+        if y < height:
+            project_row(depth, y, P, here)
+        for x in range(width + 1):
+            if 0 < y < height and 0 < x < width:
+                a, b, c, d = depth[y - 1, x - 1], depth[y - 1, x], depth[y, x], depth[y, x - 1]
+                if one_surface(min(a, b, c, d), max(a, b, c, d), step_m, step_share):
+                    draw_quad(
+                        (above[x - 1, 0], above[x - 1, 1], above[x - 1, 2]),
+                        (above[x, 0], above[x, 1], above[x, 2]),
+                        (here[x, 0], here[x, 1], here[x, 2]),
+                        (here[x - 1, 0], here[x - 1, 1], here[x - 1, 2]),
+                        out,
+                    )
+                    continue
+            for v in range(max(y - 1, 0), min(y + 1, height)):
+                for u in range(max(x - 1, 0), min(x + 1, width)):
+                    if depth[v, u] > 0.0:
+                        to_y, to_x = (1 if v < y else -1), (1 if u < x else -1)
+                        draw_quarter(depth, v, u, to_y, to_x, P, step_m, step_share, out)

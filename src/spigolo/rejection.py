@@ -1,0 +1,76 @@
+"""Which regions are no objects, each with its reason (section III-F)."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from spigolo.config import Rejection
+from spigolo.facts import RegionFacts
+from spigolo.roi import LEAST_INSIDE
+
+
+class Reason(str, Enum):
+    """Why a region is no object, in the order in which the rules are asked."""
+
+    NO_DEPTH = "no depth"
+    OUTSIDE = "outside the region of interest"
+    SUPPORT = "support"
+    WEAK_CONTOUR = "weak contour"
+    OUT_OF_REACH = "out of reach"
+    TOO_LONG = "too long"
+    TOO_WIDE = "too wide"
+    TOO_THIN = "too thin"
+    MISSING_DEPTH = "missing depth"
+    DARK = "dark"
+    BY_HAND = "dropped by hand"
+
+
+Verdict = tuple[Reason, str]
+
+
+def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | None:
+    """The first rule that a region breaks, with its numbers in a sentence, or None.
+
+    area_scale: pixels of the image as a multiple of 640x480.
+    """
+    return _judge_place(facts, rules) or _judge_shape(facts, rules, area_scale) or _judge_pixels(facts, rules)
+
+
+def _judge_place(facts: RegionFacts, rules: Rejection) -> Verdict | None:
+    """Where it is: in the region of interest, above the support, behind a contour, within reach."""
+    if facts.inside is not None and facts.inside < LEAST_INSIDE:
+        return Reason.OUTSIDE, f"outside the region of interest: {facts.inside:.0%} of it inside"
+    if rules.support is not None and facts.above is not None and facts.above < rules.support.min_above:
+        return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {rules.support.min_above:.0%}"
+    if rules.min_contour is not None and facts.contour < rules.min_contour:
+        return Reason.WEAK_CONTOUR, f"weak contour: mean boundary {facts.contour:.2f}, least {rules.min_contour:.2f}"
+    return _above(Reason.OUT_OF_REACH, facts.distance_m, rules.max_distance_m, "centroid at {:.2f} m, limit {:.2f} m")
+
+
+def _judge_shape(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | None:
+    """Its extent in the image: both eigenvalues and the eccentricity."""
+    large, small = facts.spread_px2
+    max_large, max_small = _scaled(rules.max_lambda1_px2, area_scale), _scaled(rules.max_lambda2_px2, area_scale)
+    return (
+        _above(Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2, limit {:.0f} px2")
+        or _above(Reason.TOO_WIDE, small, max_small, "lambda2 {:.0f} px2, limit {:.0f} px2")
+        or _above(Reason.TOO_THIN, facts.eccentricity, rules.max_eccentricity, "eccentricity {:.3f}, limit {:.3f}")
+    )
+
+
+def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
+    """What its pixels hold: depth, light."""
+    missing = _above(Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, "{:.0%} without depth, limit {:.0%}")
+    if missing is None and rules.max_dark is not None and facts.dark >= rules.max_dark:
+        return Reason.DARK, f"dark: {facts.dark:.0%} in the first three brightness bins, limit {rules.max_dark:.0%}"
+    return missing
+
+
+def _above(reason: Reason, value: float | None, limit: float | None, form: str) -> Verdict | None:
+    if value is None or limit is None or value <= limit:
+        return None
+    return reason, f"{reason.value}: {form.format(value, limit)}"
+
+
+def _scaled(limit: float | None, scale: float) -> float | None:
+    return None if limit is None else limit * scale

@@ -1,0 +1,74 @@
+"""The region of interest: where objects are wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FrameError
+from spigolo.frame import Frame, Mask
+
+LEAST_INSIDE = 0.5
+"""A region belongs to the region of interest with at least this share of its pixels (our choice)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MetricBox:
+    """A box in space, along the axes of the camera's frame or, with T_base_camera, of the robot's.
+
+    low_m, high_m: (X, Y, Z) of two opposite corners. T_base_camera (4, 4) maps points of the camera's frame into the
+    robot's base frame.
+    """
+
+    low_m: Sequence[float]
+    high_m: Sequence[float]
+    T_base_camera: npt.ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        low, high = np.asarray(self.low_m, float), np.asarray(self.high_m, float)
+        if low.shape != (3,) or high.shape != (3,) or not (low < high).all():
+            raise FrameError(f"expected a metric box with low < high in X, Y and Z (metres), got {low} and {high}")
+        if self.T_base_camera is not None and np.shape(self.T_base_camera) != (4, 4):
+            raise FrameError(f"expected T_base_camera of shape (4, 4), got {np.shape(self.T_base_camera)}")
+
+
+Roi = npt.NDArray[np.bool_] | tuple[int, int, int, int] | MetricBox
+"""A mask (H, W), a pixel box (y0, x0, y1, x1) with the last two exclusive, or a metric box."""
+
+
+def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
+    """Pixels (H, W) inside the region of interest, and the pixels that count: all, or those with depth."""
+    counted = np.ones(frame.shape, bool)
+    if isinstance(roi, MetricBox):
+        return _inside_box(roi, frame), frame.depth > 0
+    if isinstance(roi, tuple):
+        return _inside_pixels(roi, frame.shape), counted
+    mask = np.asarray(roi)
+    if mask.shape != frame.shape:
+        raise FrameError(f"expected a mask of the image's shape {frame.shape} as region of interest, got {mask.shape}")
+    return mask.astype(bool), counted
+
+
+def _inside_pixels(box: tuple[int, int, int, int], shape: tuple[int, int]) -> Mask:
+    if len(box) != 4 or not (0 <= box[0] < box[2] <= shape[0] and 0 <= box[1] < box[3] <= shape[1]):
+        raise FrameError(
+            f"expected a pixel box (y0, x0, y1, x1) inside {shape[0]} rows and {shape[1]} columns, got {box}"
+        )
+    mask = np.zeros(shape, bool)
+    mask[box[0] : box[2], box[1] : box[3]] = True
+    return mask
+
+
+def _inside_box(box: MetricBox, frame: Frame) -> Mask:
+    if frame.camera is None:
+        raise FrameError("expected intrinsics with a metric region of interest, got a frame without a camera")
+    points = frame.camera.back_project(frame.depth).astype(np.float64)
+    if box.T_base_camera is not None:
+        T = np.asarray(box.T_base_camera, np.float64)
+        points = points @ T[:3, :3].T + T[:3, 3]
+    mask = np.zeros(frame.shape, bool)
+    mask[frame.depth > 0] = ((points >= np.asarray(box.low_m)) & (points <= np.asarray(box.high_m))).all(axis=1)
+    return mask

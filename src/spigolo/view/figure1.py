@@ -1,0 +1,78 @@
+"""The paper's Figure 1: what each stage made of a frame, in seven panels."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frame import Color
+from spigolo.pipeline import Trace
+from spigolo.view.overlay import depth_picture, overlay, palette, region_picture, tile
+
+Array = npt.NDArray[np.generic]
+
+
+def figure1(trace: Trace) -> Color:
+    """(a) colour, (b) depth, (c) smoothed and in-painted depth, (d) weights, (e) regions, (f) objects, (g) cut out."""
+    frame, result = trace.frame, trace.segmentation
+    return tile(
+        {
+            "(a) colour": frame.color,
+            "(b) depth (black: missing)": depth_picture(frame.depth),
+            "(c) smoothed and in-painted depth": depth_picture(trace.cues.depth),
+            "(d) graph weights": weight_picture(trace.graph.weights),
+            f"(e) {trace.regions.count} regions": region_picture(trace.regions.labels),
+            f"(f) {len(result)} objects": overlay(result, frame.color),
+            "(g) the objects": cut_out(result.labels, frame.color),
+        },
+        columns=4,
+    )
+
+
+def weight_picture(weights: npt.NDArray[np.float32]) -> Color:
+    """The largest weight of each pixel's edges (P, H, W) in colours, on a square-root scale; blue = alike."""
+    largest = np.where(np.isinf(weights), 0, weights).max(axis=0)
+    strong = max(float(np.percentile(largest, 99)), 1e-12)
+    level = np.sqrt(np.clip(largest / strong, 0, 1))
+    return np.asarray(
+        cv2.cvtColor(cv2.applyColorMap((level * 255).astype(np.uint8), cv2.COLORMAP_TURBO), cv2.COLOR_BGR2RGB), np.uint8
+    )
+
+
+def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
+    """The objects in their own colours on white, each with an outline."""
+    picture = np.where((labels > 0)[..., None], color, np.uint8(255)).astype(np.uint8)
+    for k, tint in enumerate(palette(int(labels.max(initial=0))), start=1):
+        outlines, _ = cv2.findContours((labels == k).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        cv2.drawContours(picture, outlines, -1, tint.tolist(), 2, cv2.LINE_AA)
+    return picture
+
+
+def stages(trace: Trace) -> dict[str, Array]:
+    """Every stage's array by name, as `spigolo trace --stages` writes them."""
+    cues = trace.cues
+    arrays: dict[str, Array] = {
+        "depth": trace.frame.depth,
+        "smoothed_depth": cues.depth,
+        "color_points": cues.color,
+        "weights": trace.graph.weights,
+        "regions": trace.regions.labels,
+        "labels": trace.segmentation.labels,
+    }
+    if cues.saliency is not None:
+        arrays["saliency"] = cues.saliency
+    if cues.edges is not None:
+        edges = cues.edges
+        arrays |= {
+            "canny": edges.canny,
+            "depth_boundary": edges.depth_boundary,
+            "contact_boundary": edges.contact_boundary,
+            "final_boundary": edges.final,
+            "boundary": edges.boundary,
+        }
+        if edges.contours is not None:
+            arrays["depth_contours"] = edges.contours
+    if trace.segmentation.support is not None:
+        arrays["support"] = trace.segmentation.support
+    return arrays

@@ -1,0 +1,166 @@
+"""Regions of interest, scores, corrections by hand, frames without intrinsics or depth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import spigolo as sp
+from test_objects import CAMERA, scene
+
+CONFIG = sp.TABLE.replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
+LEFT, RIGHT = (50, 40), (60, 115)
+"""A pixel on each of the two boxes."""
+
+
+def result() -> sp.Segmentation:
+    return sp.segment(scene(), CONFIG)
+
+
+def consistent(answer: sp.Segmentation) -> None:
+    assert [o.label for o in answer] == list(range(1, len(answer) + 1))
+    assert np.array_equal(np.unique(answer.labels[answer.labels > 0]), np.arange(1, len(answer) + 1))
+    for o in answer:
+        assert np.array_equal(o.mask, answer.labels == o.label)
+    for r in answer.rejected:
+        assert not answer.labels[r.mask].any()
+    assert [o.score for o in answer] == sorted((o.score for o in answer), reverse=True)
+    assert sum(o.area_px for o in answer) + sum(r.area_px for r in answer.rejected) == answer.labels.size
+
+
+@pytest.mark.parametrize("form", ["box", "mask", "metric", "robot"])
+def test_regions_outside_are_rejected_with_that_reason(form: str) -> None:
+    mask = np.zeros((120, 160), bool)
+    mask[:, :75] = True
+    turned = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 0.5], [0, 0, 0, 1]], float)  # x forward, y left, z up
+    roi = {
+        "box": (0, 0, 120, 75),
+        "mask": mask,
+        "metric": sp.MetricBox((-1, -1, 0.5), (0, 1, 2)),
+        "robot": sp.MetricBox((0.5, 0, -1), (2, 1, 2), turned),
+    }[form]
+    answer = sp.segment(scene(), CONFIG, roi)
+    consistent(answer)
+    assert len(answer) == 1
+    assert answer.labels[LEFT] == 1
+    right = answer.at(RIGHT)
+    assert isinstance(right, sp.RejectedRegion)
+    assert right.reason is sp.Reason.OUTSIDE
+    assert right.inside == 0
+
+
+@pytest.mark.parametrize(
+    ("roi", "words"),
+    [
+        ((0, 0, 121, 10), "inside 120 rows and 160 columns"),
+        ((5, 0, 5, 10), "inside 120 rows"),
+        (np.ones((3, 3), bool), "image's shape"),
+    ],
+)
+def test_a_region_of_interest_that_does_not_fit_is_refused(roi, words: str) -> None:
+    with pytest.raises(sp.FrameError, match=words):
+        sp.segment(scene(), CONFIG, roi)
+
+
+def test_a_metric_box_must_have_an_inside() -> None:
+    with pytest.raises(sp.FrameError, match="low < high"):
+        sp.MetricBox((0, 0, 1), (1, 1, 1))
+    with pytest.raises(sp.FrameError, match=r"\(4, 4\)"):
+        sp.MetricBox((0, 0, 0), (1, 1, 1), np.eye(3))
+
+
+def test_a_click_gives_the_object_there_whatever_its_rule() -> None:
+    assert sp.segment_at(scene(), LEFT, CONFIG).centroid_m[2] == pytest.approx(0.7, abs=0.005)
+    wall = sp.segment_at(scene(), (5, 80), CONFIG)  # rejected as too long
+    assert wall.area_px > 10000
+    with pytest.raises(IndexError, match="inside 120 rows"):
+        sp.segment_at(scene(), (120, 0), CONFIG)
+
+
+def test_keep_and_drop_give_new_answers() -> None:
+    first = result()
+    left = first.at(LEFT)
+    second = first.drop(left)
+    consistent(second)
+    assert (len(first), len(second)) == (2, 1)
+    dropped = second.at(LEFT)
+    assert dropped.reason is sp.Reason.BY_HAND
+    third = second.keep(dropped)
+    consistent(third)
+    assert np.array_equal(third.labels, first.labels)
+    assert first.labels[LEFT] > 0
+
+
+def test_merging_measures_anew() -> None:
+    first = result()
+    a, b = first.at(LEFT), first.at(RIGHT)
+    joined = first.merge(a, b)
+    consistent(joined)
+    assert len(joined) == 1
+    whole = joined[0]
+    assert whole.area_px == a.area_px + b.area_px
+    assert np.array_equal(whole.mask, a.mask | b.mask)
+    mean = (np.array(a.centroid_m) * a.area_px + np.array(b.centroid_m) * b.area_px) / whole.area_px
+    assert whole.centroid_m == pytest.approx(mean, abs=1e-6)
+    # a rejected region may be joined too, and what was dropped stays so
+    wall = joined.at((5, 80))
+    assert len(joined.merge(joined[0], wall)) == 1
+    assert len(first.merge(a, a)) == 2
+
+
+def test_scores_lie_in_0_to_1_and_fall_with_the_evidence() -> None:
+    from spigolo.facts import region_score
+
+    contour, measured = np.array([1.0, 0.5, 1.0]), np.array([3000.0, 3000.0, 300.0])
+    # 1 - exp(-1) = 0.632; 1 - exp(-0.1) = 0.0952
+    assert region_score(contour, measured, None) == pytest.approx([0.632, 0.316, 0.0952], abs=1e-3)
+    assert region_score(contour, measured, np.array([0.5, 1, 0])) == pytest.approx([0.316, 0.316, 0], abs=1e-3)
+    for config in sp.PRESETS.values():
+        answer = sp.segment(scene(), config)
+        assert all(0 <= r.score <= 1 for r in (*answer, *answer.rejected))
+
+
+def bare(camera: sp.Camera | None) -> sp.Frame:
+    return sp.Frame(scene().color, scene().depth, camera)
+
+
+@pytest.mark.parametrize("name", sorted(sp.PRESETS))
+def test_without_intrinsics_what_needs_no_space_still_works_and_the_rest_is_named(name: str) -> None:
+    answer = sp.segment(bare(None), sp.PRESETS[name])
+    consistent(answer)
+    assert "points, centroids and boxes in metres" in answer.left_out
+    assert ("contact boundary" in answer.left_out) == (name != "SHELF")
+    assert ("support plane" in answer.left_out) == name.startswith("OBJECTS")
+    for r in (*answer, *answer.rejected):
+        assert r.centroid_m is None
+        assert r.oriented_box() is None
+        with pytest.raises(sp.CameraError, match="intrinsics"):
+            r.points_m()
+    assert sp.segment(bare(CAMERA), sp.PRESETS[name]).left_out == ()
+
+
+def test_without_intrinsics_the_boxes_are_found_all_the_same() -> None:
+    answer = sp.segment(bare(None), CONFIG)
+    assert isinstance(answer.at(LEFT), sp.ObjectMask)
+    assert isinstance(answer.at(RIGHT), sp.ObjectMask)
+    with pytest.raises(sp.FrameError, match="intrinsics"):
+        sp.segment(bare(None), CONFIG, sp.MetricBox((0, 0, 0), (1, 1, 1)))
+
+
+@pytest.mark.parametrize("name", sorted(sp.PRESETS))
+def test_a_frame_without_any_depth_has_no_objects_and_one_warning(name: str) -> None:
+    with pytest.warns(UserWarning, match="no depth at all") as caught:
+        answer = sp.segment(sp.Frame(scene().color, np.zeros((120, 160)), CAMERA), sp.PRESETS[name])
+    assert len(caught) == 1
+    assert len(answer) == 0
+    assert {r.reason for r in answer.rejected} == {sp.Reason.NO_DEPTH}
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (9, 1), (2, 2), (5, 40)])
+@pytest.mark.parametrize("name", sorted(sp.PRESETS))
+def test_tiny_images_work(name: str, shape: tuple[int, int]) -> None:
+    height, width = shape
+    camera = sp.Camera(100, 100, width / 2, height / 2, width, height)
+    color = np.random.default_rng(0).integers(0, 255, (*shape, 3), dtype=np.uint8)
+    depth = np.random.default_rng(1).uniform(0.5, 2, shape)
+    consistent(sp.segment(sp.Frame(color, depth, camera), sp.PRESETS[name]))

@@ -62,7 +62,7 @@ def main() -> None:
             )
     worse = (score[hit][:, None] > score[~hit]).mean() + 0.5 * (score[hit][:, None] == score[~hit]).mean()
     print(
-        f"\n{len(score)} objects, {hit.mean():.0%} right; a right one scores above a wrong one {worse:.0%} of the time"
+        f"\n{len(score)} objects, {hit.mean():.0%} right; a right one scores above a wrong one in {worse:.0%} of pairs"
     )
 
 

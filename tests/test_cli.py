@@ -68,7 +68,20 @@ def test_segment_writes_its_three_files(tmp_path: Path) -> None:
             ["segment", SCENE / "rgb.png", SCENE / "depth.png", "--camera", SCENE / "camera.json", "--preset", "tabel"],
             "unknown preset 'tabel'",
         ),
-        (["segment", SCENE / "rgb.png"], "requires an argument"),
+        (["segment", SCENE / "rgb.png", "--camera", SCENE / "camera.json"], "in pairs"),
+        (["segment", "--camera", SCENE / "camera.json"], "got nothing"),
+        (
+            ["segment", SCENE, "--camera", SCENE / "camera.json", "--partition.gama", "1"],
+            "did you mean --partition.gamma",
+        ),
+        (
+            ["segment", SCENE, "--camera", SCENE / "camera.json", "--partition.gamma", "-1"],
+            "greater than or equal to 0",
+        ),
+        (["segment", SCENE, "--camera", SCENE / "camera.json", "--partition.gamma"], "expected a value after"),
+        (["segment", SCENE, "--camera", "kinect-7", "--depth-scale", "0.001"], "kinect-v1"),
+        (["segment", SCENE, "--camera", SCENE / "camera.json", "--roi", "0", "0", "999", "9"], "inside 480 rows"),
+        (["segment", SCENE, "--camera", SCENE / "camera.json", "--nonsense"], "nonsense"),
     ],
 )
 def test_wrong_input_ends_with_2_one_sentence_and_no_files(tmp_path: Path, words: list, sentence: str) -> None:
@@ -102,4 +115,96 @@ print({"numba", "cv2"} & set(sys.modules), file=sys.stderr)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stderr.strip() == "set()"
-    assert "RGB" in done.stdout
+    assert "INPUTS" in done.stdout
+
+
+def copy_scene(folder: Path, camera: bool = True) -> Path:
+    folder.mkdir(parents=True)
+    for name in ("rgb.png", "depth.png", *(["camera.json"] if camera else [])):
+        (folder / name).write_bytes((SCENE / name).read_bytes())
+    return folder
+
+
+def test_a_folder_of_frames_gives_a_folder_of_answers_and_a_bad_one_does_not_stop_the_rest(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        copy_scene(tmp_path / "in" / name)
+    (copy_scene(tmp_path / "in" / "c") / "depth.png").write_bytes(b"")
+    done = spigolo("segment", tmp_path / "in", "--no-check", "--out", tmp_path / "out")
+    assert done.returncode == 1
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["a", "b"]
+    assert "2 of 3 frames" in done.stdout
+    assert "c:" in done.stderr
+    assert "0 bytes" in done.stderr
+
+
+def test_folders_of_equally_named_files_are_frames(tmp_path: Path) -> None:
+    for kind, name in (("rgb", "rgb.png"), ("depth", "depth.png")):
+        (tmp_path / kind).mkdir()
+        for k in ("1", "2"):
+            (tmp_path / kind / f"{k}.png").write_bytes((SCENE / name).read_bytes())
+    done = spigolo("segment", tmp_path, "--camera", SCENE / "camera.json", "--no-check", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert sorted(p.name for p in (tmp_path / "out").iterdir()) == ["1", "2"]
+
+
+def test_any_field_of_the_preset_is_a_flag(tmp_path: Path) -> None:
+    done = spigolo(
+        "segment", SCENE, "--no-check", "--preset", "TABLE", "--partition.gamma", "0.01", "--edges.blur-px=9",
+        "--rejection.max-distance-m", "none", "--depth.inpainting", "none", "--rejection.support.min-above", "0.5",
+        "--out", tmp_path,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    config = sp.TABLE.replace(
+        partition={"gamma": 0.01}, edges={"blur_px": 9}, depth={"inpainting": None},
+        rejection={"max_distance_m": None, "support": {"min_above": 0.5}},
+    )  # fmt: skip
+    assert json.loads((tmp_path / "objects.json").read_text())["digest"] == config.digest
+
+
+def test_without_intrinsics_it_says_what_it_left_out(tmp_path: Path) -> None:
+    folder = copy_scene(tmp_path / "in", camera=False)
+    done = spigolo("segment", folder, "--depth-scale", "0.001", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert "left out, as no intrinsics were given: contact boundary, support plane" in done.stdout
+
+
+def test_a_region_of_interest_leaves_fewer_objects(tmp_path: Path) -> None:
+    everywhere = spigolo("segment", SCENE, "--no-check", "--out", tmp_path / "a")
+    left = spigolo("segment", SCENE, "--no-check", "--roi", 0, 0, 480, 250, "--out", tmp_path / "b")
+    near = spigolo("segment", SCENE, "--no-check", "--roi-box", -1, -1, 0, 0, 1, 2, "--out", tmp_path / "c")
+    counts = [len(json.loads((tmp_path / k / "objects.json").read_text())["objects"]) for k in "abc"]
+    assert [done.returncode for done in (everywhere, left, near)] == [0, 0, 0]
+    assert counts[0] > counts[1] > 0
+    assert counts[0] > counts[2] > 0
+
+
+@pytest.mark.parametrize("preset", ["OBJECTS", "SHELF"])
+def test_trace_draws_seven_panels_and_writes_each_stage(tmp_path: Path, preset: str) -> None:
+    done = spigolo("trace", SCENE, "--preset", preset, "--stages", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert cv2.imread(str(tmp_path / "trace.png")).shape[1] > 4 * 640
+    stages = {p.stem for p in (tmp_path / "stages").iterdir()}
+    assert {"depth", "smoothed_depth", "weights", "regions", "labels"} <= stages
+    assert ("saliency" in stages) == (preset == "SHELF")
+    assert np.load(tmp_path / "stages" / "weights.npy").shape == (4, 480, 640)
+
+
+def test_doctor_is_content_with_the_scene_and_not_with_wrong_units(tmp_path: Path) -> None:
+    done = spigolo("doctor", SCENE)
+    assert done.returncode == 0, done.stdout
+    assert "cost function" in done.stdout
+    spoilt = spigolo("doctor", SCENE, "--depth-scale", "1")
+    assert spoilt.returncode == 1
+    assert "warning" in spoilt.stdout
+    told = spigolo("segment", SCENE, "--depth-scale", "1", "--out", tmp_path)
+    assert "warning" in told.stderr
+
+
+def test_presets_are_listed_shown_and_written(tmp_path: Path) -> None:
+    assert all(name in spigolo("presets").stdout for name in sp.PRESETS)
+    shown = spigolo("presets", "table").stdout
+    assert "--partition.gamma 0.0016" in shown
+    path = tmp_path / "mine.toml"
+    path.write_text(spigolo("presets", "CLUTTER", "--toml").stdout)
+    assert sp.preset(path) == sp.CLUTTER
+    assert spigolo("presets", "nothing").returncode == 2

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import colorsys
 import math
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -344,18 +344,20 @@ def mark_contours(
 # --- sorting --------------------------------------------------------------------------------------------------
 
 
-def digit(key: int, shift: int) -> int:
-    return (int(key) >> shift) % 2048
+def pack(weights: Array, numbers: list[int]) -> Array:
+    """Edges as 64 bits: those of the float32 weight above the edge number."""
+    return np.array([(int(weights[k].view(np.uint32)) << 32) | k for k in numbers], np.uint64)
 
 
-def count_digits(keys: Array) -> Array:
-    """How many keys have a smaller digit, for each of 2048 digits at the shifts 0, 11 and 22."""
-    digits = [np.array([digit(key, shift) for key in keys], int) for shift in (0, 11, 22)]
-    return np.array([np.concatenate([[0], np.cumsum(np.bincount(d, minlength=2048))[:-1]]) for d in digits])
+def count_digits(packed: Array, digit_bits: int) -> Array:
+    """How many edges have a smaller digit, for each digit of the three."""
+    count = 1 << digit_bits
+    digits = [[(int(edge) >> 32 + i * digit_bits) % count for edge in packed] for i in range(3)]
+    return np.array([np.concatenate([[0], np.cumsum(np.bincount(d, minlength=count))[:-1]]) for d in digits], np.int64)
 
 
-def scatter(keys: Array, order: Array, shift: int) -> list[int]:
-    return sorted((int(edge) for edge in order), key=lambda edge: digit(keys[edge], shift))
+def scatter(packed: Array, digit_bits: int, shift: int) -> list[int]:
+    return sorted((int(edge) for edge in packed), key=lambda edge: (edge >> shift) % (1 << digit_bits))
 
 
 def sort_edges(weights: Array) -> list[int]:
@@ -385,17 +387,23 @@ class Forest:
         return number_regions([self.component[pixel] for pixel in range(len(self.component))])
 
 
-def sorted_edges(weights: Array) -> list[tuple[float, int, int]]:
-    """(weight, pixel, neighbour) of all edges inside the image, by weight, then by edge number."""
+def numbered_edges(weights: Array) -> list[tuple[int, int, int]]:
+    """(number, pixel, neighbour) of all edges inside the image, by number."""
     _, height, width = weights.shape
     edges = []
-    for number, weight in enumerate(weights.reshape(-1)):
+    for number in range(weights.size):
         plane, pixel = divmod(number, height * width)
         y, x = divmod(pixel, width)
         v, u = y + OFFSETS[plane][0], x + OFFSETS[plane][1]
         if inside(weights[0], v, u):
-            edges.append((float(weight), number, pixel, v * width + u))
-    return [(weight, i, j) for weight, _, i, j in sorted(edges)]
+            edges.append((number, pixel, v * width + u))
+    return edges
+
+
+def sorted_edges(weights: Array) -> list[tuple[float, int, int]]:
+    """(weight, pixel, neighbour) of all edges inside the image, by weight, then by edge number."""
+    flat = weights.reshape(-1)
+    return [(w, i, j) for w, _, i, j in sorted((float(flat[n]), n, i, j) for n, i, j in numbered_edges(weights))]
 
 
 def merge(weights: Array, gamma: float) -> Forest:
@@ -414,6 +422,37 @@ def absorb_small(forest: Forest, weights: Array, min_size: float) -> None:
         a, b = forest.component[i], forest.component[j]
         if a != b and min(len(forest.members[a]), len(forest.members[b])) < min_size:
             forest.join(a, b, weight)
+
+
+def collect(weights: Array, low: float, high: float, roots: list[int], bound: Array) -> list[int]:
+    """Numbers of the edges of these weights whose regions differ and could both still merge at `low`."""
+    kept = []
+    for number, i, j in numbered_edges(weights):
+        a, b, weight = roots[i], roots[j], float(weights.reshape(-1)[number])
+        if low <= weight < high and a != b and min(bound[a], bound[b]) >= low:
+            kept.append(number)
+    return kept
+
+
+def collect_small(weights: Array, min_size: float, roots: list[int]) -> list[int]:
+    """Numbers of the edges between regions one of which is small."""
+    sizes = Counter(roots)
+    return [
+        number
+        for number, i, j in numbered_edges(weights)
+        if roots[i] != roots[j] and min(sizes[roots[i]], sizes[roots[j]]) < min_size
+    ]
+
+
+def flatten(parent: Array) -> list[int]:
+    """The root of every node."""
+    roots = []
+    for node in range(len(parent)):
+        root = node
+        while parent[root] != root:
+            root = int(parent[root])
+        roots.append(root)
+    return roots
 
 
 def number_regions(roots: list[int]) -> Array:

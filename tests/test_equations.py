@@ -37,9 +37,9 @@ def rows(*values: list[float]) -> Array:
 def test_eq_02_internal_difference() -> None:
     # Four pixels in a row, edges 1/8, 1/2, 1/4; gamma = 8 lets all of them merge.
     # I(R) = max(1/8, 1/2, 1/4) = 1/2, and the bound that is kept is I + gamma / |R| = 1/2 + 8/4 = 2.5.
-    weights, order = np.float32([0.125, 0.5, 0.25, np.inf]), np.array([0, 2, 1, 3], np.uint32)
-    parent, size, bound = np.arange(4, dtype=np.int32), np.ones(4, np.int32), np.full(4, 8.0)
-    merging.merge(weights, order, np.array([1], np.int64), 8.0, parent, size, bound)
+    numbers, weights = np.array([[0, 0], [2, 0], [1, 0]], np.uint32), np.float32([[0, 0.125], [0, 0.25], [0, 0.5]])
+    parent, size, bound = np.arange(4, dtype=np.uint32), np.ones(4, np.int32), np.full(4, 8.0)
+    merging.merge(numbers, weights, np.array([1], np.int64), 8.0, parent, size, bound)
     root = int(np.argmax(size))
     assert size[root] == 4
     assert bound[root] == 2.5

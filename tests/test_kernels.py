@@ -307,24 +307,36 @@ def weights(request: pytest.FixtureRequest) -> naive.Array:
     return WEIGHTS[request.param]
 
 
-def test_count_digits(weights: naive.Array) -> None:
-    starts = np.zeros((3, sorting.BUCKETS), np.int64)
-    sorting.count_digits(weights.view(np.uint32), starts)
-    np.testing.assert_array_equal(starts, naive.count_digits(weights.view(np.uint32)))
+def packed_edges(weights: naive.Array) -> naive.Array:
+    return naive.pack(weights, list(range(weights.size)))
+
+
+DIGIT_BITS = pytest.mark.parametrize("digit_bits", [10, 11])
+
+
+@DIGIT_BITS
+def test_count_digits(weights: naive.Array, digit_bits: int) -> None:
+    starts = np.zeros((3, 1 << digit_bits), np.int64)
+    sorting.count_digits(packed_edges(weights), np.uint64(digit_bits), starts)
+    np.testing.assert_array_equal(starts, naive.count_digits(packed_edges(weights), digit_bits))
 
 
 @pytest.mark.parametrize("pass_", [0, 1, 2])
-def test_scatter(weights: naive.Array, pass_: int) -> None:
-    keys, order = weights.view(np.uint32), np.random.default_rng(4).permutation(weights.size).astype(np.uint32)
-    shift, out = pass_ * sorting.DIGIT_BITS, np.empty_like(order)
-    sorting.scatter(keys, order, naive.count_digits(keys)[pass_].astype(np.int64), shift, out)
-    assert out.tolist() == naive.scatter(keys, order, shift)
+@DIGIT_BITS
+def test_scatter(weights: naive.Array, pass_: int, digit_bits: int) -> None:
+    packed = np.random.default_rng(4).permutation(packed_edges(weights))
+    shift, out = 32 + pass_ * digit_bits, np.empty_like(packed)
+    sorting.scatter(packed, naive.count_digits(packed, digit_bits)[pass_], np.uint64(shift), out)
+    assert out.tolist() == naive.scatter(packed, digit_bits, shift)
 
 
-def test_sort_edges(weights: naive.Array) -> None:
-    order = np.arange(weights.size, dtype=np.uint32)
-    sorting.sort_edges(weights.view(np.uint32), order, np.empty_like(order))
-    assert order.tolist() == naive.sort_edges(weights)
+@DIGIT_BITS
+def test_sort_edges(weights: naive.Array, digit_bits: int) -> None:
+    if digit_bits == 10:
+        weights = weights[weights <= 1]
+    packed, starts = packed_edges(weights), np.empty((3, 1 << digit_bits), np.int64)
+    sorting.sort_edges(packed, np.empty_like(packed), starts, np.uint64(digit_bits))
+    np.testing.assert_array_equal(packed, naive.pack(weights, naive.sort_edges(weights)))
 
 
 # --- merging --------------------------------------------------------------------------------------------------
@@ -355,15 +367,23 @@ SIZES = [(1, 1), (1, 8), (8, 1), (2, 2), (5, 6), (14, 19)]
 GAMMAS = [0.0, 0.0016, 0.3, 5.0, 1e9]
 
 
-def _merged(weights: naive.Array, gamma: float) -> tuple[naive.Array, ...]:
-    """What both merging kernels need, after the first one ran."""
-    width, pixels = weights.shape[2], weights[0].size
+def offsets_of(weights: naive.Array) -> naive.Array:
+    return np.array([dy * weights.shape[2] + dx for dy, dx in OFFSETS[: len(weights)]], np.int64)
+
+
+def pairs(weights: naive.Array) -> tuple[naive.Array, naive.Array]:
+    """The sorted edges inside the image as numbers and as weights, as the kernels take them."""
     flat = weights.reshape(-1)
-    order = np.array(naive.sort_edges(flat), np.uint32)
-    offsets = np.array([dy * width + dx for dy, dx in OFFSETS[: len(weights)]], np.int64)
-    parent, size, bound = np.arange(pixels, dtype=np.int32), np.ones(pixels, np.int32), np.full(pixels, gamma)
-    merging.merge(flat, order, offsets, gamma, parent, size, bound)
-    return flat, order, offsets, parent, size, bound
+    packed = naive.pack(flat, [k for k in naive.sort_edges(flat) if flat[k] < np.inf])
+    return packed.view(np.uint32).reshape(-1, 2), packed.view(np.float32).reshape(-1, 2)
+
+
+def _merged(weights: naive.Array, gamma: float) -> tuple[naive.Array, naive.Array, naive.Array]:
+    """Parent, size and bound after merging."""
+    pixels = weights[0].size
+    parent, size, bound = np.arange(pixels, dtype=np.uint32), np.ones(pixels, np.int32), np.full(pixels, gamma)
+    merging.merge(*pairs(weights), offsets_of(weights), gamma, parent, size, bound)
+    return parent, size, bound
 
 
 def _roots(parent: naive.Array) -> list[int]:
@@ -378,7 +398,7 @@ def _roots(parent: naive.Array) -> list[int]:
 @pytest.mark.parametrize("kind", KINDS)
 def test_merge(kind: str, size: tuple[int, int], gamma: float) -> None:
     weights = planes(kind, size)
-    *_, parent, sizes, bound = _merged(weights, gamma)
+    parent, sizes, bound = _merged(weights, gamma)
     forest, roots = naive.merge(weights, gamma), _roots(parent)
     np.testing.assert_array_equal(naive.number_regions(roots), forest.labels())
     for pixel, root in enumerate(roots):
@@ -391,17 +411,41 @@ def test_merge(kind: str, size: tuple[int, int], gamma: float) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_absorb_small(kind: str, min_size: float) -> None:
     weights = planes(kind, (11, 13))
-    flat, order, offsets, parent, sizes, _ = _merged(weights, 0.4)
-    merging.absorb_small(flat, order, offsets, min_size, parent, sizes)
+    parent, sizes, _ = _merged(weights, 0.4)
+    merging.absorb_small(pairs(weights)[0], offsets_of(weights), min_size, parent, sizes)
     forest = naive.merge(weights, 0.4)
     naive.absorb_small(forest, weights, min_size)
     np.testing.assert_array_equal(naive.number_regions(_roots(parent)), forest.labels())
-    assert min(sizes[_roots(parent)]) >= min(min_size, flat.size / 4)
+    assert min(sizes[_roots(parent)]) >= min(min_size, parent.size)
+
+
+@pytest.mark.parametrize("window", [(0.0, 0.1), (0.1, 0.3), (0.2, np.inf)])
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_collect(kind: str, size: tuple[int, int], window: tuple[float, float]) -> None:
+    weights = planes(kind, size)
+    parent, sizes, bound = _merged(weights, 0.3)
+    merging.flatten(parent)
+    flat, out = weights.reshape(-1), np.empty(weights.size, np.uint64)
+    low, high = (np.float32(edge) for edge in window)
+    count = merging.collect(flat, flat.view(np.uint32), low, high, parent, bound, offsets_of(weights), out)
+    kept = naive.collect(weights, float(low), float(high), parent.tolist(), bound)
+    np.testing.assert_array_equal(out[:count], naive.pack(flat, kept))
+    count = merging.collect_small(flat, flat.view(np.uint32), 5.0, parent, sizes, offsets_of(weights), out)
+    kept = naive.collect_small(weights, 5.0, parent.tolist())
+    np.testing.assert_array_equal(out[:count], naive.pack(flat, kept))
+
+
+def test_flatten() -> None:
+    parent = np.array([np.random.default_rng(0).integers(0, k + 1) for k in range(60)], np.uint32)
+    roots = naive.flatten(parent)
+    merging.flatten(parent)
+    assert parent.tolist() == roots
 
 
 @pytest.mark.parametrize("pixels", [1, 2, 50])
 def test_number_regions(pixels: int) -> None:
-    parent = np.array([np.random.default_rng(pixels).integers(0, k + 1) for k in range(pixels)], np.int32)
+    parent = np.array([np.random.default_rng(pixels).integers(0, k + 1) for k in range(pixels)], np.uint32)
     expected = naive.number_regions(_roots(parent))
     labels = np.empty(pixels, np.int32)
     assert merging.number_regions(parent, np.full(pixels, -1, np.int32), labels) == expected.max() + 1

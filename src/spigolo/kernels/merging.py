@@ -1,4 +1,7 @@
-"""Merging pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004; eqs. 2, 3)."""
+"""Merging pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004; eqs. 2, 3).
+
+docs/performance.md explains the rounds.
+"""
 
 from __future__ import annotations
 
@@ -47,19 +50,55 @@ def merge_bound(internal, gamma, size):
 
 
 @kernel
-def merge(weights, order, offsets, gamma, parent, size, bound):
-    """Eqs. 2, 3. Merges regions over the edges in order.
+def collect(weights, bits, low, high, parent, bound, offsets, out):
+    """Packs the edges with low <= weight < high that may still merge something, in the order of their numbers.
 
-    weights (E,) float32, plane by plane; order (E,) sorted edge numbers; offsets (P,) from a pixel to its neighbour.
-    parent (H W,) uint32 and size start as 0..N-1 and 1; bound (H W,) float64 starts as gamma. I(R) of eq. 2 is the
-    weight of the last merge: the edges come sorted, so it is the largest one in the minimum spanning tree of R.
+    Once an edge of weight w fails at a region, that region's bound is below w and all later edges are heavier: it has
+    its final extent. So an edge of at least `low` does nothing inside a region, or at one whose bound is below `low`.
+    weights, bits (E,): the same memory as float32 and uint32. Every pixel's parent must be its root.
+    out (E,) uint64; returns how many were packed.
+    """
+    pixels, count = parent.size, 0
+    for plane in range(weights.size // pixels):
+        first, offset = plane * pixels, offsets[plane]
+        for pixel in range(pixels):
+            weight = weights[first + pixel]
+            if weight >= low and weight < high:
+                a, b = parent[pixel], parent[pixel + offset]
+                if a != b and bound[a] >= low and bound[b] >= low:
+                    out[count] = (np.uint64(bits[first + pixel]) << np.uint64(32)) | np.uint64(first + pixel)
+                    count += 1
+    return count
+
+
+@kernel
+def collect_small(weights, bits, min_size, parent, size, offsets, out):
+    """Packs the edges at regions smaller than min_size, in the order of their numbers. As `collect` else."""
+    pixels, count = parent.size, 0
+    for plane in range(weights.size // pixels):
+        first, offset = plane * pixels, offsets[plane]
+        for pixel in range(pixels):
+            if weights[first + pixel] < np.inf:
+                a, b = parent[pixel], parent[pixel + offset]
+                if a != b and (size[a] < min_size or size[b] < min_size):
+                    out[count] = (np.uint64(bits[first + pixel]) << np.uint64(32)) | np.uint64(first + pixel)
+                    count += 1
+    return count
+
+
+@kernel
+def merge(numbers, weights, offsets, gamma, parent, size, bound):
+    """Eqs. 2, 3. Merges regions over sorted edges.
+
+    numbers (K, 2) uint32 and weights (K, 2) float32: the same packed edges, number in column 0 and weight in column 1;
+    offsets (P,) from a pixel to its neighbour. parent (H W,) uint32 and size start as 0..N-1 and 1; bound (H W,)
+    float64 starts as gamma. I(R) of eq. 2 is the weight of the last merge: the edges come sorted, so it is the largest
+    one in the minimum spanning tree of R.
     """
     pixels = parent.size
-    for edge in order:
-        weight = float(weights[edge])
-        if weight == np.inf:
-            return
-        here, there = ends(edge, pixels, offsets)
+    for k in range(numbers.shape[0]):
+        weight = float(weights[k, 1])
+        here, there = ends(numbers[k, 0], pixels, offsets)
         a, b = find(parent, here), find(parent, there)
         if a != b and may_merge(weight, bound[a], bound[b]):
             root = unite(parent, size, a, b)
@@ -67,16 +106,21 @@ def merge(weights, order, offsets, gamma, parent, size, bound):
 
 
 @kernel
-def absorb_small(weights, order, offsets, min_size, parent, size):
-    """Joins regions smaller than min_size to the neighbour over their lightest edge, in the same order."""
+def absorb_small(numbers, offsets, min_size, parent, size):
+    """Joins regions smaller than min_size to the neighbour over their lightest edge; sorted edges as in `merge`."""
     pixels = parent.size
-    for edge in order:
-        if weights[edge] == np.inf:
-            return
-        here, there = ends(edge, pixels, offsets)
+    for k in range(numbers.shape[0]):
+        here, there = ends(numbers[k, 0], pixels, offsets)
         a, b = find(parent, here), find(parent, there)
         if a != b and (size[a] < min_size or size[b] < min_size):
             unite(parent, size, a, b)
+
+
+@kernel
+def flatten(parent):
+    """Makes the root of every pixel its parent."""
+    for pixel in range(parent.size):
+        parent[pixel] = find(parent, np.uint32(pixel))
 
 
 @kernel

@@ -1,4 +1,8 @@
-"""Edges in the exact order of (float32 weight, edge number)."""
+"""Edges in the exact order of (float32 weight, edge number).
+
+An edge is packed into 64 bits, its weight's above its number: the bits of non-negative float32 sort as the weights do.
+Read as pairs of 32 bits on a little-endian machine such an array gives (number, weight).
+"""
 
 from __future__ import annotations
 
@@ -6,45 +10,51 @@ import numpy as np
 
 from spigolo.kernels._jit import kernel
 
-DIGIT_BITS = 11
-BUCKETS = 1 << DIGIT_BITS
+DIGITS = 3
+WEIGHT_SHIFT = 32
 
 
 @kernel
-def count_digits(keys, starts):
-    """Where each digit's bucket starts, for the three digits of every key. starts (3, BUCKETS) int64, zero before."""
-    for k in range(keys.size):
-        key = keys[k]
-        starts[0, key & np.uint32(BUCKETS - 1)] += 1
-        starts[1, (key >> np.uint32(DIGIT_BITS)) & np.uint32(BUCKETS - 1)] += 1
-        starts[2, key >> np.uint32(2 * DIGIT_BITS)] += 1
-    for digit in range(3):
+def count_digits(packed, digit_bits, starts):
+    """Where each digit's bucket starts, for the three digits of every weight.
+
+    packed (E,) uint64; digit_bits uint64; starts (3, 2^digit_bits) int64, zero before.
+    """
+    mask = (np.uint64(1) << digit_bits) - np.uint64(1)
+    for k in range(packed.size):
+        key = packed[k] >> np.uint64(WEIGHT_SHIFT)
+        starts[0, key & mask] += 1
+        starts[1, (key >> digit_bits) & mask] += 1
+        starts[2, (key >> (digit_bits + digit_bits)) & mask] += 1
+    for digit in range(DIGITS):
         total = 0
-        for bucket in range(BUCKETS):
+        for bucket in range(starts.shape[1]):
             count = starts[digit, bucket]
             starts[digit, bucket] = total
             total += count
 
 
 @kernel
-def scatter(keys, order, start, shift, out):
-    """One stable pass of a radix sort: puts `order` into `out` by the digit of its keys at `shift`."""
-    for k in range(order.size):
-        edge = order[k]
-        bucket = (keys[edge] >> shift) & np.uint32(BUCKETS - 1)
-        out[start[bucket]] = edge
+def scatter(packed, start, shift, out):
+    """One stable pass of a radix sort: puts each edge where the bucket of its digit at `shift` goes on."""
+    mask = np.uint64(start.size - 1)
+    for k in range(packed.size):
+        bucket = (packed[k] >> shift) & mask
+        out[start[bucket]] = packed[k]
         start[bucket] += 1
 
 
 @kernel
-def sort_edges(keys, order, spare):
-    """Stable radix sort. keys (E,) uint32: bits of non-negative float32 weights, which sort as the weights do.
+def sort_edges(packed, spare, starts, digit_bits):
+    """Stable radix sort by weight of packed edges (E,) uint64 that come in the order of their numbers.
 
-    order (E,) uint32 holds the edge numbers 0..E-1 and comes back sorted; spare (E,) is scratch.
+    spare (E,) and starts (3, 2^digit_bits) are scratch. digit_bits uint64: 10 for weights up to 1, whose bits lie
+    below 2^30, else 11.
     """
-    starts = np.zeros((3, BUCKETS), np.int64)
-    count_digits(keys, starts)
-    scatter(keys, order, starts[0], np.uint32(0), spare)
-    scatter(keys, spare, starts[1], np.uint32(DIGIT_BITS), order)
-    scatter(keys, order, starts[2], np.uint32(2 * DIGIT_BITS), spare)
-    order[:] = spare
+    starts[:] = 0
+    count_digits(packed, digit_bits, starts)
+    shift = np.uint64(WEIGHT_SHIFT)
+    scatter(packed, starts[0], shift, spare)
+    scatter(spare, starts[1], shift + digit_bits, packed)
+    scatter(packed, starts[2], shift + digit_bits + digit_bits, spare)
+    packed[:] = spare

@@ -51,11 +51,13 @@ def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | No
 
     RANSAC on a sample of the pixels, then least squares on what lies within the tolerance.
     """
-    points = camera.back_project(depth).astype(np.float64)
-    if len(points) < 3:
+    valid = np.flatnonzero(depth)
+    if valid.size < 3:
         return None
     rng = np.random.default_rng(SEED)
-    sample = points[rng.integers(len(points), size=min(SAMPLES, len(points)))]
+    y, x = np.divmod(valid[rng.integers(valid.size, size=min(SAMPLES, valid.size))], depth.shape[1])
+    z = depth[y, x].astype(np.float64)
+    sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
     plane = _best_hypothesis(sample, rng, config)
     for _ in range(REFINEMENTS):
         inliers = sample[_on(plane, sample, config)]

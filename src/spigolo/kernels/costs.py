@@ -9,6 +9,7 @@ import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
 from spigolo.kernels.color import color_difference
+from spigolo.kernels.powers import log2_1p, power
 
 ENDS_MAX, ENDS_I = 0, 1
 
@@ -36,16 +37,17 @@ def at_ends(cue, y, x, v, u, ends):
 @inlined
 def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
     """Eq. 22. First cost function, in [0, 1]."""
-    power = 1.0 + d_depth
-    alone = k_y * np.log2(1.0 + d_hsv) + k_x * np.log2(1.0 + d_depth) + k_s * np.log2(1.0 + d_sal)
-    coupled = d_depth * d_sal**power + d_depth * d_hsv**power
-    return (alone + coupled) / (2.0 + k_x + k_y + k_s)
+    alone = k_y * log2_1p(d_hsv) + k_x * log2_1p(d_depth) + k_s * log2_1p(d_sal)
+    coupled = 0.0
+    if d_depth > 0.0:
+        coupled = d_depth * power(d_sal, 1.0 + d_depth) + d_depth * power(d_hsv, 1.0 + d_depth)
+    return min((alone + coupled) / (2.0 + k_x + k_y + k_s), 1.0)
 
 
 @inlined
 def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
     """Eq. 23. Second cost function, in [0, 1]."""
-    return (k_x * d_depth * np.log2(1.0 + d_hsv) + k_b * d_bound) / (k_x + k_b)
+    return min((k_x * d_depth * log2_1p(d_hsv) + k_b * d_bound) / (k_x + k_b), 1.0)
 
 
 @kernel

@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from spigolo.registration import register_depth
     from spigolo.rejection import Reason
     from spigolo.roi import MetricBox
+    from spigolo.stream import Segmenter, warm_up
+    from spigolo.workspace import Workspace
 
 __version__ = "0.1.0"
 
@@ -61,6 +63,8 @@ _HOMES = {
     "registration": "register_depth",
     "rejection": "Reason",
     "roi": "MetricBox",
+    "stream": "Segmenter warm_up",
+    "workspace": "Workspace",
     "pipeline": "Trace segment segment_at trace",
     "presets": "CLUTTER OBJECTS OBJECTS_1 PRESETS SHELF TABLE preset",
 }

@@ -12,6 +12,7 @@ from spigolo.objects import ObjectMask, Segmentation, select_objects
 from spigolo.presets import OBJECTS
 from spigolo.regions import Regions, partition
 from spigolo.roi import Roi
+from spigolo.workspace import Workspace
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,11 +26,11 @@ class Trace:
     segmentation: Segmentation
 
 
-def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Trace:
-    """Segments a frame and keeps what each stage made."""
+def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
+    """Segments a frame and keeps what each stage made. workspace: scratch kept between frames, one per thread."""
     cues = gather_cues(frame, config)  # eqs. 5-21
     graph = weigh(cues, config.partition.connectivity, config.depth)  # eqs. 4, 9, 22 or 23
-    regions = partition(graph, config.partition)  # eqs. 2, 3
+    regions = partition(graph, config.partition, workspace)  # eqs. 2, 3
     segmentation = select_objects(regions, graph, cues, frame, config, roi)  # section III-F
     return Trace(frame, cues, graph, regions, segmentation)
 

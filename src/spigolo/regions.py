@@ -11,6 +11,7 @@ import numpy.typing as npt
 from spigolo.config import Partition
 from spigolo.graph import OFFSETS, Graph
 from spigolo.kernels import merging, sorting
+from spigolo.workspace import Workspace
 
 VGA_PX2 = 640 * 480
 """The image size that pixel areas are given for."""
@@ -32,15 +33,17 @@ class Regions:
         return VGA_PX2 / self.labels.size
 
 
-def partition(graph: Graph, config: Partition) -> Regions:
+def partition(graph: Graph, config: Partition, workspace: Workspace | None = None) -> Regions:
     """Merges pixels over their edges in the order of (float32 weight, edge number), then joins small regions.
 
     I(R) of eq. 2 is the largest weight in the minimum spanning tree of R, as the cited algorithm computes it.
     Weights must not be negative or NaN; edges of +inf are none.
     """
     planes, height, width = graph.weights.shape
-    edges = Edges(graph.weights, np.array([dy * width + dx for dy, dx in OFFSETS[:planes]], np.int64))
-    forest = Forest(height * width)
+    workspace = Workspace() if workspace is None else workspace
+    offsets = np.array([dy * width + dx for dy, dx in OFFSETS[:planes]], np.int64)
+    edges = Edges(graph.weights, offsets, workspace)
+    forest = Forest(height * width, workspace)
     gamma = config.gamma_shadows if graph.shadows and config.gamma_shadows is not None else config.gamma
     forest.merge(edges, float(gamma))
     forest.absorb_small(edges, config.min_size_px2 * height * width / VGA_PX2)
@@ -51,13 +54,14 @@ def partition(graph: Graph, config: Partition) -> Regions:
 class Edges:
     """The edges of a graph and the buffers to sort them in."""
 
-    def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64]) -> None:
+    def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64], workspace: Workspace) -> None:
         self.weights = (np.ascontiguousarray(weights) + np.float32(0)).reshape(
             -1
         )  # -0 becomes 0, as its bits would not sort
         self.bits = self.weights.view(np.uint32)
         self.offsets = offsets
-        self.packed, self.spare = np.empty((2, self.weights.size), np.uint64)
+        self.packed = workspace.array("packed", self.weights.size, np.uint64)
+        self.spare = workspace.array("spare", self.weights.size, np.uint64)
 
     def pivots(self) -> list[float]:
         """Where the rounds of merging begin and end: two quantiles of a sample, so that each sorts what it needs."""
@@ -78,12 +82,17 @@ class Edges:
 class Forest:
     """Disjoint-set forest over the pixels: every tree is a region."""
 
-    def __init__(self, pixels: int) -> None:
-        self.parent, self.size = np.arange(pixels, dtype=np.uint32), np.ones(pixels, np.int32)
+    def __init__(self, pixels: int, workspace: Workspace) -> None:
+        self.parent = workspace.array("parent", pixels, np.uint32)
+        self.size = workspace.array("size", pixels, np.int32)
+        self.bound = workspace.array("bound", pixels, np.float64)
+        self.number = workspace.array("number", pixels, np.int32)
+        self.parent[:] = np.arange(pixels, dtype=np.uint32)
+        self.size[:] = 1
 
     def merge(self, edges: Edges, gamma: float) -> None:
         """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
-        bound = np.full(self.parent.size, gamma, np.float64)
+        self.bound[:] = gamma
         for low, high in pairwise(edges.pivots()):
             count = merging.collect(
                 edges.weights,
@@ -91,12 +100,12 @@ class Forest:
                 np.float32(low),
                 np.float32(high),
                 self.parent,
-                bound,
+                self.bound,
                 edges.offsets,
                 edges.packed,
             )
             numbers, weights = edges.sort(count)
-            merging.merge(numbers, weights, edges.offsets, gamma, self.parent, self.size, bound)
+            merging.merge(numbers, weights, edges.offsets, gamma, self.parent, self.size, self.bound)
             merging.flatten(self.parent)
 
     def absorb_small(self, edges: Edges, min_size: float) -> None:
@@ -110,5 +119,6 @@ class Forest:
     def labels(self) -> tuple[npt.NDArray[np.int32], int]:
         """Region of each pixel (H W,), 0..R-1 by first pixel, and R."""
         labels = np.empty(self.parent.size, np.int32)
-        count = merging.number_regions(self.parent, np.full(self.parent.size, -1, np.int32), labels)
+        self.number[:] = -1
+        count = merging.number_regions(self.parent, self.number, labels)
         return labels, int(count)

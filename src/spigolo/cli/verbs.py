@@ -1,4 +1,4 @@
-"""The verbs: segment, trace, doctor, presets, demo."""
+"""The verbs: segment, trace, doctor, presets, warmup, demo."""
 
 from __future__ import annotations
 
@@ -79,13 +79,14 @@ def segment(
     frames = find_frames(words)
     wanted = _roi(roi, roi_mask, roi_box)
     from spigolo.cli import show
-    from spigolo.pipeline import segment as run
+    from spigolo.stream import Segmenter
 
     show.announce_compilation()
+    run = Segmenter(config)
     if len(frames) == 1:
         frame = _read(frames[0], camera, depth_scale)
         _check(frame, frames[0].name, check)
-        result = run(frame, config, wanted)
+        result = run(frame, wanted)
         show.write_result(result, frame, out)
         show.print_result(result, out)
         return DONE
@@ -94,7 +95,7 @@ def segment(
         try:
             frame = _read(paths, camera, depth_scale)
             _check(frame, paths.name, check)
-            result = run(frame, config, wanted)
+            result = run(frame, wanted)
             show.write_result(result, frame, out / paths.name)
             print(f"{paths.name}: {len(result)} objects")
         except SpigoloError as error:
@@ -201,6 +202,22 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
     print(f"{config.name} {config.digest}")
     for field, meaning in field_names(config).items():
         print(f"  --{field.replace('_', '-')} {_value(config, field)}\n      {meaning}")
+    return DONE
+
+
+@app.command
+def warmup() -> int:
+    """Compiles the kernels now, so that the first frame does not wait: for images of containers and robots."""
+    import time
+
+    from spigolo.cli import show
+
+    show.announce_compilation()
+    start = time.perf_counter()
+    from spigolo.stream import warm_up
+
+    warm_up()
+    print(f"ready in {time.perf_counter() - start:.1f} s")
     return DONE
 
 

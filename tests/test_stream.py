@@ -1,0 +1,99 @@
+"""Segmenters: the same answers, kept buffers, several at once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import spigolo as sp
+from test_objects import scene
+
+
+def variant(k: int) -> sp.Frame:
+    """Another scene for every k, some of another size."""
+    frame = scene()
+    depth = np.roll(frame.depth, 3 * k, axis=1)
+    color = np.roll(frame.color, 3 * k, axis=1)
+    if k % 3 == 2:
+        half = sp.Camera(500, 500, 39.5, 59.5, 80, 120)
+        return sp.Frame(color[:, :80], depth[:, :80], half)
+    return sp.Frame(color, depth, frame.camera)
+
+
+@pytest.mark.parametrize("name", sorted(sp.PRESETS))
+def test_a_segmenter_answers_as_segment_does_whatever_it_saw_before(name: str) -> None:
+    segmenter = sp.Segmenter(sp.PRESETS[name])
+    for k in range(6):
+        frame = variant(k)
+        assert np.array_equal(segmenter(frame).labels, sp.segment(frame, sp.PRESETS[name]).labels)
+
+
+def test_answers_share_no_memory_with_the_workspace() -> None:
+    segmenter = sp.Segmenter(sp.TABLE)
+    answers = [segmenter(variant(k)) for k in range(3)]
+    copies = [answer.labels.copy() for answer in answers]
+    for array in segmenter.workspace._arrays.values():
+        for answer in answers:
+            assert not np.shares_memory(array, answer.labels)
+            assert not np.shares_memory(array, answer.scene.regions.labels)
+            assert not np.shares_memory(array, answer.scene.contour)
+    segmenter(variant(4))
+    assert all(np.array_equal(a.labels, c) for a, c in zip(answers, copies, strict=True))
+
+
+def test_a_workspace_keeps_its_memory() -> None:
+    segmenter = sp.Segmenter(sp.TABLE)
+    segmenter(variant(0))
+    size = segmenter.workspace.size_bytes
+    segmenter(variant(2))
+    segmenter(variant(1))
+    assert segmenter.workspace.size_bytes == size
+
+
+def test_eight_at_once_answer_as_one_after_the_other() -> None:
+    frames = [variant(k) for k in range(24)]
+    serial = [sp.segment(frame).labels for frame in frames]
+    local = threading.local()
+
+    def run(frame: sp.Frame) -> np.ndarray:
+        if not hasattr(local, "segmenter"):
+            local.segmenter = sp.Segmenter()
+        return local.segmenter(frame).labels
+
+    with ThreadPoolExecutor(8) as pool:
+        for ours, theirs in zip(pool.map(run, frames), serial, strict=True):
+            assert np.array_equal(ours, theirs)
+
+
+def test_two_threads_in_one_segmenter_are_told_so() -> None:
+    segmenter = sp.Segmenter(sp.TABLE)
+    with segmenter._busy, pytest.raises(sp.SpigoloError, match="one Segmenter per thread"):
+        segmenter(variant(0))
+    segmenter(variant(0))
+
+
+def test_warm_up_leaves_nothing_to_compile() -> None:
+    code = """
+import importlib, json, spigolo as sp
+from pathlib import Path
+sp.warm_up()
+def signatures():
+    found = {}
+    for path in sorted((Path(sp.__file__).parent / "kernels").glob("[a-z]*.py")):
+        module = importlib.import_module(f"spigolo.kernels.{path.stem}")
+        found |= {f"{path.stem}.{k}": len(v.signatures) for k, v in vars(module).items() if hasattr(v, "signatures")}
+    return found
+before = signatures()
+scene = Path(sp.__file__).parent / "demo_scene"
+frame = sp.read_frame(scene / "rgb.png", scene / "depth.png", scene / "camera.json")
+for config in sp.PRESETS.values():
+    sp.segment(frame, config)
+print(json.dumps({k: (before[k], v) for k, v in signatures().items() if v != before[k]}))
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "{}"

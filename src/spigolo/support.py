@@ -97,7 +97,10 @@ def _best_hypothesis(sample: Points, rng: np.random.Generator, config: Support) 
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 1e-9)
     offsets = -(normals * a).sum(1)
-    near = np.abs(sample @ normals.T + offsets) <= tolerance_m(sample[:, 2], config)[:, None]
+    x, y, z = sample.astype(np.float32).T[:, :, None]
+    nx, ny, nz, d = np.column_stack([normals, offsets]).astype(np.float32).T[:, None, :]
+    # written out: a matrix product of this size would start the threads of BLAS
+    near = np.abs(x * nx + y * ny + z * nz + d) <= tolerance_m(z, config)
     near[:, lengths[:, 0] <= 1e-9] = False
     best = int(near.sum(0).argmax())
     return _towards_camera(normals[best], float(offsets[best]))

@@ -208,3 +208,16 @@ def test_presets_are_listed_shown_and_written(tmp_path: Path) -> None:
     path.write_text(spigolo("presets", "CLUTTER", "--toml").stdout)
     assert sp.preset(path) == sp.CLUTTER
     assert spigolo("presets", "nothing").returncode == 2
+
+
+def test_a_reader_that_stops_early_is_no_error() -> None:
+    code = "from spigolo.cli import main; main()"
+    run = subprocess.Popen(
+        [sys.executable, "-c", code, "presets", "TABLE"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert run.stdout is not None
+    assert run.stderr is not None
+    run.stdout.close()
+    assert run.stderr.read() == ""
+    run.stderr.close()
+    assert run.wait() == 0

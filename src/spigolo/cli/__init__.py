@@ -6,6 +6,7 @@ imported inside the verbs, so that help is there at once.
 
 from __future__ import annotations
 
+import os
 import sys
 import warnings
 from typing import Any
@@ -24,11 +25,15 @@ def main() -> None:
     warnings.showwarning = _say_warning
     try:
         code = app(result_action="return_value", exit_on_error=False, print_error=True)
+        sys.stdout.flush()
     except SpigoloError as error:
         print(f"spigolo: {error}", file=sys.stderr)
         code = FAILED
     except cyclopts.CycloptsError:
         code = FAILED  # already printed
+    except BrokenPipeError:  # `| head` has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        code = DONE
     except KeyboardInterrupt:
         print("spigolo: interrupted", file=sys.stderr)
         code = 130

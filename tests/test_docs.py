@@ -1,0 +1,129 @@
+"""The examples run, and the pages say what is so."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import spigolo as sp
+
+ROOT = Path(__file__).resolve().parents[1]
+SCENE = Path(sp.__file__).parent / "demo_scene"
+EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+
+compiled = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels")
+
+
+def run(*words: object, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *map(str, words)], cwd=folder, capture_output=True, text=True, check=False, timeout=600
+    )
+
+
+def name(path: Path) -> str:
+    return path.name
+
+
+def test_the_examples_are_numbered_from_one() -> None:
+    assert [path.name[:3] for path in EXAMPLES] == [f"{k:02d}_" for k in range(1, len(EXAMPLES) + 1)]
+    assert len(EXAMPLES) >= 5
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=name)
+def test_an_example_is_short_and_says_what_it_is(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert 30 <= len(text.splitlines()) <= 60
+    title, _, prose = text.removeprefix('"""').partition("\n\n")
+    assert re.fullmatch(r"[A-Z][^\n]{3,40}\.", title)
+    assert prose.partition("\n\n")[0].count(".") >= 2
+    assert f"python examples/{path.name}" in text
+
+
+@compiled
+@pytest.mark.parametrize("path", EXAMPLES, ids=name)
+def test_an_example_runs_and_writes_where_it_is_told(path: Path, tmp_path: Path) -> None:
+    done = run(path, "--out", tmp_path / "out", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert 3 <= len(done.stdout.splitlines()) <= 30
+    assert "nan" not in done.stdout
+    assert [p.name for p in tmp_path.iterdir()] == ["out"]
+    assert any(p.suffix == ".png" and p.stat().st_size > 10_000 for p in (tmp_path / "out").iterdir())
+
+
+@compiled
+@pytest.mark.parametrize("path", [p for p in EXAMPLES if "[rgb.png" in p.read_text(encoding="utf-8")], ids=name)
+def test_an_example_takes_files(path: Path, tmp_path: Path) -> None:
+    files = [SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"]
+    assert run(path, *files, "--out", tmp_path, folder=tmp_path).returncode == 0
+    assert run(path, *files[:2], "--out", tmp_path, folder=tmp_path).returncode == 2
+
+
+@compiled
+def test_the_page_of_bad_input_is_what_is_said_now() -> None:
+    done = run(ROOT / "scripts" / "bad_inputs.py", folder=ROOT)
+    assert done.returncode == 0, done.stderr
+    written = (ROOT / "docs" / "bad-input.md").read_text(encoding="utf-8")
+    assert done.stdout == written, "python scripts/bad_inputs.py --write"
+
+
+@compiled
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
+def test_the_python_of_a_page_runs(page: str, tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert blocks
+    for file in ("rgb.png", "depth.png", "camera.json"):
+        shutil.copy(SCENE / file, tmp_path)
+    done = run("-W", "error", "-c", "\n".join(blocks), folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_links_between_pages_and_to_pictures_lead_somewhere(page: Path) -> None:
+    for link in LINK.findall(without_code(page)):
+        if link.startswith(("https://", "http://")):
+            continue
+        path, _, anchor = link.partition("#")
+        target = (page.parent / path).resolve() if path else page
+        assert target.is_file(), link
+        if anchor:
+            assert anchor in anchors(target), link
+
+
+def test_every_picture_is_shown_and_small() -> None:
+    shown = {Path(link).name for page in PAGES for link in LINK.findall(page.read_text(encoding="utf-8"))}
+    for picture in (ROOT / "docs" / "images").iterdir():
+        assert picture.name in shown
+        assert picture.stat().st_size < 200_000, picture.name
+
+
+def test_every_page_is_in_the_navigation() -> None:
+    navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("nav:")[2].partition("plugins:")[0]
+    assert sorted(re.findall(r": (\S+\.md)$", navigation, flags=re.MULTILINE)) == sorted(
+        p.name for p in PAGES if p.parent.name == "docs"
+    )
+
+
+def test_every_public_name_is_on_the_page_of_python() -> None:
+    page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    told = set(re.findall(r"^::: spigolo\.\w+\.(\w+)$", page, flags=re.MULTILINE))
+    assert told == set(sp.__all__) - {"__version__"}
+
+
+def without_code(page: Path) -> str:
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    return re.sub(r"`[^`\n]*`", "", text)
+
+
+def anchors(page: Path) -> set[str]:
+    """As both the site and GitHub make them of the plain headings used here."""
+    headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}

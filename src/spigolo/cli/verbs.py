@@ -13,6 +13,7 @@ from spigolo import __version__
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
 from spigolo.errors import FileError, SpigoloError
+from spigolo.frame import MAX_PIXELS
 
 if TYPE_CHECKING:
     from spigolo.frame import Color, Frame
@@ -42,6 +43,7 @@ def segment(
     roi_mask: Path | None = None,
     roi_box: SpaceBox | None = None,
     check: bool = True,
+    max_pixels: int = MAX_PIXELS,
     out: Out = Path("spigolo-out"),
 ) -> int:
     """Segments frames and writes labels.png, objects.json and overlay.png of each.
@@ -70,6 +72,8 @@ def segment(
         Region of interest in metres, in the camera's frame (X right, Y down, Z forward): low X Y Z, high X Y Z.
     check
         Warn of what `spigolo doctor` warns of.
+    max_pixels
+        Larger images are refused; raise it if the memory suffices (about 150 bytes a pixel).
     out
         Folder for the results. Of several frames each gets a folder of its own in it.
 
@@ -84,7 +88,7 @@ def segment(
     show.announce_compilation()
     run = Segmenter(config)
     if len(frames) == 1:
-        frame = _read(frames[0], camera, depth_scale)
+        frame = _read(frames[0], camera, depth_scale, max_pixels)
         _check(frame, frames[0].name, check)
         result = run(frame, wanted)
         show.write_result(result, frame, out)
@@ -93,7 +97,7 @@ def segment(
     failed = 0
     for paths in show.progress(frames, "segmenting"):
         try:
-            frame = _read(paths, camera, depth_scale)
+            frame = _read(paths, camera, depth_scale, max_pixels)
             _check(frame, paths.name, check)
             result = run(frame, wanted)
             show.write_result(result, frame, out / paths.name)
@@ -112,6 +116,7 @@ def trace(
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
     stages: bool = False,
+    max_pixels: int = MAX_PIXELS,
     out: Out = Path("spigolo-trace"),
 ) -> int:
     """Draws what each stage makes of a frame: the seven panels of the paper's Figure 1 in trace.png.
@@ -128,6 +133,8 @@ def trace(
         Metres per unit of the depth image.
     stages
         Also write each stage's array to stages/NAME.npy.
+    max_pixels
+        Larger images are refused; raise it if the memory suffices.
     out
         Folder for the results.
 
@@ -139,7 +146,7 @@ def trace(
     from spigolo.cli import show
     from spigolo.view import figure1
 
-    frame = _read(paths, camera, depth_scale)
+    frame = _read(paths, camera, depth_scale, max_pixels)
     show.announce_compilation()
     run = pipeline.trace(frame, config)
     io.write_png(out / "trace.png", figure1.figure1(run))
@@ -152,7 +159,9 @@ def trace(
 
 
 @app.command
-def doctor(*inputs: str, camera: str | None = None, depth_scale: float | None = None) -> int:
+def doctor(
+    *inputs: str, camera: str | None = None, depth_scale: float | None = None, max_pixels: int = MAX_PIXELS
+) -> int:
     """Says what is wrong with a frame: units, alignment, intrinsics, missing depth; and which cost function fits.
 
     Exit code 1 when there is a warning.
@@ -171,7 +180,7 @@ def doctor(*inputs: str, camera: str | None = None, depth_scale: float | None = 
     from spigolo.cli import show
     from spigolo.doctor import diagnose
 
-    diagnosis = diagnose(_read(paths, camera, depth_scale))
+    diagnosis = diagnose(_read(paths, camera, depth_scale, max_pixels))
     show.print_diagnosis(diagnosis)
     return SOME_FAILED if diagnosis.warnings else DONE
 
@@ -246,11 +255,11 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
     return DONE
 
 
-def _read(paths: FramePaths, camera: str | None, depth_scale: float | None) -> Frame:
+def _read(paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int) -> Frame:
     from spigolo import io
 
     given = camera if camera is not None else paths.camera
-    return io.read_frame(paths.color, paths.depth, given, depth_scale)
+    return io.read_frame(paths.color, paths.depth, given, depth_scale, max_pixels=max_pixels)
 
 
 def _check(frame: Frame, name: str, wanted: bool) -> None:

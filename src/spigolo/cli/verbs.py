@@ -174,6 +174,8 @@ def doctor(
         Intrinsics, as for `segment`.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres.
+    max_pixels
+        Larger images are refused; raise it if the memory suffices.
 
     """
     paths = _only(find_frames(inputs))

@@ -4,7 +4,7 @@ VENV := .venv
 ORACLE := .venv-oracle
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check fast format clean
+.PHONY: help demo test check fast format docs clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -28,6 +28,9 @@ format: $(VENV)/.developing  ## put the source in its form
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 
+docs: $(VENV)/.documenting  ## build the site from docs/ into site/
+	$(BIN)/zensical build --clean --strict
+
 clean:  ## remove the environments
 	rm -rf $(VENV) $(ORACLE)
 
@@ -41,6 +44,10 @@ $(VENV)/.installed: $(VENV)/pyvenv.cfg pyproject.toml
 
 $(VENV)/.developing: $(VENV)/pyvenv.cfg pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable ".[evaluation,synthetic,yaml]" --group dev
+	@touch $@ $(VENV)/.installed
+
+$(VENV)/.documenting: $(VENV)/pyvenv.cfg pyproject.toml
+	$(BIN)/python -m pip install --quiet --editable . --group docs
 	@touch $@ $(VENV)/.installed
 
 # OpenCV's contrib modules would overwrite the plain ones, so the oracle lives apart

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pkgutil
 import re
 import shutil
 import subprocess
@@ -116,6 +117,14 @@ def test_every_public_name_is_on_the_page_of_python() -> None:
     page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
     told = set(re.findall(r"^::: spigolo\.\w+\.(\w+)$", page, flags=re.MULTILINE))
     assert told == set(sp.__all__) - {"__version__"}
+
+
+def test_the_homes_of_the_equations_exist() -> None:
+    page = (ROOT / "docs" / "paper.md").read_text(encoding="utf-8")
+    homes = re.findall(r"`([a-z_]+(?:\.\w+)+)`", page.partition("## Equations")[2].partition("## Symbols")[0])
+    assert len(homes) > 15
+    for home in homes:
+        assert pkgutil.resolve_name(f"spigolo.{home}") is not None
 
 
 def without_code(page: Path) -> str:

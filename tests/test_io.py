@@ -169,7 +169,7 @@ def test_a_preset_file_starts_from_a_preset(tmp_path: Path) -> None:
         ("[partition]\ngamma = -1", "gamma: Input should be greater than or equal to 0, got -1"),
         ("[partition]\nconnectivity = 6", "connectivity"),
         ('[cost]\nkind = "boundary"\nk_s = 1', "unknown parameter 'k_s' in BoundaryCost"),
-        ('base = "nothing"', "unknown preset 'nothing': expected one of OBJECTS"),
+        ('base = "nothing"', "unknown preset 'nothing' as base: expected one of OBJECTS"),
         ("gamma", "expected TOML"),
     ],
 )

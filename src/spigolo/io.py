@@ -123,7 +123,10 @@ def _read_mapping(path: PathLike) -> Any:
         text = Path(path).read_text(encoding="utf-8")
         return json.loads(text) if yaml is None else next(yaml.safe_load_all(text), None)
     except (OSError, ValueError, RecursionError, refused) as error:
-        kind, sentence = "JSON" if yaml is None else "YAML", " ".join(str(error).split())
+        kind, sentence = (
+            "JSON" if yaml is None else "YAML",
+            " ".join((getattr(error, "strerror", None) or str(error)).split()),
+        )
         raise FileError(f"expected a camera in {kind} in {path}, but it cannot be read: {sentence}") from None
 
 
@@ -178,7 +181,9 @@ def write_bytes(path: PathLike, data: bytes) -> None:
             os.unlink(beside)
             raise
     except OSError as error:
-        raise FileError(f"could not write {target}: {error.strerror or error}") from None
+        blocked = next((p for p in target.parents if p.is_file()), None)
+        reason = f"{blocked} is a file, not a folder" if blocked else error.strerror or error
+        raise FileError(f"could not write {target}: {reason}") from None
 
 
 def _umask() -> int:

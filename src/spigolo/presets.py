@@ -102,9 +102,22 @@ def preset(name: str | Path) -> Config:
     if path.suffix.lower() != ".toml":
         raise ConfigError(f"unknown preset {str(name)!r}: expected one of {', '.join(PRESETS)} or a .toml file")
     try:
-        values = parse_toml(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise ConfigError(f"expected a preset in {path}, but it cannot be read: {error}") from None
+        reason = getattr(error, "strerror", None) or "it is no text"
+        raise ConfigError(f"expected a preset in {path}, but it cannot be read: {reason}") from None
+    try:
+        return _from_text(text, path)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from None
+
+
+def _from_text(text: str, path: Path) -> Config:
+    values = parse_toml(text)
     values.setdefault("name", path.stem)
     base = values.pop("base", None)
-    return preset(str(base)).replace(**values) if base is not None else Config(**values)
+    if base is None:
+        return Config(**values)
+    if str(base).upper() not in PRESETS:
+        raise ConfigError(f"unknown preset {str(base)!r} as base: expected one of {', '.join(PRESETS)}")
+    return PRESETS[str(base).upper()].replace(**values)

@@ -41,8 +41,6 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
             value = word.partition("=")[2]
         else:
             value = next(rest, "")
-            if not value:
-                raise ConfigError(f"expected a value after {word}")
         flags[key] = value
     return inputs, flags
 
@@ -58,6 +56,9 @@ def configure(preset: str, flags: dict[str, str]) -> Config:
             near = difflib.get_close_matches(key, known, n=3, cutoff=0.4)
             hint = f"did you mean {' or '.join('--' + n.replace('_', '-') for n in near)}?" if near else ""
             raise ConfigError(f"unknown flag --{key.replace('_', '-')} for preset {config.name}: {hint}".rstrip(": "))
+    empty = next((key for key, value in flags.items() if not value), None)
+    if empty is not None:
+        raise ConfigError(f"expected a value after --{empty.replace('_', '-')}, got none")
     return config.replace(**{key: _scalar(value) for key, value in flags.items()}) if flags else config
 
 

@@ -1,0 +1,54 @@
+"""Correct by hand.
+
+An operator clicks and says what belongs together: keep, drop and merge each give a new answer, measured anew.
+Here the inside and outside of the bowl and of the mug become one object each.
+
+    python examples/04_correct_by_hand.py [--out FOLDER]
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import spigolo as sp
+from spigolo.io import write_png
+from spigolo.view.overlay import overlay, tile
+
+SCENE = Path(sp.__file__).parent / "demo_scene"
+BOWL, MUG = [(260, 170), (310, 183)], [(240, 428), (285, 420)]
+"""Pixels (y, x): inside, outside."""
+FLASHLIGHT, TABLE = (352, 360), (440, 150)
+
+
+def main() -> None:
+    """Clicks, merges, drops and keeps."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")
+    given = parser.parse_args()
+
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    clicked = sp.segment_at(frame, FLASHLIGHT)  # one call where one object is wanted
+    print(f"at {FLASHLIGHT}: {clicked.area_px} px, {clicked.distance_m:.3f} m away")
+
+    answer = first = sp.segment(frame)
+    for name, (inside, outside) in {"bowl": BOWL, "mug": MUG}.items():
+        before = [answer.at(inside).area_px, answer.at(outside).area_px]
+        answer = answer.merge(answer.at(inside), answer.at(outside))  # numbers change: ask `at` each time
+        print(f"{name}: {before[0]} px and {before[1]} px are {answer.at(inside).area_px} px")
+
+    answer = answer.drop(answer.at(FLASHLIGHT))
+    print("flashlight:", answer.at(FLASHLIGHT).why)
+
+    table = answer.at(TABLE)
+    print("table:", table.why)
+    kept = answer.keep(table)
+    print(f"{len(first)} objects at first, {len(answer)} corrected, {len(kept)} with the table kept")
+
+    pictures = {"as found": first, "corrected": answer, "table kept": kept}
+    drawn = {title: overlay(result, frame.color) for title, result in pictures.items()}
+    write_png(given.out / "04_by_hand.png", tile(drawn, columns=3))
+
+
+if __name__ == "__main__":
+    main()

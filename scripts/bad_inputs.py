@@ -1,0 +1,241 @@
+"""Gives spigolo each kind of bad input and prints what it says, as a Markdown table: `python scripts/bad_inputs.py`.
+
+With `--write` the table goes to docs/bad-input.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+import spigolo as sp
+
+SCENE = Path(sp.__file__).parent / "demo_scene"
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "bad-input.md"
+INTRODUCTION = """# Bad input
+
+What spigolo says of input that it cannot work with: one sentence, with what was expected, what it got and, where it
+can, what to do. The command line prints it after `spigolo:` and ends with exit code 2; in Python the same sentence
+comes as `FileError`, `FrameError`, `CameraError` or `ConfigError`, all of which are a `SpigoloError`. Warnings do not
+stop a run. `spigolo doctor` looks for what is wrong in a frame that can be read.
+
+`python scripts/bad_inputs.py --write` makes each of these inputs, and this page.
+"""
+
+Words = list[str]
+Call = Callable[[], Any]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Print what spigolo says of bad input.")
+    parser.add_argument("--write", action="store_true", help="write docs/bad-input.md instead of printing")
+    arguments = parser.parse_args()
+    page = make_page()
+    if arguments.write:
+        PAGE.write_text(page, encoding="utf-8")
+    else:
+        print(page, end="")
+
+
+def make_page() -> str:
+    """The whole page: every case in a folder of its own making."""
+    with tempfile.TemporaryDirectory(prefix="bad-") as name, ThreadPoolExecutor(2) as pool:
+        folder = Path(name)
+        make_files(folder)
+        commands, calls = command_line(), library(folder)
+        answers = list(pool.map(lambda case: clean(run_command(case[1], folder), folder), commands))
+        tables = [
+            table("Command line", [what for what, _ in commands], answers),
+            table("Python", [what for what, _ in calls], [clean(run_call(call), folder) for _, call in calls]),
+        ]
+    return "\n".join([INTRODUCTION, *tables])
+
+
+def table(title: str, inputs: list[str], sentences: list[str]) -> str:
+    """A section with its table."""
+    rows = [f"| {what} | {escape(sentence)} |" for what, sentence in zip(inputs, sentences, strict=True)]
+    return "\n".join([f"## {title}", "", "| input | sentence |", "|---|---|", *rows, ""])
+
+
+def make_files(folder: Path) -> None:
+    """The bundled scene, and everything that is wrong with it."""
+    for name in ("rgb.png", "depth.png", "camera.json"):
+        shutil.copy(SCENE / name, folder / name)
+    depth = cv2.imread(str(SCENE / "depth.png"), cv2.IMREAD_UNCHANGED)
+    grey = np.clip(depth / 10, 0, 255).astype(np.uint8)
+    pictures = {
+        "half.png": depth[::2, ::2],
+        "depth8.png": grey,
+        "colours.png": cv2.applyColorMap(grey, cv2.COLORMAP_TURBO),
+        "depth.jpg": grey,
+        "nothing.png": np.zeros_like(depth),
+        "huge.png": np.zeros((4001, 4000, 3), np.uint8),
+        "huge-depth.png": np.zeros((4001, 4000), np.uint16),
+    }
+    for name, picture in pictures.items():
+        cv2.imwrite(str(folder / name), picture)
+    (folder / "truncated.png").write_bytes((SCENE / "depth.png").read_bytes()[:1000])
+    (folder / "empty.png").write_bytes(b"")
+    (folder / "empty.npy").write_bytes(b"")
+    np.save(folder / "unit.npy", depth.astype(np.float32))
+    camera = json.loads((SCENE / "camera.json").read_text(encoding="utf-8"))
+    cameras = {
+        "no-scale": {k: v for k, v in camera.items() if k != "depth_scale"},
+        "other-size": {**camera, "width": 1280, "height": 720},
+        "zero": {**camera, "fx": 0},
+        "negative": {**camera, "fy": -525.0},
+        "no-number": {k: v for k, v in camera.items() if k != "fx"},
+        "text": {**camera, "fx": "525 px"},
+        "scale": {**camera, "depth_scale": 1},
+        "fisheye": {**camera, "distortion": [0.1, 0, 0, 0], "distortion_model": "equidistant"},
+    }
+    for name, values in cameras.items():
+        (folder / f"{name}.json").write_text(json.dumps(values), encoding="utf-8")
+    (folder / "broken.json").write_text('{"fx": 525.0', encoding="utf-8")
+    (folder / "unknown-key.toml").write_text('base = "TABLE"\n[partition]\ngama = 0.004\n', encoding="utf-8")
+    (folder / "range.toml").write_text('base = "TABLE"\n[edges]\ncanny_low = 1.5\n', encoding="utf-8")
+    (folder / "broken.toml").write_text("gamma 0.004\n", encoding="utf-8")
+    (folder / "no-frames").mkdir()
+    (folder / "file").write_text("", encoding="utf-8")
+
+
+def command_line() -> list[tuple[str, Words]]:
+    """What was wrong, and the words after `spigolo`."""
+
+    def segment(color: str = "rgb.png", depth: str = "depth.png", camera: str = "camera.json", *more: str) -> Words:
+        return ["segment", color, depth, "--camera", camera, "--no-check", *more]
+
+    def flags(*more: str) -> Words:
+        return segment("rgb.png", "depth.png", "camera.json", *more)
+
+    return [
+        ("depth of another size than colour", segment(depth="half.png")),
+        ("depth with 8 bits", segment(depth="depth8.png")),
+        ("depth as a picture in colours", segment(depth="colours.png")),
+        ("depth as JPEG", segment(depth="depth.jpg")),
+        ("no such image", segment("none.png")),
+        ("one image without its depth", ["segment", "rgb.png", "--camera", "camera.json"]),
+        ("an image cut off", segment(depth="truncated.png")),
+        ("an empty image", segment("empty.png")),
+        ("an empty depth array", segment(depth="empty.npy")),
+        ("more than 16 million pixels", segment("huge.png", "huge-depth.png", "camera.json")),
+        ("integer depth without a scale", segment(camera="no-scale.json")),
+        ("a scale in millimetres", segment(camera="scale.json")),
+        ("a scale of 0", flags("--depth-scale", "0")),
+        ("a camera of another size", segment(camera="other-size.json")),
+        ("a focal length of 0", segment(camera="zero.json")),
+        ("a negative focal length", segment(camera="negative.json")),
+        ("a camera file without fx", segment(camera="no-number.json")),
+        ("text for a number", segment(camera="text.json")),
+        ("a camera file that is no JSON", segment(camera="broken.json")),
+        ("no such camera file", segment(camera="none.json")),
+        ("a camera nobody knows", segment("rgb.png", "depth.png", "kinect-v9", "--depth-scale", "0.001")),
+        ("fisheye distortion", segment(camera="fisheye.json")),
+        ("a preset nobody knows", flags("--preset", "tabel")),
+        ("an unknown key in a TOML file", flags("--preset", "unknown-key.toml")),
+        ("a value out of range in a TOML file", flags("--preset", "range.toml")),
+        ("a TOML file that is none", flags("--preset", "broken.toml")),
+        ("no such TOML file", flags("--preset", "none.toml")),
+        ("an unknown flag", flags("--verbose", "1")),
+        ("a misspelt flag", flags("--partition.gama", "0.004")),
+        ("a flag without its value", flags("--partition.gamma")),
+        ("a value out of range", flags("--partition.gamma", "-1")),
+        ("text for a value", flags("--partition.gamma", "much")),
+        ("a region of interest outside of the image", flags("--roi", "0", "0", "481", "640")),
+        ("two regions of interest", flags("--roi", "0", "0", "9", "9", "--roi-mask", "rgb.png")),
+        ("a mask of another size", flags("--roi-mask", "half.png")),
+        ("an output folder that is a file", flags("--out", "file")),
+        ("a folder without frames", ["segment", "no-frames"]),
+        ("no such folder", ["segment", "nowhere"]),
+        ("no input", ["segment"]),
+        ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
+        (
+            "millimetres as metres: a warning",
+            ["segment", "rgb.png", "unit.npy", "--camera", "camera.json"],
+        ),
+    ]
+
+
+def library(folder: Path) -> list[tuple[str, Call]]:
+    """What was wrong, and the call."""
+    frame = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
+    color, depth, camera = frame.color, frame.depth, frame.camera
+    assert camera is not None
+    bare, box = sp.Frame(color, depth, None), sp.MetricBox((0, 0, 0), (1, 1, 1))
+    in_millimetres, no_rotation = np.eye(4) + 25 * np.eye(4, k=3), np.diag([2, 1, 1, 1])
+    return [
+        ("grey colour", lambda: sp.Frame(color[..., 0], depth, camera)),
+        ("colour as floats", lambda: sp.Frame(color / 255, depth, camera)),
+        ("more pixels than are wanted", lambda: sp.Frame(color, depth, camera, max_pixels=100_000)),
+        ("integers without `depth_scale`", lambda: sp.Frame(color, depth.astype(np.uint16), camera)),
+        ("negative depth: a warning", lambda: sp.Frame(color, depth - 1, camera)),
+        ("an infinite focal length", lambda: sp.Camera(np.inf, 525, 319.5, 239.5, 640, 480)),
+        ("a camera of three numbers", lambda: sp.Frame(color, depth, (525, 319.5, 239.5))),
+        ("a transposed matrix", lambda: sp.Frame(color, depth, camera.matrix.T)),
+        ("a field that does not exist", lambda: sp.TABLE.replace(**{"partition.gama": 0.004})),
+        ("a value out of range", lambda: sp.Partition(connectivity=6)),
+        ("low above high", lambda: sp.Edges(canny_low=0.2, canny_high=0.1)),
+        ("a pixel outside of the image", lambda: sp.segment(frame, sp.TABLE).at((480, 0))),
+        ("a metric box inside out", lambda: sp.MetricBox((0, 0, 1), (1, 1, 0))),
+        ("a metric box without a camera", lambda: sp.segment(bare, roi=box)),
+        ("points without a camera", lambda: sp.segment_at(bare, (140, 160)).points_m()),
+        ("registration in millimetres", lambda: sp.register_depth(depth, camera, camera, in_millimetres)),
+        ("registration without a rotation", lambda: sp.register_depth(depth, camera, camera, no_rotation)),
+    ]
+
+
+def run_command(words: Words, folder: Path) -> str:
+    """What the command line says on its error stream; it must end with 2, or with 0 after a warning."""
+    out = [] if "--out" in words or words[-1].startswith("--") else ["--out", "out"]
+    done = subprocess.run(
+        [sys.executable, "-c", "from spigolo.cli import main; main()", *words, *out],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=600,
+    )
+    lines = [line for line in done.stderr.splitlines() if line.startswith("spigolo: ")]
+    expected = 0 if any("warning: " in line for line in lines) else 2
+    if done.returncode != expected or not lines:
+        raise AssertionError(f"{words}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+    return " ".join(line.removeprefix("spigolo: ") for line in lines)
+
+
+def run_call(call: Call) -> str:
+    """What the library raises or warns of."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            call()
+        except (sp.SpigoloError, IndexError) as error:
+            return f"{type(error).__name__}: {error}"
+    return " ".join(f"{type(w.message).__name__}: {w.message}" for w in caught)
+
+
+def clean(text: str, folder: Path) -> str:
+    """The sentence without the folder's name."""
+    return text.replace(f"{folder}/", "").replace(f"{folder}", "")
+
+
+def escape(text: str) -> str:
+    """Text for a cell of a Markdown table."""
+    for character in "\\|<*_[":
+        text = text.replace(character, f"\\{character}")
+    return text
+
+
+if __name__ == "__main__":
+    main()

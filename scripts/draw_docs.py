@@ -1,0 +1,247 @@
+"""Draws the pictures of the docs from the bundled scene: `python scripts/draw_docs.py [--out DIR] [NAME ...]`.
+
+Each but the first, which is that of `spigolo demo`, sets one open choice or addition beside its other reading.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+import spigolo as sp
+from spigolo.depth import inpaint_small_gaps, smooth
+from spigolo.edges import EdgeMaps, find_edges
+from spigolo.frame import Color, DepthMap
+from spigolo.io import write_bytes
+from spigolo.view.overlay import boundary_picture, depth_picture, draw_boxes, overlay, region_picture, tile
+
+SCENE = Path(sp.__file__).parent / "demo_scene"
+IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
+QUALITY = 88
+MOST_BYTES = 200_000
+
+Window = tuple[int, int, int, int]
+"""(y0, x0, y1, x1), the last two exclusive."""
+BOX_CORNER, CEREAL, RIGHT_HALF = (72, 66, 172, 186), (60, 70, 220, 240), (95, 230, 330, 600)
+LEFT_HALF = (100, 92, 320, 352)
+CEREAL_TO_CAN = (60, 85, 265, 355)
+BOXES = (150, 380, 310, 570)
+BOXES_ON_THEIR_SIDE = (65, 105, 225, 280)
+
+GROUND, CANNY, STEP, CONTACT = (30, 30, 30), (110, 110, 110), (255, 150, 30), (60, 220, 90)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Draw the pictures of the docs from the bundled scene.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"default: all of {', '.join(PICTURES)}")
+    parser.add_argument("--out", type=Path, default=IMAGES, help="folder to write to")
+    arguments = parser.parse_args()
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    for name in arguments.names or PICTURES:
+        write_jpeg(arguments.out / f"{name}.jpg", PICTURES[name](frame))
+
+
+def demo(frame: sp.Frame) -> Color:
+    """What `spigolo demo` draws, smaller."""
+    run = sp.trace(frame)
+    result = run.segmentation
+    pictures = {
+        "colour": frame.color,
+        "depth (black: missing)": depth_picture(frame.depth),
+        "boundaries of objects": boundary_picture(run.cues),
+        f"{len(result)} objects with their boxes": draw_boxes(overlay(result, frame.color), result, frame.camera),
+    }
+    picture = tile(pictures, columns=2)
+    size = 1000, round(picture.shape[0] * 1000 / picture.shape[1])
+    return np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def mean_of_windows(frame: sp.Frame) -> Color:
+    """Eq. 5 against eq. 8 at a shadow."""
+    plain, valid = smooth(frame.depth, sp.Smoothing(mean="plain")), smooth(frame.depth, sp.Smoothing())
+    depths = {"measured": frame.depth, "plain mean (eq. 5)": plain, "mean of valid pixels (eq. 8)": valid}
+    pictures = {title: zoom(grey(depth), BOX_CORNER, 4) for title, depth in depths.items()}
+    pictures["colour"] = zoom(frame.color, BOX_CORNER, 4)
+    pictures["plain - measured (dark: nearer)"] = zoom(change(plain, frame.depth), BOX_CORNER, 4)
+    pictures["valid - measured"] = zoom(change(valid, frame.depth), BOX_CORNER, 4)
+    return tile(pictures, columns=3)
+
+
+def sign_of_step(frame: sp.Frame) -> Color:
+    """Eq. 13 with the absolute and with the signed difference."""
+    return edge_choice(
+        frame, BOXES, {"absolute step": sp.Edges(), "signed step (as printed)": sp.Edges(signed_step=True)}
+    )
+
+
+def missing_samples(frame: sp.Frame) -> Color:
+    """Eq. 13 where a sample is missing."""
+    choices = {
+        "missing samples: no evidence": sp.Edges(),
+        "missing samples: a boundary": sp.Edges(missing_is_boundary=True),
+    }
+    return edge_choice(frame, CEREAL, choices)
+
+
+def sign_rule(frame: sp.Frame) -> Color:
+    """Eq. 19 with both rules, of the scene as a camera on its side sees it."""
+    height, width = frame.shape[::-1]
+    camera = sp.Camera(525, 525, (width - 1) / 2, (height - 1) / 2, width, height)
+    turned = sp.Frame(np.rot90(frame.color), np.rot90(frame.depth), camera)
+    choices = {
+        'sign_rule = "tangent"': sp.Edges(),
+        'sign_rule = "x" (as printed)': sp.Edges(sign_rule="x"),
+    }
+    return edge_choice(turned, BOXES_ON_THEIR_SIDE, choices)
+
+
+def texture_edges(frame: sp.Frame) -> Color:
+    """Canny's edges and what eq. 20 leaves of them."""
+    edges = edge_maps(frame, sp.Edges())
+    canny = np.where(edges.canny[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
+    final = np.where(edges.final[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
+    pictures = {
+        "colour": frame.color,
+        f"E_E: {int(edges.canny.sum())} px": canny,
+        f"E_F: {int(edges.final.sum())} px": final,
+    }
+    return tile({title: zoom(picture, CEREAL_TO_CAN, 2) for title, picture in pictures.items()}, columns=3)
+
+
+def soft_boundary(frame: sp.Frame) -> Color:
+    """Eq. 23 on a soft and on a thin map."""
+    pictures = {}
+    for name in ("soft", "thin"):
+        run = sp.trace(frame, sp.TABLE.replace(**{"edges.boundary": name}))
+        cue = np.round(run.cues.delta_bound * 255).astype(np.uint8)
+        pictures[f"{name}: the cue"] = zoom(cv2.cvtColor(cue, cv2.COLOR_GRAY2RGB), RIGHT_HALF, 1.5)
+        pictures[f"{name}: regions of TABLE"] = zoom(region_picture(run.regions.labels), RIGHT_HALF, 1.5)
+    return tile(pictures, columns=2)
+
+
+def larger_end(frame: sp.Frame) -> Color:
+    """Eq. 23 with the larger of both ends and with the first one, on a thin map."""
+    pictures = {}
+    for ends, title in (("max", "larger of both ends"), ("i", "first end, as printed")):
+        run = sp.trace(frame, sp.OBJECTS.replace(**{"edges.boundary": "thin", "cost.ends": ends}))
+        pictures[f"{title}: {run.regions.count} regions"] = region_picture(run.regions.labels)[40:420]
+    return tile(pictures, columns=2)
+
+
+def depth_contours(frame: sp.Frame) -> Color:
+    """Boundaries and regions with and without depth contours; without the support plane, which closes feet too."""
+    with_them = sp.OBJECTS.replace(**{"rejection.support": None})
+    pictures = {}
+    for title, config in {
+        "without": with_them.replace(**{"edges.depth_contours": None}),
+        "with depth contours": with_them,
+    }.items():
+        run = sp.trace(frame, config)
+        pictures[f"{title}: boundaries"] = zoom(boundary_picture(run.cues), LEFT_HALF, 2)
+        pictures[f"{title}: regions"] = zoom(region_picture(run.regions.labels), LEFT_HALF, 2)
+    return tile(pictures, columns=2)
+
+
+def support_plane(frame: sp.Frame) -> Color:
+    """Objects with and without the support plane, and the plane."""
+    found, without = sp.segment(frame), sp.segment(frame, sp.OBJECTS.replace(**{"rejection.support": None}))
+    plane = (frame.color * np.float32(0.45)).astype(np.uint8)
+    assert found.support is not None
+    plane[found.support] = (0.6 * frame.color[found.support] + 0.4 * np.array(CONTACT)).astype(np.uint8)
+    return tile(
+        {
+            f"without: {len(without)} objects": overlay(without, frame.color),
+            "the plane (result.support)": plane,
+            f"with it: {len(found)} objects": overlay(found, frame.color),
+        },
+        columns=3,
+    )
+
+
+def noise_floor(frame: sp.Frame) -> Color:
+    """Regions with and without the noise floor of eq. 9."""
+    pictures = {}
+    for title, config in {
+        "noise_per_m = 0": sp.OBJECTS.replace(**{"depth.noise_per_m": 0.0}),
+        f"noise_per_m = {sp.OBJECTS.depth.noise_per_m}": sp.OBJECTS,
+    }.items():
+        regions = sp.trace(frame, config).regions
+        pictures[f"{title}: {regions.count} regions"] = region_picture(regions.labels)
+    return tile(pictures, columns=2)
+
+
+def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, sp.Edges]) -> Color:
+    """The colour image and the boundaries of two settings, enlarged."""
+    pictures = {"colour": zoom(frame.color, window, 3)}
+    for title, config in choices.items():
+        pictures[title] = zoom(edge_picture(edge_maps(frame, config)), window, 3)
+    return tile(pictures, columns=3)
+
+
+def edge_maps(frame: sp.Frame, config: sp.Edges) -> EdgeMaps:
+    """The paper's edges on in-painted and smoothed depth, as TABLE has them."""
+    depth = smooth(inpaint_small_gaps(frame.depth, sp.Inpainting()), sp.Smoothing())
+    return find_edges(frame.color, depth, frame.camera, config)
+
+
+def edge_picture(edges: EdgeMaps) -> Color:
+    """Orange: depth boundary; green: contact boundary alone; grey: other Canny edges."""
+    picture = np.full((*edges.canny.shape, 3), GROUND, np.uint8)
+    for mask, ink in ((edges.canny, CANNY), (edges.contact_boundary, CONTACT), (edges.depth_boundary, STEP)):
+        picture[mask] = ink
+    return picture
+
+
+def zoom(picture: npt.NDArray[np.uint8], window: Window, factor: float) -> Color:
+    """A window of a picture, enlarged without smoothing."""
+    y0, x0, y1, x1 = window
+    part = picture[y0:y1, x0:x1]
+    return np.asarray(cv2.resize(part, None, fx=factor, fy=factor, interpolation=cv2.INTER_NEAREST), np.uint8)
+
+
+def grey(depth: DepthMap) -> Color:
+    """Depth from 0.7 to 1.3 m in grey, near = dark, missing = blue."""
+    level = np.clip((depth - 0.7) / 0.6 * 190 + 45, 20, 235).astype(np.uint8)
+    picture = np.repeat(level[..., None], 3, axis=2)
+    picture[depth == 0] = (20, 30, 110)
+    return picture
+
+
+def change(smoothed: DepthMap, measured: DepthMap) -> Color:
+    """Difference of depth, black at -40 mm or less, mid-grey at 0, white at +40 mm; missing = blue."""
+    level = np.clip((smoothed - measured) / 0.04 * 127 + 128, 0, 255).astype(np.uint8)
+    picture = np.repeat(level[..., None], 3, axis=2)
+    picture[measured == 0] = (20, 30, 110)
+    return picture
+
+
+def write_jpeg(path: Path, picture: Color) -> None:
+    """Writes a JPEG that a page can carry, and says how large it is."""
+    done, data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    if not done or data.size > MOST_BYTES:
+        raise ValueError(f"{path.name} would have {data.size} bytes, at most {MOST_BYTES} are wanted")
+    write_bytes(path, data.tobytes())
+    print(f"{path.name}: {picture.shape[1]}x{picture.shape[0]}, {data.size // 1000} kB")
+
+
+PICTURES: dict[str, Callable[[sp.Frame], Color]] = {
+    "demo": demo,
+    "mean-of-windows": mean_of_windows,
+    "sign-of-step": sign_of_step,
+    "missing-samples": missing_samples,
+    "sign-rule": sign_rule,
+    "texture-edges": texture_edges,
+    "soft-boundary": soft_boundary,
+    "larger-end": larger_end,
+    "depth-contours": depth_contours,
+    "support-plane": support_plane,
+    "noise-floor": noise_floor,
+}
+
+if __name__ == "__main__":
+    main()

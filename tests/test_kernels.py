@@ -16,6 +16,7 @@ import pytest
 
 import naive
 from spigolo import Camera, Edges, Frame, Partition
+from spigolo.config import VGA_PX2
 from spigolo.edges import scharr_canny
 from spigolo.graph import OFFSETS, Graph
 from spigolo.kernels import (
@@ -31,7 +32,7 @@ from spigolo.kernels import (
     smoothing,
     sorting,
 )
-from spigolo.regions import VGA_PX2, partition
+from spigolo.regions import partition
 from spigolo.registration import projection
 
 KERNELS = Path(color.__file__).parent

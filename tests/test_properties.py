@@ -37,8 +37,9 @@ from spigolo import (
     Smoothing,
 )
 from spigolo.color import color_points
+from spigolo.config import VGA_PX2
 from spigolo.cues import Cues
-from spigolo.depth import VGA_PX2, find_gaps, inpaint_small_gaps, smooth
+from spigolo.depth import find_gaps, inpaint_small_gaps, smooth
 from spigolo.edges import EdgeMaps, find_edges
 from spigolo.graph import OFFSETS, Graph, weigh
 from spigolo.kernels import color, costs

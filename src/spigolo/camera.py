@@ -277,3 +277,8 @@ def _whole_number(name: str, value: Any) -> int:
 def _shortened(value: Any) -> str:
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def kernel_numbers(camera: Camera | None) -> tuple[float, float, float, float]:
+    """(fx, fy, cx, cy) as kernels take them; numbers without meaning where there is no camera."""
+    return (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)

@@ -12,14 +12,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Depth, Inpainting, Smoothing
+from spigolo.config import VGA_PX2, Depth, Inpainting, Smoothing
 from spigolo.frame import DepthMap, Mask
 from spigolo.kernels import inpainting, smoothing
 
 Integral = npt.NDArray[np.float64]
-
-VGA_PX2 = 640 * 480
-"""The image size that pixel areas are given for."""
 
 
 def prepare_depth(depth: DepthMap, config: Depth) -> DepthMap:

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.camera import kernel_numbers
 from spigolo.config import DepthContours, Edges
 from spigolo.frame import Camera, Color, DepthMap, Mask
 from spigolo.kernels import contours as contour_kernel
@@ -84,7 +85,7 @@ def classify(
         gx,
         gy,
         depth,
-        _numbers(camera),
+        kernel_numbers(camera),
         config.step_offset_px,
         config.step_m,
         config.signed_step,
@@ -97,10 +98,6 @@ def classify(
         contact,
     )
     return depth_boundary.view(bool), contact.view(bool)
-
-
-def _numbers(camera: Camera | None) -> tuple[float, float, float, float]:
-    return (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)
 
 
 def final_boundary(depth_boundary: Mask, contact_boundary: Mask) -> Mask:
@@ -116,7 +113,7 @@ def find_contours(depth: DepthMap, camera: Camera | None, config: DepthContours)
     contour_kernel.mark_contours(
         depth,
         filled,
-        _numbers(camera),
+        kernel_numbers(camera),
         config.step_offset_px,
         config.step_m,
         config.step_per_m,

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.boxes import OrientedBox, fit_box
+from spigolo.camera import kernel_numbers
 from spigolo.cues import Cues
 from spigolo.depth import missing_mask
 from spigolo.errors import CameraError
@@ -175,9 +176,8 @@ def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.floa
 
 def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
     """Measured pixels and sum of their X, Y, Z of each region (R, 4); without a camera only the count is right."""
-    camera, sums = frame.camera, np.zeros((regions.count, 4))
-    numbers = (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)
-    moments.sum_depth(regions.labels, frame.depth, numbers, sums)
+    sums = np.zeros((regions.count, 4))
+    moments.sum_depth(regions.labels, frame.depth, kernel_numbers(frame.camera), sums)
     return sums
 
 

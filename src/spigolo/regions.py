@@ -8,13 +8,11 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Partition
+from spigolo.config import VGA_PX2, Partition
 from spigolo.graph import OFFSETS, Graph
 from spigolo.kernels import merging, sorting
 from spigolo.workspace import Workspace
 
-VGA_PX2 = 640 * 480
-"""The image size that pixel areas are given for."""
 SAMPLE_STEP = 29
 PIVOT_QUANTILES = (0.25, 0.5)
 """Measured to be best: fewer rounds sort more, more rounds look at every edge once more each."""

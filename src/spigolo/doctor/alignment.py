@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.depth import VGA_PX2
+from spigolo.config import VGA_PX2
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.frame import Color, DepthMap
 from spigolo.kernels.contours import fill_shadows

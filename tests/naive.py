@@ -189,6 +189,7 @@ def mean_boxes(depth: Array, left_out: Array, radius: Array) -> Array:
 
 
 def close_holes(depth: Array, holes: Array, step_m: float, step_share: float) -> Array:
+    """holes: mask (H, W)."""
     out = depth.astype(np.float64)
     for y, x in pixels(depth):
         rim = [float(d) for d in window(depth, y, x, 1) if d > 0]
@@ -198,16 +199,52 @@ def close_holes(depth: Array, holes: Array, step_m: float, step_share: float) ->
     return out
 
 
-def measure_gaps(gaps: Array, distance: Array, depth: Array) -> tuple[Array, Array, Array]:
-    """Largest distance, nearest (+inf without any) and farthest depth (0) of the rim of gaps 1, 2, ..."""
-    count = int(gaps.max(initial=0)) + 1
-    radius, near, far = np.zeros(count), np.full(count, np.inf), np.zeros(count)
-    for gap in range(1, count):
-        there = np.argwhere(gaps == gap)
-        rim = [d for y, x in there for d in window(depth, y, x, 1) if d > 0]
-        radius[gap] = max(distance[y, x] for y, x in there)
-        near[gap], far[gap] = min(rim, default=np.inf), max(rim, default=0)
-    return radius, near, far
+def find_runs(depth: Array) -> list[list[int]]:
+    runs: list[list[int]] = []
+    for y, x in np.argwhere(depth == 0).tolist():
+        if runs and runs[-1][0] == y and runs[-1][2] == x:
+            runs[-1][2] = x + 1
+        else:
+            runs.append([y, x, x + 1])
+    return runs
+
+
+def join_runs(depth: Array) -> list[int]:
+    """The gap of each run: areas of missing pixels in the order of their first pixels."""
+    areas = flood(depth == 0, 8)
+    return number_regions([int(areas[y, x]) for y, x, _ in find_runs(depth)]).tolist()
+
+
+def _gap_pixels(depth: Array) -> list[list[tuple[int, int]]]:
+    of_gap: dict[int, list[tuple[int, int]]] = {}
+    for gap, (y, first, end) in zip(join_runs(depth), find_runs(depth), strict=True):
+        of_gap.setdefault(gap, []).extend((y, x) for x in range(first, end))
+    return [of_gap[gap] for gap in range(len(of_gap))]
+
+
+def measure_gaps(depth: Array) -> tuple[list[int], list[float], list[float], list[bool]]:
+    """Area, nearest (+inf without any) and farthest depth (0) of the rim, on the border, of each gap."""
+    area, near, far, on_border = [], [], [], []
+    for there in _gap_pixels(depth):
+        rim = [float(d) for y, x in there for d in window(depth, y, x, 1) if d > 0]
+        area.append(len(there))
+        near.append(min(rim, default=np.inf))
+        far.append(max(rim, default=0))
+        on_border.append(any(y in (0, depth.shape[0] - 1) or x in (0, depth.shape[1] - 1) for y, x in there))
+    return area, near, far, on_border
+
+
+def widest(depth: Array, distance: Array) -> list[float]:
+    return [max(float(distance[y, x]) for y, x in there) for there in _gap_pixels(depth)]
+
+
+def distance_to_zero(mask: Array, cap: int) -> Array:
+    zeros = np.argwhere(mask == 0)
+    out = np.full(mask.shape, float(cap))
+    for y, x in pixels(mask):
+        if len(zeros):
+            out[y, x] = min(float(np.hypot(*(zeros - (y, x)).T).min()), cap)
+    return out
 
 
 # --- saliency -------------------------------------------------------------------------------------------------
@@ -225,6 +262,12 @@ def center_surround(gray: Array, surrounds: list[int]) -> tuple[Array, Array]:
                 on[y, x] += max(excess, 0) // n
                 off[y, x] += max(-excess, 0) // n
     return on, off
+
+
+def join_levels(on: Array, off: Array) -> Array:
+    """Each as 255 of its largest, cut to whole levels; their sum, at most 255."""
+    share = [value.astype(np.int64) * 255 // max(int(value.max()), 1) for value in (on, off)]
+    return np.minimum(share[0] + share[1], 255)
 
 
 # --- edges ----------------------------------------------------------------------------------------------------
@@ -345,19 +388,14 @@ def mark_contours(
 
 
 def pack(weights: Array, numbers: list[int]) -> Array:
-    """Edges as 64 bits: those of the float32 weight above the edge number."""
-    return np.array([(int(weights[k].view(np.uint32)) << 32) | k for k in numbers], np.uint64)
+    """Edges as 64 bits: those of the float32 weight, 30 of the pixel, 2 of the plane. weights (P, H, W)."""
+    flat, size = weights.reshape(-1), weights[0].size
+    bits = [int(np.abs(flat[k]).view(np.uint32)) for k in numbers]
+    return np.array([b << 32 | (k % size) << 2 | k // size for b, k in zip(bits, numbers, strict=True)], np.uint64)
 
 
-def count_digits(packed: Array, digit_bits: int) -> Array:
-    """How many edges have a smaller digit, for each digit of the three."""
-    count = 1 << digit_bits
-    digits = [[(int(edge) >> 32 + i * digit_bits) % count for edge in packed] for i in range(3)]
-    return np.array([np.concatenate([[0], np.cumsum(np.bincount(d, minlength=count))[:-1]]) for d in digits], np.int64)
-
-
-def scatter(packed: Array, digit_bits: int, shift: int) -> list[int]:
-    return sorted((int(edge) for edge in packed), key=lambda edge: (edge >> shift) % (1 << digit_bits))
+def scatter(packed: Array, base: int, shift: int, mask: int) -> list[int]:
+    return sorted((int(edge) for edge in packed), key=lambda edge: ((edge >> 32) - base >> shift) & mask)
 
 
 def sort_edges(weights: Array) -> list[int]:
@@ -424,27 +462,30 @@ def absorb_small(forest: Forest, weights: Array, min_size: float) -> None:
             forest.join(a, b, weight)
 
 
-def collect(weights: Array, low: float, high: float, roots: list[int], bound: Array) -> list[int]:
-    """Numbers of the edges of these weights whose regions differ and could both still merge at `low`."""
+def record(area: int, bound: float) -> int:
+    """A region's size above the bits of the largest float32 that is not above its bound."""
+    below = np.float32(min(bound, float(np.finfo(np.float32).max)))
+    if float(below) > bound:
+        below = np.nextafter(below, np.float32(0))
+    return area << 32 | int(below.view(np.uint32))
+
+
+def plant(pixels: int, gamma: float) -> tuple[Array, Array, Array]:
+    """Parent, record and flag of every pixel before any merge."""
+    return np.arange(pixels), np.array([record(1, gamma)] * pixels, np.uint64), np.ones(pixels)
+
+
+def choose(weights: Array, low: float, high: float, roots: list[int], flags: Array, least: int) -> list[int]:
+    """Numbers of the edges of these weights between two regions, with so many flagged ends."""
     kept = []
     for number, i, j in numbered_edges(weights):
-        a, b, weight = roots[i], roots[j], float(weights.reshape(-1)[number])
-        if low <= weight < high and a != b and min(bound[a], bound[b]) >= low:
+        flagged = int(flags[i]) + int(flags[j])
+        if low <= float(weights.reshape(-1)[number]) < high and roots[i] != roots[j] and flagged >= least:
             kept.append(number)
     return kept
 
 
-def collect_small(weights: Array, min_size: float, roots: list[int]) -> list[int]:
-    """Numbers of the edges between regions one of which is small."""
-    sizes = Counter(roots)
-    return [
-        number
-        for number, i, j in numbered_edges(weights)
-        if roots[i] != roots[j] and min(sizes[roots[i]], sizes[roots[j]]) < min_size
-    ]
-
-
-def flatten(parent: Array) -> list[int]:
+def roots_of(parent: Array) -> list[int]:
     """The root of every node."""
     roots = []
     for node in range(len(parent)):
@@ -453,6 +494,16 @@ def flatten(parent: Array) -> list[int]:
             root = int(parent[root])
         roots.append(root)
     return roots
+
+
+def flag_open(low: float, roots: list[int], bounds: Array) -> list[bool]:
+    """Pixels of regions that could still merge over an edge of weight `low`."""
+    return [bool(bounds[root] >= low) for root in roots]
+
+
+def flag_small(min_size: float, roots: list[int]) -> list[bool]:
+    sizes = Counter(roots)
+    return [sizes[root] < min_size for root in roots]
 
 
 def number_regions(roots: list[int]) -> Array:
@@ -512,6 +563,10 @@ def sum_depth(labels: Array, depth: Array, camera: Intrinsics, count: int) -> Ar
         points = np.linalg.solve(K, np.stack([x, y, np.ones_like(x)]) * depth[y, x].astype(np.float64))
         sums[k] = y.size, *points.sum(axis=1)
     return sums
+
+
+def count_marked(labels: Array, mask: Array, count: int) -> list[int]:
+    return [int(((labels == k) & (mask > 0)).sum()) for k in range(count)]
 
 
 def count_dark(labels: Array, color: Array, count: int) -> list[int]:

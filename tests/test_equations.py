@@ -11,11 +11,12 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+import naive
 from spigolo import BoundaryCost, Camera, Depth, Edges, Partition, SaliencyCost, Smoothing
 from spigolo.cues import Cues
 from spigolo.depth import missing_count, missing_mask, prepare_depth, smooth
 from spigolo.edges import EdgeMaps, classify, final_boundary, find_edges
-from spigolo.graph import Graph, depth_scale, weigh
+from spigolo.graph import Graph, weigh
 from spigolo.kernels import color, costs, edges, merging
 from spigolo.regions import partition
 from spigolo.saliency import power_law
@@ -37,13 +38,12 @@ def rows(*values: list[float]) -> Array:
 def test_eq_02_internal_difference() -> None:
     # Four pixels in a row, edges 1/8, 1/2, 1/4; gamma = 8 lets all of them merge.
     # I(R) = max(1/8, 1/2, 1/4) = 1/2, and the bound that is kept is I + gamma / |R| = 1/2 + 8/4 = 2.5.
-    numbers, weights = np.array([[0, 0], [2, 0], [1, 0]], np.uint32), np.float32([[0, 0.125], [0, 0.25], [0, 0.5]])
-    parent, size, bound = np.arange(4, dtype=np.uint32), np.ones(4, np.int32), np.full(4, 8.0)
-    merging.merge(numbers, weights, np.array([1], np.int64), 8.0, parent, size, bound)
-    root = int(np.argmax(size))
-    assert size[root] == 4
-    assert bound[root] == 2.5
-    assert bound[root] - 8.0 / 4 == 0.5
+    row = np.float32([0.125, 0.5, 0.25, np.inf]).reshape(1, 1, 4)
+    parent, records = np.arange(4, dtype=np.uint32), np.array([naive.record(1, 8.0)] * 4, np.uint64)
+    merging.merge(naive.pack(row, [0, 2, 1]), np.array([1], np.uint64), 8.0, parent, records)
+    record = int(records[naive.roots_of(parent)[0]])
+    assert record == naive.record(4, 2.5)
+    assert record == naive.record(4, 0.5 + 8.0 / 4)
 
 
 def test_eq_03_merge_criterion() -> None:
@@ -69,7 +69,7 @@ def test_eq_03_on_three_pixels(second: float, count: int) -> None:
 def color_difference(first: tuple[float, ...], second: tuple[float, ...]) -> float:
     points = np.empty((3, 1, 2), np.float32)
     color.hsv_points(np.array([[first, second]], np.float32), 4.5, 0.1, points)
-    return float(color.color_difference(points, 0, 0, 0, 1))
+    return float(color.color_difference(*points[:, 0, 0], *points[:, 0, 1]))
 
 
 def test_eq_04_color_difference() -> None:
@@ -154,22 +154,15 @@ def test_no_smoothing_changes_nothing() -> None:
 
 def test_eq_09_depth_difference() -> None:
     # |1.2 - 0.9| over a range of 2 m = 0.15; 3 m over 2 m is cut to 1; a missing end gives 0
-    depth = rows([1.2, 0.9, 3.9, 0.0])
-    assert costs.depth_difference(depth, 0, 0, 0, 1, 0.5, 0.0) == approx(0.15)
-    assert costs.depth_difference(depth, 0, 1, 0, 0, 0.5, 0.0) == approx(0.15)
-    assert costs.depth_difference(depth, 0, 1, 0, 2, 0.5, 0.0) == 1.0
-    assert costs.depth_difference(depth, 0, 0, 0, 3, 0.5, 0.0) == 0.0
-    assert costs.depth_difference(depth, 0, 3, 0, 0, 0.5, 0.0) == 0.0
+    half, none = np.float32(0.5), np.float32(0)
+    near, far, farther = np.float32([0.9, 1.2, 3.9])
+    assert costs.depth_difference(far, near, half, none) == approx(0.15)
+    assert costs.depth_difference(near, far, half, none) == approx(0.15)
+    assert costs.depth_difference(near, farther, half, none) == 1.0
+    assert costs.depth_difference(far, none, half, none) == 0.0
+    assert costs.depth_difference(none, far, half, none) == 0.0
     # our addition: a difference within noise * nearer depth ^ 2 counts as none
-    assert costs.depth_difference(depth, 0, 0, 0, 1, 0.5, 10.0) == 0.0
-
-
-def test_eq_09_range() -> None:
-    # valid depths 1 to 3 m: 1 / 2; a fixed range of 4 m: 1 / 4; nothing differs: 0
-    assert depth_scale(rows([0.0, 1.0, 3.0]), None) == 0.5
-    assert depth_scale(rows([0.0, 1.0, 3.0]), 4.0) == 0.25
-    assert depth_scale(rows([2.0, 2.0, 0.0]), None) == 0.0
-    assert depth_scale(rows([0.0, 0.0]), None) == 0.0
+    assert costs.depth_difference(far, near, half, np.float32(10)) == 0.0
 
 
 # --- saliency -------------------------------------------------------------------------------------------------

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 import naive
-from spigolo import Camera, Edges, Frame, Partition
+import spigolo as sp
+from spigolo import Camera, Frame, Partition
 from spigolo.config import VGA_PX2
 from spigolo.edges import scharr_canny
 from spigolo.graph import OFFSETS, Graph
@@ -32,8 +33,9 @@ from spigolo.kernels import (
     smoothing,
     sorting,
 )
-from spigolo.regions import partition
+from spigolo.regions import Edges, partition
 from spigolo.registration import projection
+from spigolo.workspace import Workspace
 
 KERNELS = Path(color.__file__).parent
 K_DV, K_DS = 4.5, 0.1
@@ -124,7 +126,7 @@ def test_color_difference_by_points_equals_the_printed_one_by_hue_angle(k_dv: fl
     for i in range(corners.shape[1]):
         for j in range(corners.shape[1]):
             printed = naive.color_difference(corners[0, i], corners[0, j], k_dv, k_ds)
-            assert color.color_difference(points, 0, i, 0, j) == pytest.approx(printed, abs=1e-6)
+            assert color.color_difference(*points[:, 0, i], *points[:, 0, j]) == pytest.approx(printed, abs=1e-6)
 
 
 def _scale(depth: naive.Array) -> float:
@@ -192,23 +194,54 @@ def test_mean_boxes(scene: Frame, rng: np.random.Generator, left_out: str) -> No
     np.testing.assert_allclose(out, naive.mean_boxes(scene.depth, mask, radius), **TOLERANCE)
 
 
+@pytest.mark.parametrize("cap", [1, 3, 16, 60])
+def test_distance_to_zero(scene: Frame, rng: np.random.Generator, cap: int) -> None:
+    for share in (0.03, 0.3, 1.0):
+        mask = (rng.random(scene.shape) > share).astype(np.uint8)
+        out = np.empty(scene.shape, np.float32)
+        smoothing.distance_to_zero(mask, cap, np.empty(scene.shape, np.int16), out)
+        np.testing.assert_allclose(out, naive.distance_to_zero(mask, cap), **TOLERANCE)
+
+
 def test_close_holes(scene: Frame, rng: np.random.Generator) -> None:
-    holes = rng.random(scene.shape) < 0.7
-    out = np.empty(scene.shape, np.float32)
-    inpainting.close_holes(scene.depth, holes, 0.03, 0.03, out)
+    holes = (rng.random(scene.shape) < 0.7) & (scene.depth == 0)
+    out, numbers = scene.depth.copy(), np.flatnonzero(holes)
+    inpainting.close_holes(out, numbers, 0.03, 0.03, np.empty(numbers.size, np.float32))
     np.testing.assert_allclose(out, naive.close_holes(scene.depth, holes, 0.03, 0.03), **TOLERANCE)
 
 
-def test_measure_gaps(scene: Frame, rng: np.random.Generator) -> None:
-    count, gaps = cv2.connectedComponents((scene.depth == 0).astype(np.uint8), connectivity=8)
-    distance = rng.uniform(0.5, 9, scene.shape).astype(np.float32)
-    radius, far = np.zeros(count, np.float32), np.zeros(count, np.float32)
-    near = np.full(count, np.inf, np.float32)
-    inpainting.measure_gaps(gaps, distance, scene.depth, radius, near, far)
-    twin_radius, twin_near, twin_far = naive.measure_gaps(gaps, distance, scene.depth)
-    np.testing.assert_array_equal(radius, twin_radius)
-    np.testing.assert_array_equal(near, twin_near)
-    np.testing.assert_array_equal(far, twin_far)
+def runs_of(depth: naive.Array) -> tuple[naive.Array, naive.Array, int]:
+    """Runs, the gap of each, and how many gaps."""
+    runs = np.full((depth.size, 3), -1, np.int32)
+    runs = runs[: inpainting.find_runs(depth, runs)]
+    gaps = np.empty(len(runs), np.int32)
+    return runs, gaps, inpainting.join_runs(runs, np.empty(len(runs), np.int32), gaps)
+
+
+@pytest.fixture(params=[0.0, 0.3, 0.6])
+def holed(scene: Frame, rng: np.random.Generator, request: pytest.FixtureRequest) -> naive.Array:
+    """A depth map of which some more is missing."""
+    return np.where(rng.random(scene.shape) < request.param, np.float32(0), scene.depth)
+
+
+def test_find_and_join_runs(holed: naive.Array) -> None:
+    runs, gaps, count = runs_of(holed)
+    assert inpainting.find_runs(holed, np.empty((holed.size, 3), np.int32)) == len(runs)
+    assert runs.tolist() == naive.find_runs(holed)
+    assert inpainting.join_runs(runs, np.empty(len(runs), np.int32), gaps) == count
+    assert gaps.tolist() == naive.join_runs(holed)
+
+
+def test_measure_gaps(holed: naive.Array, rng: np.random.Generator) -> None:
+    runs, gaps, count = runs_of(holed)
+    area, on_border, radius = np.zeros(count, np.int64), np.zeros(count, np.uint8), np.zeros(count, np.float32)
+    near, far = np.full(count, np.inf, np.float32), np.zeros(count, np.float32)
+    inpainting.measure_gaps(holed, runs, gaps, area, near, far, on_border)
+    twin = naive.measure_gaps(holed)
+    assert (area.tolist(), near.tolist(), far.tolist(), on_border.view(bool).tolist()) == twin
+    distance = rng.uniform(0.5, 9, holed.shape).astype(np.float32)
+    inpainting.widest(distance, runs, gaps, radius)
+    assert radius.tolist() == naive.widest(holed, distance)
 
 
 # --- saliency and edges ---------------------------------------------------------------------------------------
@@ -222,6 +255,14 @@ def test_center_surround(scene: Frame, surrounds: list[int]) -> None:
     twin_on, twin_off = naive.center_surround(gray, surrounds)
     np.testing.assert_array_equal(on, twin_on)
     np.testing.assert_array_equal(off, twin_off)
+
+
+def test_join_levels(scene: Frame, rng: np.random.Generator) -> None:
+    for largest in (1, 2, 255, 1530):
+        on, off = rng.integers(0, largest, (2, *scene.shape)).astype(np.int32)
+        out = np.empty(scene.shape, np.uint8)
+        saliency.join_levels(on, off, out)
+        np.testing.assert_array_equal(out, naive.join_levels(on, off))
 
 
 def _classify(scene: Frame, canny: naive.Array, gx: naive.Array, gy: naive.Array, **changes: object) -> None:
@@ -261,7 +302,7 @@ def _classify(scene: Frame, canny: naive.Array, gx: naive.Array, gy: naive.Array
 def test_classify_edges(scene: Frame, rng: np.random.Generator, changes: dict[str, object]) -> None:
     gx, gy = rng.integers(-9000, 9000, (2, *scene.shape)).astype(np.int16)
     _classify(scene, rng.random(scene.shape) < 0.5, gx, gy, **changes)
-    canny, gx, gy = scharr_canny(scene.color, Edges())
+    canny, gx, gy = scharr_canny(scene.color, sp.Edges())
     _classify(scene, canny, gx, gy, **changes)
 
 
@@ -309,35 +350,25 @@ def weights(request: pytest.FixtureRequest) -> naive.Array:
 
 
 def packed_edges(weights: naive.Array) -> naive.Array:
-    return naive.pack(weights, list(range(weights.size)))
+    return naive.pack(weights.reshape(1, -1), list(range(weights.size)))
 
 
-DIGIT_BITS = pytest.mark.parametrize("digit_bits", [10, 11])
-
-
-@DIGIT_BITS
-def test_count_digits(weights: naive.Array, digit_bits: int) -> None:
-    starts = np.zeros((3, 1 << digit_bits), np.int64)
-    sorting.count_digits(packed_edges(weights), np.uint64(digit_bits), starts)
-    np.testing.assert_array_equal(starts, naive.count_digits(packed_edges(weights), digit_bits))
-
-
-@pytest.mark.parametrize("pass_", [0, 1, 2])
-@DIGIT_BITS
-def test_scatter(weights: naive.Array, pass_: int, digit_bits: int) -> None:
+@pytest.mark.parametrize(("shift", "bits"), [(0, 10), (10, 10), (20, 11), (22, 9), (8, 1)])
+def test_scatter(weights: naive.Array, shift: int, bits: int) -> None:
     packed = np.random.default_rng(4).permutation(packed_edges(weights))
-    shift, out = 32 + pass_ * digit_bits, np.empty_like(packed)
-    sorting.scatter(packed, naive.count_digits(packed, digit_bits)[pass_], np.uint64(shift), out)
-    assert out.tolist() == naive.scatter(packed, digit_bits, shift)
+    for base in {0, int(packed.min() >> 32) if packed.size else 0}:
+        out, starts, mask = np.empty_like(packed), np.full(1 << bits, 7, np.uint32), (1 << bits) - 1
+        sorting.scatter(packed, np.uint64(base), np.uint64(shift), np.uint64(mask), starts, out)
+        assert out.tolist() == naive.scatter(packed, base, shift, mask)
 
 
-@DIGIT_BITS
-def test_sort_edges(weights: naive.Array, digit_bits: int) -> None:
-    if digit_bits == 10:
-        weights = weights[weights <= 1]
-    packed, starts = packed_edges(weights), np.empty((3, 1 << digit_bits), np.int64)
-    sorting.sort_edges(packed, np.empty_like(packed), starts, np.uint64(digit_bits))
-    np.testing.assert_array_equal(packed, naive.pack(weights, naive.sort_edges(weights)))
+@pytest.mark.parametrize("low", [0.0, 0.2])
+def test_edges_are_sorted_by_weight_then_number(weights: naive.Array, low: float) -> None:
+    weights = weights[weights >= np.float32(low)]
+    edges = Edges(weights.reshape(1, 1, -1), np.array([1], np.int64), Workspace())
+    sorted_ = edges._radix_sort(packed_edges(weights), int(np.float32(low).view(np.uint32))) if weights.size else []
+    expected = naive.pack(weights.reshape(1, -1), naive.sort_edges(weights)) if weights.size else []
+    np.testing.assert_array_equal(sorted_, expected)
 
 
 # --- merging --------------------------------------------------------------------------------------------------
@@ -372,26 +403,30 @@ def offsets_of(weights: naive.Array) -> naive.Array:
     return np.array([dy * weights.shape[2] + dx for dy, dx in OFFSETS[: len(weights)]], np.int64)
 
 
-def pairs(weights: naive.Array) -> tuple[naive.Array, naive.Array]:
-    """The sorted edges inside the image as numbers and as weights, as the kernels take them."""
+def sorted_pack(weights: naive.Array) -> naive.Array:
+    """The packed edges inside the image, in order."""
     flat = weights.reshape(-1)
-    packed = naive.pack(flat, [k for k in naive.sort_edges(flat) if flat[k] < np.inf])
-    return packed.view(np.uint32).reshape(-1, 2), packed.view(np.float32).reshape(-1, 2)
+    return naive.pack(weights, [k for k in naive.sort_edges(flat) if flat[k] < np.inf])
 
 
-def _merged(weights: naive.Array, gamma: float) -> tuple[naive.Array, naive.Array, naive.Array]:
-    """Parent, size and bound after merging."""
-    pixels = weights[0].size
-    parent, size, bound = np.arange(pixels, dtype=np.uint32), np.ones(pixels, np.int32), np.full(pixels, gamma)
-    merging.merge(*pairs(weights), offsets_of(weights), gamma, parent, size, bound)
-    return parent, size, bound
+def planted(pixels: int, gamma: float) -> tuple[naive.Array, naive.Array, naive.Array]:
+    """Parent, records and flags before any merge."""
+    parent, records = np.empty(pixels, np.uint32), np.empty(pixels, np.uint64)
+    merging.plant(gamma, parent, records, flags := np.empty(pixels, np.uint8))
+    return parent, records, flags
 
 
-def _roots(parent: naive.Array) -> list[int]:
-    roots = np.arange(parent.size)
-    for _ in range(parent.size):
-        roots = parent[roots]
-    return [int(root) for root in roots]
+def _merged(weights: naive.Array, gamma: float) -> tuple[naive.Array, naive.Array]:
+    """Parent and records after merging."""
+    parent, records, _ = planted(weights[0].size, gamma)
+    merging.merge(sorted_pack(weights), offsets_of(weights).view(np.uint64), gamma, parent, records)
+    return parent, records
+
+
+@pytest.mark.parametrize("gamma", [*GAMMAS, 1e-50, 1e300])
+def test_plant(gamma: float) -> None:
+    for ours, twin in zip(planted(5, gamma), naive.plant(5, gamma), strict=True):
+        np.testing.assert_array_equal(ours, twin)
 
 
 @pytest.mark.parametrize("gamma", GAMMAS)
@@ -399,57 +434,71 @@ def _roots(parent: naive.Array) -> list[int]:
 @pytest.mark.parametrize("kind", KINDS)
 def test_merge(kind: str, size: tuple[int, int], gamma: float) -> None:
     weights = planes(kind, size)
-    parent, sizes, bound = _merged(weights, gamma)
-    forest, roots = naive.merge(weights, gamma), _roots(parent)
+    parent, records = _merged(weights, gamma)
+    forest, roots = naive.merge(weights, gamma), naive.roots_of(parent)
     np.testing.assert_array_equal(naive.number_regions(roots), forest.labels())
     for pixel, root in enumerate(roots):
         component = forest.component[pixel]
         area = len(forest.members[component])
-        assert (sizes[root], bound[root]) == (area, forest.internal[component] + gamma / area)
+        assert int(records[root]) == naive.record(area, forest.internal[component] + gamma / area)
 
 
 @pytest.mark.parametrize("min_size", [0.0, 2.0, 7.5, 1e6])
 @pytest.mark.parametrize("kind", KINDS)
 def test_absorb_small(kind: str, min_size: float) -> None:
     weights = planes(kind, (11, 13))
-    parent, sizes, _ = _merged(weights, 0.4)
-    merging.absorb_small(pairs(weights)[0], offsets_of(weights), min_size, parent, sizes)
+    parent, records = _merged(weights, 0.4)
+    merging.absorb_small(sorted_pack(weights), offsets_of(weights).view(np.uint64), min_size, parent, records)
     forest = naive.merge(weights, 0.4)
     naive.absorb_small(forest, weights, min_size)
-    np.testing.assert_array_equal(naive.number_regions(_roots(parent)), forest.labels())
-    assert min(sizes[_roots(parent)]) >= min(min_size, parent.size)
+    roots = naive.roots_of(parent)
+    np.testing.assert_array_equal(naive.number_regions(roots), forest.labels())
+    assert (records[roots] >> 32).min() >= min(min_size, parent.size)
 
 
+@pytest.mark.parametrize("least", [0, 1, 2])
 @pytest.mark.parametrize("window", [(0.0, 0.1), (0.1, 0.3), (0.2, np.inf)])
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("kind", KINDS)
-def test_collect(kind: str, size: tuple[int, int], window: tuple[float, float]) -> None:
+def test_choose_and_pack(kind: str, size: tuple[int, int], window: tuple[float, float], least: int) -> None:
     weights = planes(kind, size)
-    parent, sizes, bound = _merged(weights, 0.3)
-    merging.flatten(parent)
-    flat, out = weights.reshape(-1), np.empty(weights.size, np.uint64)
+    weights[weights == 0] = -0.0
+    pixels = weights[0].size
+    parent = np.array(naive.roots_of(_merged(weights, 0.3)[0]), np.uint32)
+    flags = np.random.default_rng(pixels).integers(0, 2, pixels).astype(np.uint8)
     low, high = (np.float32(edge) for edge in window)
-    count = merging.collect(flat, flat.view(np.uint32), low, high, parent, bound, offsets_of(weights), out)
-    kept = naive.collect(weights, float(low), float(high), parent.tolist(), bound)
-    np.testing.assert_array_equal(out[:count], naive.pack(flat, kept))
-    count = merging.collect_small(flat, flat.view(np.uint32), 5.0, parent, sizes, offsets_of(weights), out)
-    kept = naive.collect_small(weights, 5.0, parent.tolist())
-    np.testing.assert_array_equal(out[:count], naive.pack(flat, kept))
+    eights = np.full((len(weights), -(-pixels // 8)), 99, np.uint64)
+    chosen, flat = eights.view(np.uint8), weights.reshape(len(weights), -1)
+    merging.choose(flat, low, high, parent, flags, least, offsets_of(weights), chosen)
+    kept = naive.choose(weights, float(low), float(high), parent.tolist(), flags, least)
+    assert np.flatnonzero(chosen[:, :pixels]).tolist() == kept
+    assert not chosen[:, pixels:].any()
+    out = np.empty(len(kept) + 1, np.uint64)
+    merging.pack(flat.view(np.uint32), chosen, eights, out)
+    np.testing.assert_array_equal(out[:-1], naive.pack(weights, kept))
 
 
-def test_flatten() -> None:
-    parent = np.array([np.random.default_rng(0).integers(0, k + 1) for k in range(60)], np.uint32)
-    roots = naive.flatten(parent)
-    merging.flatten(parent)
-    assert parent.tolist() == roots
+@pytest.mark.parametrize("kind", KINDS)
+def test_flag_open_and_flag_small(kind: str) -> None:
+    weights = planes(kind, (9, 12))
+    parent, records = _merged(weights, 0.3)
+    roots, flags = naive.roots_of(parent), np.empty(parent.size, np.uint8)
+    bounds = (records & np.uint64(0xFFFFFFFF)).astype(np.uint32).view(np.float32)
+    for low in np.float32([0, 0.1, 0.3, 1]):
+        merging.flag_open(np.uint64(int(low.view(np.uint32))), parent, records, flags)
+        assert flags.view(bool).tolist() == naive.flag_open(float(low), roots, bounds)
+        assert parent.tolist() == roots
+    for min_size in (1.0, 4.5, 1e9):
+        merging.flag_small(min_size, parent, records, flags)
+        assert flags.view(bool).tolist() == naive.flag_small(min_size, roots)
 
 
 @pytest.mark.parametrize("pixels", [1, 2, 50])
 def test_number_regions(pixels: int) -> None:
     parent = np.array([np.random.default_rng(pixels).integers(0, k + 1) for k in range(pixels)], np.uint32)
-    expected = naive.number_regions(_roots(parent))
+    expected = naive.number_regions(naive.roots_of(parent))
     labels = np.empty(pixels, np.int32)
-    assert merging.number_regions(parent, np.full(pixels, -1, np.int32), labels) == expected.max() + 1
+    assert merging.number_regions(parent, np.full(pixels, 9, np.uint32), labels) == expected.max() + 1
     np.testing.assert_array_equal(labels, expected)
 
 
@@ -503,6 +552,13 @@ def test_sum_depth(scene: Frame, labels: naive.Array) -> None:
     sums, camera = np.zeros((count, 4)), (k.fx, k.fy, k.cx, k.cy)
     moments.sum_depth(labels, scene.depth, camera, sums)
     np.testing.assert_allclose(sums, naive.sum_depth(labels, scene.depth, camera, count), **TOLERANCE)
+
+
+def test_count_marked(labels: naive.Array, rng: np.random.Generator) -> None:
+    count, mask = int(labels.max()) + 1, (rng.random(labels.shape) < 0.4).astype(np.uint8)
+    counts = np.zeros(count, np.int64)
+    moments.count_marked(labels, mask, counts)
+    assert counts.tolist() == naive.count_marked(labels, mask, count)
 
 
 @pytest.mark.parametrize("divisor", [1, 8])
@@ -573,9 +629,8 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
     assert [name for name in names if f"naive.{name}" not in called] == []
 
 
-OUTSIDE_THE_PIPELINE = {"count_digits", "scatter", "count_boxes", "splat_depth"}
-"""The first two are called by another kernel, which brings them along when it comes from the cache; the third is eq. 7
-alone, which smoothing counts within eq. 8; the last one makes frames."""
+OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth"}
+"""The first is eq. 7 alone, which smoothing counts within eq. 8; the other one makes frames."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys

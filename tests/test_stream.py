@@ -37,7 +37,7 @@ def test_answers_share_no_memory_with_the_workspace() -> None:
     segmenter = sp.Segmenter(sp.TABLE)
     answers = [segmenter(variant(k)) for k in range(3)]
     copies = [answer.labels.copy() for answer in answers]
-    for array in segmenter.workspace._arrays.values():
+    for array in segmenter.workspace._memory.values():
         for answer in answers:
             assert not np.shares_memory(array, answer.labels)
             assert not np.shares_memory(array, answer.scene.regions.labels)

@@ -38,9 +38,7 @@ def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[
     """
     smooth_here = np.empty(depth.shape, np.uint8)
     smoothing.mark_steps(depth, config.error_per_m, config.step_factor, smooth_here)
-    distance = cv2.distanceTransform(smooth_here, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    if smooth_here.all():  # no step to keep away from
-        distance.fill(max(depth.shape))
+    distance = _distance(smooth_here, int(np.ceil((config.max_radius_px + 1) * np.sqrt(2))))
     radius = np.empty(depth.shape, np.int32)
     smoothing.smoothing_radius(
         depth, distance, config.error_per_m, config.radius_per_error_px_m, config.max_radius_px, radius
@@ -81,16 +79,20 @@ def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
 
     A gap whose rim spans a depth step gets the far value, as a shadow belongs to the background.
     """
+    depth = depth.copy()
     if config.sampling_holes:
-        depth = _close(depth, _narrow(missing_mask(depth)), 2, config)
-    gaps = find_gaps(depth)
-    scale = depth.size / VGA_PX2
-    small = (gaps.area_px <= config.max_area_px2 * scale) & (gaps.radius_px <= config.max_radius_px * scale**0.5)
-    small &= ~gaps.on_border & (gaps.far_m > 0)
+        _close(depth, np.flatnonzero(_narrow(missing_mask(depth))), 2, config)
+    gaps, scale = find_gaps(depth), depth.size / VGA_PX2
+    max_radius = config.max_radius_px * scale**0.5
+    radius = np.zeros(len(gaps), np.float32)
+    inpainting.widest(_distance(depth == 0, int(max_radius) + 2), gaps.runs, gaps.gap_of_run, radius)
+    small = (gaps.area_px <= config.max_area_px2 * scale) & (radius <= max_radius) & ~gaps.on_border & (gaps.far_m > 0)
     step = gaps.far_m - gaps.near_m > np.maximum(config.step_m, config.step_share * gaps.near_m)
-    depth = np.where((small & step)[gaps.labels], gaps.far_m[gaps.labels], depth)
-    layers = int(np.ceil(gaps.radius_px[small & ~step].max(initial=0)))
-    return _close(depth, (small & ~step)[gaps.labels], layers, config)
+    shadows, holes = (small & step)[gaps.gap_of_run], (small & ~step)[gaps.gap_of_run]
+    far_m = np.repeat(gaps.far_m[gaps.gap_of_run[shadows]], gaps.lengths[shadows])
+    depth.reshape(-1)[gaps.pixels(shadows)] = far_m
+    _close(depth, gaps.pixels(holes), int(np.ceil(radius[small & ~step].max(initial=0))), config)
+    return depth
 
 
 def _narrow(missing: Mask) -> Mask:
@@ -99,46 +101,64 @@ def _narrow(missing: Mask) -> Mask:
     return np.asarray(missing & (wide == 0))
 
 
-def _close(depth: DepthMap, holes: Mask, layers: int, config: Inpainting) -> DepthMap:
-    """Closes holes from their rim inwards, one layer of pixels a time."""
+def _close(depth: DepthMap, holes: npt.NDArray[np.int64], layers: int, config: Inpainting) -> None:
+    """Closes holes, given by the numbers of their pixels, from their rim inwards, one layer of pixels a time."""
+    values = np.empty(holes.size, np.float32)
     for _ in range(layers):
-        out = np.empty_like(depth)
-        inpainting.close_holes(depth, holes, config.step_m, config.step_share, out)
-        depth = out
-    return depth
+        inpainting.close_holes(depth, holes, config.step_m, config.step_share, values)
+
+
+def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.float32]:
+    """Distance (H, W) in pixels to the nearest zero of a mask, at most `cap`."""
+    out = np.empty(mask.shape, np.float32)
+    smoothing.distance_to_zero(mask.view(np.uint8), cap, np.empty(mask.shape, np.int16), out)
+    return out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gaps:
-    """The connected components of missing pixels; entry 0 of each array stands for all valid pixels.
+    """The 8-connected components of missing pixels.
 
-    labels (H, W) component of each pixel; per component: area_px, largest inscribed radius_px, nearest near_m and
-    farthest far_m valid depth of its rim (0 where the rim has none), on_border.
+    runs (N, 3): row, first column and last column + 1 of every run of missing pixels; gap_of_run (N,): its gap. Of each
+    gap: area_px, nearest near_m and farthest far_m valid depth of its rim (0 where the rim has none), on_border.
     """
 
-    labels: npt.NDArray[np.int32]
-    area_px: npt.NDArray[np.int32]
-    radius_px: npt.NDArray[np.float32]
+    width: int
+    runs: npt.NDArray[np.int32]
+    gap_of_run: npt.NDArray[np.int32]
+    area_px: npt.NDArray[np.int64]
     near_m: npt.NDArray[np.float32]
     far_m: npt.NDArray[np.float32]
     on_border: Mask
 
+    def __len__(self) -> int:
+        return self.area_px.size
+
+    @property
+    def lengths(self) -> npt.NDArray[np.int64]:
+        """Pixels of every run (N,)."""
+        return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
+
+    def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:
+        """Numbers y * width + x of the pixels of the wanted runs (N,), run by run."""
+        row, first, _ = self.runs[wanted].astype(np.int64).T
+        length = self.lengths[wanted]
+        before = np.cumsum(length) - length
+        return np.repeat(row * self.width + first - before, length) + np.arange(length.sum())
+
 
 def find_gaps(depth: DepthMap) -> Gaps:
-    """The gaps of a depth map (H, W), 8-connected."""
+    """The gaps of a depth map (H, W)."""
     height, width = depth.shape
-    missing = missing_mask(depth).astype(np.uint8)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(missing, connectivity=8)
-    distance = cv2.distanceTransform(missing, cv2.DIST_L2, cv2.DIST_MASK_5)
-    radius, far = np.zeros(count, np.float32), np.zeros(count, np.float32)
-    near = np.full(count, np.inf, np.float32)
-    inpainting.measure_gaps(labels, distance, depth, radius, near, far)
+    runs = np.empty((height * (width // 2 + 1), 3), np.int32)
+    runs = runs[: inpainting.find_runs(depth, runs)]
+    gap_of_run, scratch = np.empty(len(runs), np.int32), np.empty(len(runs), np.int32)
+    count = inpainting.join_runs(runs, scratch, gap_of_run)
+    area, on_border = np.zeros(count, np.int64), np.zeros(count, np.uint8)
+    near, far = np.full(count, np.inf, np.float32), np.zeros(count, np.float32)
+    inpainting.measure_gaps(depth, runs, gap_of_run, area, near, far, on_border)
     near[far == 0] = 0
-    left, top, right, bottom = stats[:, 0], stats[:, 1], stats[:, 0] + stats[:, 2], stats[:, 1] + stats[:, 3]
-    on_border = (left == 0) | (top == 0) | (right == width) | (bottom == height)
-    on_border[0], near[0], far[0] = False, 0, 0
-    area = np.where(np.arange(count) == 0, 0, stats[:, 4])
-    return Gaps(np.asarray(labels, np.int32), area, radius, near, far, on_border)
+    return Gaps(width, runs, gap_of_run, area, near, far, on_border.view(bool))
 
 
 def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:

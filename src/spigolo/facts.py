@@ -152,7 +152,8 @@ def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
     if cues.edges is not None:
         return cues.edges.boundary
     right, down = graph.weights[:2]
-    largest = np.maximum(np.where(np.isinf(right), 0, right), np.where(np.isinf(down), 0, down))
+    largest = np.where(np.isinf(right), np.float32(0), right)
+    np.maximum(largest, down, out=largest, where=np.isfinite(down))
     strong = float(np.percentile(largest, 95))
     return np.asarray(np.clip(largest / strong, 0, 1) if strong > 0 else largest, np.float32)
 
@@ -182,7 +183,9 @@ def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
 
 
 def _count(regions: Regions, mask: Mask) -> npt.NDArray[np.int64]:
-    return np.bincount(regions.labels[mask], minlength=regions.count)
+    counts = np.zeros(regions.count, np.int64)
+    moments.count_marked(regions.labels, mask.view(np.uint8), counts)
+    return counts
 
 
 def _share(regions: Regions, mask: Mask, of: npt.NDArray[np.generic]) -> npt.NDArray[np.float64]:

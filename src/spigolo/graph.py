@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -46,9 +47,8 @@ def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
     """1 / range of eq. 9: of the valid depths of the frame, or of a fixed range in metres. 0 where no depth differs."""
     if depth_range is not None:
         return 1.0 / depth_range
-    valid = depth[depth > 0]
-    span = float(valid.max() - valid.min()) if valid.size else 0.0
-    return 1.0 / span if span > 0 else 0.0
+    nearest, farthest, _, _ = cv2.minMaxLoc(depth, (depth > 0).view(np.uint8))  # 0, 0 where none is valid
+    return 1.0 / (farthest - nearest) if farthest > nearest else 0.0
 
 
 def _weigh_plane(cues: Cues, scale: float, noise: float, offset: tuple[int, int], out: Plane) -> None:

@@ -15,7 +15,10 @@ from spigolo.workspace import Workspace
 
 SAMPLE_STEP = 29
 PIVOT_QUANTILES = (0.25, 0.5)
-"""Measured to be best: fewer rounds sort more, more rounds look at every edge once more each."""
+"""Of the positive weights. Measured to be best: fewer rounds sort more, more rounds look at every edge once more."""
+MAX_DIGIT_BITS = 11
+ONE, BOTH = 1, 2
+"""How many ends of an edge must carry a flag."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,9 +44,9 @@ def partition(graph: Graph, config: Partition, workspace: Workspace | None = Non
     workspace = Workspace() if workspace is None else workspace
     offsets = np.array([dy * width + dx for dy, dx in OFFSETS[:planes]], np.int64)
     edges = Edges(graph.weights, offsets, workspace)
-    forest = Forest(height * width, workspace)
     gamma = config.gamma_shadows if graph.shadows and config.gamma_shadows is not None else config.gamma
-    forest.merge(edges, float(gamma))
+    forest = Forest(height * width, float(gamma), workspace)
+    forest.merge(edges)
     forest.absorb_small(edges, config.min_size_px2 * height * width / VGA_PX2)
     labels, count = forest.labels()
     return Regions(labels.reshape(height, width), count)
@@ -53,70 +56,75 @@ class Edges:
     """The edges of a graph and the buffers to sort them in."""
 
     def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64], workspace: Workspace) -> None:
-        self.weights = (np.ascontiguousarray(weights) + np.float32(0)).reshape(
-            -1
-        )  # -0 becomes 0, as its bits would not sort
-        self.bits = self.weights.view(np.uint32)
+        self.weights = np.ascontiguousarray(weights).reshape(len(weights), -1)
         self.offsets = offsets
-        self.packed = workspace.array("packed", self.weights.size, np.uint64)
-        self.spare = workspace.array("spare", self.weights.size, np.uint64)
+        self.steps = offsets.view(np.uint64)
+        self._workspace = workspace
+        eights = -(-self.weights.shape[1] // 8)
+        self._eights = workspace.array("chosen", len(weights) * eights, np.uint64).reshape(len(weights), eights)
+        self._chosen = self._eights.view(np.uint8)
 
     def pivots(self) -> list[float]:
         """Where the rounds of merging begin and end: two quantiles of a sample, so that each sorts what it needs."""
-        sample = self.weights[::SAMPLE_STEP]
-        sample = np.sort(sample[np.isfinite(sample)])
+        sample = self.weights.reshape(-1)[::SAMPLE_STEP]
+        sample = np.sort(sample[np.isfinite(sample) & (sample > 0)])
         inner = [float(sample[int(q * sample.size)]) for q in PIVOT_QUANTILES] if sample.size else []
-        return [0.0, *sorted({p for p in inner if p > 0}), np.inf]
+        return [0.0, *sorted(set(inner)), np.inf]
 
-    def sort(self, count: int) -> tuple[npt.NDArray[np.uint32], npt.NDArray[np.float32]]:
-        """The first `count` packed edges in order, as (count, 2) pairs: numbers in column 0, weights in column 1."""
-        packed = self.packed[:count]
-        digit_bits = 10 if count == 0 or packed.max() >> 32 < 1 << 30 else 11
-        starts = np.empty((sorting.DIGITS, 1 << digit_bits), np.int64)
-        sorting.sort_edges(packed, self.spare[:count], starts, np.uint64(digit_bits))
-        return packed.view(np.uint32).reshape(-1, 2), packed.view(np.float32).reshape(-1, 2)
+    def sort(self, low: float, high: float, forest: Forest, least: int) -> npt.NDArray[np.uint64]:
+        """The packed edges of low <= weight < high with `least` flagged ends or more, in order."""
+        merging.choose(
+            self.weights, np.float32(low), np.float32(high), forest.parent, forest.flags, least, self.offsets,
+            self._chosen,
+        )  # fmt: skip
+        count = int(np.count_nonzero(self._chosen))
+        edges = self._workspace.array("edges", count + 1, np.uint64)
+        merging.pack(self.weights.view(np.uint32), self._chosen, self._eights, edges)
+        return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0]
+
+    def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
+        """As many stable passes as the weights' range asks for: heavier rounds span few powers of two."""
+        width = max((int(edges.max() >> sorting.WEIGHT_SHIFT) - base).bit_length(), 1)
+        passes = -(-width // MAX_DIGIT_BITS)
+        digit_bits = -(-width // passes)
+        starts = np.empty(1 << digit_bits, np.uint32)
+        spare = self._workspace.array("spare", edges.size, np.uint64)
+        for k in range(passes):
+            mask = np.uint64((1 << digit_bits) - 1)
+            sorting.scatter(edges, np.uint64(base), np.uint64(k * digit_bits), mask, starts, spare)
+            edges, spare = spare, edges
+        return edges
 
 
 class Forest:
     """Disjoint-set forest over the pixels: every tree is a region."""
 
-    def __init__(self, pixels: int, workspace: Workspace) -> None:
+    def __init__(self, pixels: int, gamma: float, workspace: Workspace) -> None:
+        self.gamma = gamma
         self.parent = workspace.array("parent", pixels, np.uint32)
-        self.size = workspace.array("size", pixels, np.int32)
-        self.bound = workspace.array("bound", pixels, np.float64)
-        self.number = workspace.array("number", pixels, np.int32)
-        self.parent[:] = np.arange(pixels, dtype=np.uint32)
-        self.size[:] = 1
+        self.records = workspace.array("records", pixels, np.uint64)
+        self.flags = workspace.array("flags", pixels, np.uint8)
+        self._workspace = workspace
+        merging.plant(gamma, self.parent, self.records, self.flags)
 
-    def merge(self, edges: Edges, gamma: float) -> None:
+    def merge(self, edges: Edges) -> None:
         """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
-        self.bound[:] = gamma
         for low, high in pairwise(edges.pivots()):
-            count = merging.collect(
-                edges.weights,
-                edges.bits,
-                np.float32(low),
-                np.float32(high),
-                self.parent,
-                self.bound,
-                edges.offsets,
-                edges.packed,
-            )
-            numbers, weights = edges.sort(count)
-            merging.merge(numbers, weights, edges.offsets, gamma, self.parent, self.size, self.bound)
-            merging.flatten(self.parent)
+            if low > 0:  # before the first round nothing has merged
+                merging.flag_open(np.uint64(_bits(low)), self.parent, self.records, self.flags)
+            merging.merge(edges.sort(low, high, self, BOTH), edges.steps, self.gamma, self.parent, self.records)
 
     def absorb_small(self, edges: Edges, min_size: float) -> None:
         """Joins regions below min_size pixels to the neighbour over their lightest edge."""
-        count = merging.collect_small(
-            edges.weights, edges.bits, min_size, self.parent, self.size, edges.offsets, edges.packed
-        )
-        numbers, _ = edges.sort(count)
-        merging.absorb_small(numbers, edges.offsets, min_size, self.parent, self.size)
+        merging.flag_small(min_size, self.parent, self.records, self.flags)
+        merging.absorb_small(edges.sort(0.0, np.inf, self, ONE), edges.steps, min_size, self.parent, self.records)
 
     def labels(self) -> tuple[npt.NDArray[np.int32], int]:
         """Region of each pixel (H W,), 0..R-1 by first pixel, and R."""
         labels = np.empty(self.parent.size, np.int32)
-        self.number[:] = -1
-        count = merging.number_regions(self.parent, self.number, labels)
-        return labels, int(count)
+        number = self._workspace.array("edges", labels.size, np.uint32)  # the edges have done their work
+        return labels, int(merging.number_regions(self.parent, number, labels))
+
+
+def _bits(weight: float) -> int:
+    return int(np.float32(weight).view(np.uint32))

@@ -16,17 +16,24 @@ from spigolo.kernels import saliency as kernel
 
 Map = npt.NDArray[np.float32]
 
+SHARES = np.arange(256, dtype=np.float32) / np.float32(255)
+
 
 def fine_grained_saliency(image: Color, config: Saliency) -> Map:
     """V_S (H, W) in [0, 1] of an RGB image, in steps of 1/255 as Montabone's own code has them; 0 on a plain image."""
+    return np.asarray(cv2.LUT(_levels(image, config), SHARES), np.float32)
+
+
+def _levels(image: Color, config: Saliency) -> npt.NDArray[np.uint8]:
+    """V_S (H, W) in 0..255."""
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     for _ in range(2):
         gray = cv2.GaussianBlur(gray, (3, 3), 0)
     gray = np.asarray(gray, np.uint8)
     on, off = np.empty(gray.shape, np.int32), np.empty(gray.shape, np.int32)
     kernel.center_surround(gray, cv2.integral(gray), np.asarray(config.surrounds_px, np.int64), on, off)
-    both = np.minimum(_to_255(on) + _to_255(off), 255)  # theirs would wrap around
-    return np.asarray(both.astype(np.float32) / np.float32(255), np.float32)
+    kernel.join_levels(on, off, levels := np.empty_like(gray))
+    return levels
 
 
 def power_law(saliency: Map, power: float) -> Map:
@@ -37,10 +44,8 @@ def power_law(saliency: Map, power: float) -> Map:
 
 def saliency_cue(image: Color, config: Saliency) -> Map:
     """The saliency of every pixel (H, W) in [0, 1], as the first cost function takes it."""
-    return power_law(fine_grained_saliency(image, config), config.power)
-
-
-def _to_255(values: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-    """Scales to a largest value of 255, cut to whole levels."""
-    largest = int(values.max(initial=0))
-    return values * 255 // largest if largest > 0 else np.zeros_like(values)
+    levels = _levels(image, config)
+    present = SHARES[: int(levels.max(initial=0)) + 1]
+    table = np.zeros_like(SHARES)
+    table[: present.size] = power_law(present, config.power)  # 256 powers in place of one a pixel
+    return np.asarray(cv2.LUT(levels, table), np.float32)

@@ -8,20 +8,28 @@ import numpy as np
 import numpy.typing as npt
 
 
+ROOM_TO_GROW = 8
+"""An eighth more than asked for, as frames differ a little in what they need."""
+
+
 class Workspace:
-    """Named scratch arrays. One per thread; no result ever lies in it."""
+    """Named pieces of scratch memory. One per thread; no result ever lies in it."""
 
     def __init__(self) -> None:
-        self._arrays: dict[str, npt.NDArray[Any]] = {}
+        self._memory: dict[str, npt.NDArray[np.uint8]] = {}
 
     def array(self, name: str, size: int, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-        """An array (size,) with whatever values the last user left; the same memory as long as it is large enough."""
-        held = self._arrays.get(name)
-        if held is None or held.size < size or held.dtype != np.dtype(dtype):
-            held = self._arrays[name] = np.empty(size, dtype)
-        return held[:size]
+        """An array (size,) with whatever values the last user left; the same memory as long as it is large enough.
+
+        Two arrays of one name, whatever their type, are the same memory.
+        """
+        bytes_ = size * np.dtype(dtype).itemsize
+        held = self._memory.get(name)
+        if held is None or held.size < bytes_:
+            held = self._memory[name] = np.empty(bytes_ + bytes_ // ROOM_TO_GROW, np.uint8)
+        return held[:bytes_].view(dtype)
 
     @property
     def size_bytes(self) -> int:
         """What it holds at the moment."""
-        return sum(array.nbytes for array in self._arrays.values())
+        return sum(memory.nbytes for memory in self._memory.values())

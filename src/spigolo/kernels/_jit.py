@@ -15,7 +15,10 @@ from pathlib import Path
 from typing import Any, cast
 
 import numba
+from llvmlite import ir
+from numba.core import cgutils, types
 from numba.core.caching import FunctionCache, _CacheLocator
+from numba.extending import intrinsic
 
 
 def _source_hash() -> str:
@@ -86,4 +89,21 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     """A formula that is compiled into its callers; the equations of the paper stand in these."""
-    return cast(Callable[..., Any], numba.njit(nogil=True, error_model="numpy")(function))
+    return cast(Callable[..., Any], numba.njit(nogil=True, error_model="numpy", inline="always")(function))
+
+
+@intrinsic
+def prefetch(typing_context, array, index):
+    """Asks for the memory of array[index] ahead of its use; changes nothing else."""
+
+    def generate(context, builder, signature, arguments):
+        data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+        byte, word = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [byte, word, word, word])
+        function = cgutils.get_or_insert_function(builder.module, kind, "llvm.prefetch.p0")
+        address = builder.bitcast(builder.gep(data, [arguments[1]]), byte)
+        to_read, keep_close, data_cache = word(0), word(3), word(1)
+        builder.call(function, [address, to_read, keep_close, data_cache])
+        return context.get_dummy_value()
+
+    return types.void(array, index), generate

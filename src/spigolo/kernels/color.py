@@ -1,4 +1,4 @@
-"""Colour as points of the HSV cone (eq. 4)."""
+"""Colour as points of the HSV cone (eq. 4), in float32."""
 
 from __future__ import annotations
 
@@ -6,19 +6,49 @@ import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
 
+f32 = np.float32
+SQRT3_HALF, HALF = f32(np.sqrt(3) / 2), f32(0.5)
+TINY = f32(1e-20)
+
+COS2, COS4, COS6, COS8 = f32(-0.54831135), f32(0.05010745), f32(-0.0018310980), f32(3.5003934e-05)
+SIN1, SIN3, SIN5, SIN7 = f32(1.0471975), f32(-0.19139575), f32(0.010489378), f32(-0.00026577872)
+"""cos(t pi / 3) - 1 and sin(t pi / 3) on [-1, 1] by powers of t, interpolated at Chebyshev nodes, within 4e-8."""
+
 
 @inlined
-def hue_rad(r, g, b, value, chroma):
-    """Hue of an RGB colour in radians, 0 for grey."""
-    if chroma == 0.0:
-        return 0.0
-    if value == r:
-        sixth = (g - b) / chroma
-    elif value == g:
-        sixth = 2.0 + (b - r) / chroma
-    else:
-        sixth = 4.0 + (r - g) / chroma
-    return sixth * np.pi / 3.0
+def hue_in_sector(r, g, b, value, chroma):
+    """Hue as t in [-1, 1], in units of 60 degrees from the nearest of red, green and blue; anything for grey."""
+    difference = g - b if value == r else (b - r if value == g else r - g)
+    return difference / (chroma if chroma > TINY else TINY)
+
+
+@inlined
+def largest(r, g, b):
+    """The largest of three."""
+    other = g if g > b else b
+    return r if r > other else other
+
+
+@inlined
+def smallest(r, g, b):
+    """The smallest of three."""
+    other = g if g < b else b
+    return r if r < other else other
+
+
+@inlined
+def hue_circle(r, g, b):
+    """(s cos h, s sin h) of an RGB colour, (0, 0) for grey."""
+    value = largest(r, g, b)
+    chroma = value - smallest(r, g, b)
+    t = hue_in_sector(r, g, b, value, chroma)
+    t2 = t * t
+    cos = f32(1.0) + t2 * (COS2 + t2 * (COS4 + t2 * (COS6 + t2 * COS8)))
+    sin = t * (SIN1 + t2 * (SIN3 + t2 * (SIN5 + t2 * SIN7)))
+    turn = f32(0.0) if value == r else (SQRT3_HALF if value == g else -SQRT3_HALF)  # sine of 0, 120, 240 degrees
+    turn_cos = f32(1.0) if value == r else -HALF
+    saturation = chroma / (value if value > TINY else TINY)
+    return saturation * (cos * turn_cos - sin * turn), saturation * (sin * turn_cos + cos * turn)
 
 
 @kernel
@@ -29,24 +59,25 @@ def hsv_points(rgb, k_dv, k_ds, out):
     out (3, H, W) float32 = (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2).
     By the law of cosines the Euclidean distance of two such points is eq. 4.
     """
-    height, width = rgb.shape[0], rgb.shape[1]
+    height, width, _ = rgb.shape
     norm = np.sqrt(k_dv * k_dv + k_ds * k_ds)
+    of_value, of_circle = f32(k_dv / 255.0 / norm), f32(k_ds / norm)
+    r, g, b = np.empty(width, np.float32), np.empty(width, np.float32), np.empty(width, np.float32)
     for y in range(height):
         for x in range(width):
-            r, g, b = float(rgb[y, x, 0]), float(rgb[y, x, 1]), float(rgb[y, x, 2])
-            value = max(r, g, b)
-            chroma = value - min(r, g, b)
-            saturation = chroma / value if value > 0.0 else 0.0
-            hue = hue_rad(r, g, b, value, chroma)
-            out[0, y, x] = k_dv * value / 255.0 / norm
-            out[1, y, x] = k_ds * saturation * np.cos(hue) / norm
-            out[2, y, x] = k_ds * saturation * np.sin(hue) / norm
+            r[x], g[x], b[x] = rgb[y, x, 0], rgb[y, x, 1], rgb[y, x, 2]
+        value, cos, sin = out[0, y], out[1, y], out[2, y]
+        for x in range(width):  # one output a loop: the compiler makes vectors of few arrays at a time
+            value[x] = of_value * largest(r[x], g[x], b[x])
+        for x in range(width):
+            cos[x] = of_circle * hue_circle(r[x], g[x], b[x])[0]
+        for x in range(width):
+            sin[x] = of_circle * hue_circle(r[x], g[x], b[x])[1]
 
 
 @inlined
-def color_difference(points, y, x, v, u):
-    """Eq. 4. delta_hsv of pixels (y, x) and (v, u), clipped at 1, which the formula exceeds by up to 7e-4."""
-    a = float(points[0, y, x]) - float(points[0, v, u])
-    b = float(points[1, y, x]) - float(points[1, v, u])
-    c = float(points[2, y, x]) - float(points[2, v, u])
-    return min(np.sqrt(a * a + b * b + c * c), 1.0)
+def color_difference(a, b, c, a_other, b_other, c_other):
+    """Eq. 4. delta_hsv of two points, clipped at 1, which the formula exceeds by up to 7e-4."""
+    a, b, c = a - a_other, b - b_other, c - c_other
+    distance = np.sqrt(a * a + b * b + c * c)
+    return distance if distance < f32(1.0) else f32(1.0)

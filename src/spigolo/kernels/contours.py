@@ -57,6 +57,48 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     return rounding * crease_px / max(fx, fy) * np.cos(crease_high_deg * np.pi / 360.0) / np.sqrt(1.0 + x * x + y * y)
 
 
+@inlined
+def step_row(depth, filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, steps):
+    """Marks the pixels of row y at which the depth bends along (n_y, n_x)."""
+    width = depth.shape[1] - 2 * margin
+    v, u = step_px * n_y, step_px * n_x
+    here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
+    m_here, m_before, m_after = depth[y, margin:], depth[y - v, margin - u :], depth[y + v, margin + u :]
+    out = steps[y, margin:]
+    for x in range(width):
+        d = float(here[x])
+        limit = max(step_m, step_per_m * d * d)
+        measured = (m_here[x] > 0.0) | (m_before[x] > 0.0) | (m_after[x] > 0.0)
+        known = (here[x] > 0.0) & (before[x] > 0.0) & (after[x] > 0.0) & measured
+        out[x] |= known & (bend(float(before[x]), d, float(after[x])) >= limit)
+
+
+@inlined
+def hollow_row(depth, filled, y, n_y, n_x, step_px, crease_px, least, margin, hollows):
+    """Marks the pixels of row y that lie deep enough behind their chord along (n_y, n_x) for a crease."""
+    width = depth.shape[1] - 2 * margin
+    v, u = step_px * n_y, step_px * n_x
+    m_here, m_before, m_after = depth[y, margin:], depth[y - v, margin - u :], depth[y + v, margin + u :]
+    v, u = crease_px * n_y, crease_px * n_x
+    here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
+    for x in range(width):
+        measured = (m_here[x] > 0.0) | (m_before[x] > 0.0) | (m_after[x] > 0.0)
+        b, d, a = float(before[x]), float(here[x]), float(after[x])
+        nearest = min(b, d, a)
+        hollows[x] = measured & (nearest > 0.0) & (hollow(b, d, a) >= least * nearest)
+
+
+@inlined
+def crease_angle(filled, y, x, n_y, n_x, crease_px, camera):
+    """Signed angle (eqs. 14-19) between both sides of a pixel along (n_y, n_x)."""
+    fx, fy, cx, cy = camera
+    v, u = crease_px * n_y, crease_px * n_x
+    here = back_project(filled, y, x, fx, fy, cx, cy)
+    v_plus = unit_vector(back_project(filled, y + v, x + u, fx, fy, cx, cy), here)
+    v_minus = unit_vector(back_project(filled, y - v, x - u, fx, fy, cx, cy), here)
+    return contact_angle_deg(v_plus, v_minus, n_y, n_x, SIGN_TANGENT)
+
+
 @kernel
 def mark_contours(
     depth, filled, camera, step_px, step_m, step_per_m, crease_px, crease_low_deg, crease_high_deg, steps, creases
@@ -69,29 +111,14 @@ def mark_contours(
     steps, creases (H, W) uint8, zero where nothing is written.
     """
     height, width = depth.shape
-    fx, fy, cx, cy = camera
     margin = max(step_px, crease_px)
     least = least_hollow(camera, depth.shape, crease_px, crease_high_deg)
+    hollows = np.empty(max(width - 2 * margin, 0), np.uint8)
     for y in range(margin, height - margin):
-        for x in range(margin, width - margin):
-            d = float(filled[y, x])
-            if d == 0.0:
-                continue
-            limit = max(step_m, step_per_m * d * d)
-            here = back_project(filled, y, x, fx, fy, cx, cy)
-            for n_y, n_x in ((0, 1), (1, 0), (1, 1), (-1, 1)):
-                v, u = step_px * n_y, step_px * n_x
-                if depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0:
-                    continue
-                before, after = float(filled[y - v, x - u]), float(filled[y + v, x + u])
-                if before > 0.0 and after > 0.0 and bend(before, d, after) >= limit:
-                    steps[y, x] = 1
-                v, u = crease_px * n_y, crease_px * n_x
-                before, after = float(filled[y - v, x - u]), float(filled[y + v, x + u])
-                if before == 0.0 or after == 0.0 or hollow(before, d, after) < least * min(before, d, after):
-                    continue
-                v_plus = unit_vector(back_project(filled, y + v, x + u, fx, fy, cx, cy), here)
-                v_minus = unit_vector(back_project(filled, y - v, x - u, fx, fy, cx, cy), here)
-                angle = contact_angle_deg(v_plus, v_minus, n_y, n_x, SIGN_TANGENT)
-                if is_contact(angle, crease_low_deg, crease_high_deg):
-                    creases[y, x] = 1
+        for n_y, n_x in ((0, 1), (1, 0), (1, 1), (-1, 1)):
+            step_row(depth, filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, steps)
+            hollow_row(depth, filled, y, n_y, n_x, step_px, crease_px, least, margin, hollows)
+            for k in range(hollows.size):
+                if hollows[k] != 0 and creases[y, margin + k] == 0:
+                    angle = crease_angle(filled, y, margin + k, n_y, n_x, crease_px, camera)
+                    creases[y, margin + k] = is_contact(angle, crease_low_deg, crease_high_deg)

@@ -1,6 +1,7 @@
-"""The weights of the graph: depth difference and both cost functions (eqs. 9, 22, 23).
+"""The weights of the graph: depth difference and both cost functions (eqs. 9, 22, 23), in float32.
 
-A plane holds the edges from each pixel to the neighbour at one offset (dy, dx); edges that leave the image are +inf.
+A plane holds the edges from each pixel to the neighbour at one offset (dy, dx), dx 0 or 1; edges that leave the image
+are +inf. Each cue is taken along a whole row of edges before the next, so that the compiler makes vectors of all.
 """
 
 from __future__ import annotations
@@ -9,72 +10,97 @@ import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
 from spigolo.kernels.color import color_difference
-from spigolo.kernels.powers import log2_1p, power
+from spigolo.kernels.powers import f32, log2_1p, power
 
 ENDS_MAX, ENDS_I = 0, 1
+ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 
 
 @inlined
-def depth_difference(depth, y, x, v, u, scale, noise):
+def depth_difference(a, b, scale, noise):
     """Eq. 9. |difference| of two depths times `scale` (1 / range), clipped at 1; 0 where an end is missing.
 
     A difference within noise * d^2, d the nearer depth, counts as none; the paper has noise = 0.
     """
-    a, b = depth[y, x], depth[v, u]
-    if a == 0.0 or b == 0.0:
-        return 0.0
-    near = float(min(a, b))
-    return min(max(abs(float(a) - float(b)) - noise * near * near, 0.0) * scale, 1.0)
-
-
-@inlined
-def at_ends(cue, y, x, v, u, ends):
-    """A cue of single pixels on an edge: at its first end i as printed, or the larger of both ends."""
-    here = float(cue[y, x])
-    return here if ends == ENDS_I else max(here, float(cue[v, u]))
+    near = a if a < b else b
+    beyond = abs(a - b) - noise * near * near
+    difference = (beyond if beyond > ZERO else ZERO) * scale
+    clipped = difference if difference < ONE else ONE
+    return clipped if near > ZERO else ZERO
 
 
 @inlined
 def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
     """Eq. 22. First cost function, in [0, 1]."""
     alone = k_y * log2_1p(d_hsv) + k_x * log2_1p(d_depth) + k_s * log2_1p(d_sal)
-    coupled = 0.0
-    if d_depth > 0.0:
-        coupled = d_depth * power(d_sal, 1.0 + d_depth) + d_depth * power(d_hsv, 1.0 + d_depth)
-    return min((alone + coupled) / (2.0 + k_x + k_y + k_s), 1.0)
+    coupled = d_depth * (power(d_sal, ONE + d_depth) + power(d_hsv, ONE + d_depth))
+    cost = (alone + coupled) / (TWO + k_x + k_y + k_s)
+    return cost if cost < ONE else ONE
 
 
 @inlined
 def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
     """Eq. 23. Second cost function, in [0, 1]."""
-    return min((k_x * d_depth * log2_1p(d_hsv) + k_b * d_bound) / (k_x + k_b), 1.0)
+    cost = (k_x * d_depth * log2_1p(d_hsv) + k_b * d_bound) / (k_x + k_b)
+    return cost if cost < ONE else ONE
+
+
+@inlined
+def color_row(color, y, v, dx, out):
+    """Eq. 4 for the edges of row y to row v, dx columns to the right."""
+    edges = out.size
+    a_here, b_here, c_here = color[0, y, :edges], color[1, y, :edges], color[2, y, :edges]
+    a_there, b_there, c_there = color[0, v, dx:], color[1, v, dx:], color[2, v, dx:]
+    for x in range(edges):
+        out[x] = color_difference(a_here[x], b_here[x], c_here[x], a_there[x], b_there[x], c_there[x])
+
+
+@inlined
+def depth_row(depth, y, v, dx, scale, noise, out):
+    """Eq. 9 for the edges of row y to row v."""
+    here, there = depth[y, : out.size], depth[v, dx:]
+    for x in range(out.size):
+        out[x] = depth_difference(here[x], there[x], scale, noise)
+
+
+@inlined
+def cue_row(cue, y, v, dx, ends, out):
+    """A cue of single pixels on the edges of row y to row v: at the first end i as printed, or the larger of both."""
+    here, there = cue[y, : out.size], cue[v, dx:]
+    if ends == ENDS_I:
+        out[:] = here
+        return
+    for x in range(out.size):
+        out[x] = here[x] if here[x] > there[x] else there[x]
 
 
 @kernel
 def saliency_plane(color, depth, saliency, scale, noise, k_x, k_y, k_s, ends, dy, dx, out):
     """Eq. 22 on every edge of one plane: color (3, H, W) points, depth (H, W) metres, saliency (H, W), out (H, W)."""
     height, width = depth.shape
-    for y in range(height):
-        for x in range(width):
-            v, u = y + dy, x + dx
-            if v < 0 or v >= height or u < 0 or u >= width:
-                out[y, x] = np.inf
-                continue
-            d_hsv = color_difference(color, y, x, v, u)
-            d_depth = depth_difference(depth, y, x, v, u, scale, noise)
-            out[y, x] = saliency_cost(d_hsv, d_depth, at_ends(saliency, y, x, v, u, ends), k_x, k_y, k_s)
+    scale, noise, k_x, k_y, k_s = f32(scale), f32(noise), f32(k_x), f32(k_y), f32(k_s)
+    d_hsv, d_depth, d_sal = np.empty((3, width - dx), np.float32)
+    out[:] = np.inf
+    for y in range(max(0, -dy), height - max(0, dy)):
+        color_row(color, y, y + dy, dx, d_hsv)
+        depth_row(depth, y, y + dy, dx, scale, noise, d_depth)
+        cue_row(saliency, y, y + dy, dx, ends, d_sal)
+        row = out[y, : width - dx]
+        for x in range(row.size):
+            row[x] = saliency_cost(d_hsv[x], d_depth[x], d_sal[x], k_x, k_y, k_s)
 
 
 @kernel
 def boundary_plane(color, depth, boundary, scale, noise, k_x, k_b, ends, dy, dx, out):
     """Eq. 23 on every edge of one plane: color (3, H, W) points, depth (H, W) metres, boundary (H, W), out (H, W)."""
     height, width = depth.shape
-    for y in range(height):
-        for x in range(width):
-            v, u = y + dy, x + dx
-            if v < 0 or v >= height or u < 0 or u >= width:
-                out[y, x] = np.inf
-                continue
-            d_hsv = color_difference(color, y, x, v, u)
-            d_depth = depth_difference(depth, y, x, v, u, scale, noise)
-            out[y, x] = boundary_cost(d_hsv, d_depth, at_ends(boundary, y, x, v, u, ends), k_x, k_b)
+    scale, noise, k_x, k_b = f32(scale), f32(noise), f32(k_x), f32(k_b)
+    d_hsv, d_depth, d_bound = np.empty((3, width - dx), np.float32)
+    out[:] = np.inf
+    for y in range(max(0, -dy), height - max(0, dy)):
+        color_row(color, y, y + dy, dx, d_hsv)
+        depth_row(depth, y, y + dy, dx, scale, noise, d_depth)
+        cue_row(boundary, y, y + dy, dx, ends, d_bound)
+        row = out[y, : width - dx]
+        for x in range(row.size):
+            row[x] = boundary_cost(d_hsv[x], d_depth[x], d_bound[x], k_x, k_b)

@@ -7,6 +7,8 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 SIGN_TANGENT, SIGN_X = 0, 1
+TAN_HALF_BIN = np.sqrt(2.0) - 1.0
+"""tan 22.5 degrees."""
 
 
 @inlined
@@ -15,14 +17,13 @@ def normal_direction(gx, gy):
 
     Bins 0, 45, 90, 135 degrees give right, right and up, up, left and up (rows count downwards).
     """
-    angle = np.arctan2(-float(gy), float(gx)) * 180.0 / np.pi
-    sector = int(np.floor((angle + 22.5) / 45.0)) % 4
-    if sector == 0:
+    along_x, along_y = abs(float(gx)), abs(float(gy))
+    if along_y <= TAN_HALF_BIN * along_x:
         return 0, 1
-    if sector == 1:
-        return -1, 1
-    if sector == 2:
+    if along_x <= TAN_HALF_BIN * along_y:
         return -1, 0
+    if (gx > 0) == (gy < 0):
+        return -1, 1
     return -1, -1
 
 

@@ -1,4 +1,7 @@
-"""Small gaps in depth: sampling holes are closed, gaps are measured."""
+"""Small gaps in depth: sampling holes are closed, gaps are found and measured.
+
+A gap is kept as its runs: (row, first column, last column + 1) of missing pixels, in raster order.
+"""
 
 from __future__ import annotations
 
@@ -13,44 +16,119 @@ def blend(near, far, mean, step_m, step_share):
     return far if far - near > max(step_m, step_share * near) else mean
 
 
+@inlined
+def around(depth, y, x):
+    """Nearest and farthest depth, sum and number of the valid 8-neighbours of a pixel."""
+    near, far, total, count = np.inf, 0.0, 0.0, 0
+    for v in range(max(y - 1, 0), min(y + 2, depth.shape[0])):
+        for u in range(max(x - 1, 0), min(x + 2, depth.shape[1])):
+            d = depth[v, u]
+            if d > 0.0:
+                near, far, total, count = min(near, d), max(far, d), total + d, count + 1
+    return near, far, total, count
+
+
 @kernel
-def close_holes(depth, holes, step_m, step_share, out):
+def close_holes(depth, holes, step_m, step_share, values):
     """Gives each pixel of `holes` the mean of its valid 8-neighbours, the farthest where they span a step.
 
-    Pixels without a valid neighbour stay 0: a second pass closes holes that are two pixels wide.
+    depth (H, W), changed in place; holes (N,) int64 numbers of missing pixels; values (N,) float32 is scratch. Pixels
+    without a valid neighbour stay 0: a second pass closes holes that are two pixels wide.
     """
-    height, width = depth.shape
-    for y in range(height):
-        for x in range(width):
-            out[y, x] = depth[y, x]
-            if not holes[y, x] or depth[y, x] > 0.0:
-                continue
-            near, far, total, count = np.inf, 0.0, 0.0, 0
-            for v in range(max(y - 1, 0), min(y + 2, height)):
-                for u in range(max(x - 1, 0), min(x + 2, width)):
-                    d = depth[v, u]
-                    if d > 0.0:
-                        near, far, total, count = min(near, d), max(far, d), total + d, count + 1
+    width = depth.shape[1]
+    for k in range(holes.size):
+        y, x = holes[k] // width, holes[k] % width
+        values[k] = depth[y, x]
+        if depth[y, x] == 0.0:
+            near, far, total, count = around(depth, y, x)
             if count > 0:
-                out[y, x] = blend(near, far, total / count, step_m, step_share)
+                values[k] = blend(near, far, total / count, step_m, step_share)
+    for k in range(holes.size):
+        depth[holes[k] // width, holes[k] % width] = values[k]
 
 
 @kernel
-def measure_gaps(gaps, distance, depth, radius, near, far):
-    """For each component of missing pixels: largest inscribed radius (px), nearest and farthest valid depth of its rim.
-
-    gaps (H, W) component number, 0 where depth is valid; distance (H, W) to the nearest valid pixel.
-    radius, near, far (components,) are filled; near starts at +inf.
-    """
-    height, width = gaps.shape
+def find_runs(depth, runs):
+    """Lists the runs of missing pixels, runs (N, 3) int32 with room for all; returns how many there are."""
+    height, width = depth.shape
+    count = 0
     for y in range(height):
-        for x in range(width):
-            gap = gaps[y, x]
-            if gap == 0:
+        row = depth[y]
+        x = 0
+        while x < width:
+            if row[x] > 0.0:
+                x += 1
                 continue
+            runs[count, 0], runs[count, 1] = y, x
+            while x < width and not row[x] > 0.0:
+                x += 1
+            runs[count, 2] = x
+            count += 1
+    return count
+
+
+@inlined
+def root_of(parent, run):
+    """Root of a run's tree, the path behind it halved."""
+    while parent[run] != run:
+        parent[run] = parent[parent[run]]
+        run = parent[run]
+    return run
+
+
+@kernel
+def join_runs(runs, parent, gaps):
+    """Numbers the 8-connected gaps 0.. in the order of their first runs: gaps (N,) int32 of each run; returns how many.
+
+    parent (N,) int32 is scratch.
+    """
+    for k in range(len(runs)):
+        parent[k] = k
+    above = 0
+    for k in range(len(runs)):
+        y, first, end = runs[k]
+        while runs[above, 0] < y - 1 or (runs[above, 0] == y - 1 and runs[above, 2] < first):
+            above += 1
+        other = above
+        while runs[other, 0] == y - 1 and runs[other, 1] <= end:
+            a, b = root_of(parent, k), root_of(parent, other)
+            parent[max(a, b)] = min(a, b)
+            other += 1
+    count = 0
+    for k in range(len(runs)):
+        root = root_of(parent, k)
+        if root == k:
+            gaps[k] = count
+            count += 1
+        else:
+            gaps[k] = gaps[root]
+    return count
+
+
+@kernel
+def measure_gaps(depth, runs, gaps, area, near, far, on_border):
+    """For each gap: its pixels, nearest and farthest valid depth of its rim, whether it touches the image border.
+
+    runs (N, 3), gaps (N,) as above; area (G,) int64, far (G,) float32 and on_border (G,) uint8 start as 0, near (G,)
+    float32 as +inf.
+    """
+    height, width = depth.shape
+    for k in range(len(runs)):
+        gap, (y, first, end) = gaps[k], runs[k]
+        area[gap] += end - first
+        if y == 0 or y == height - 1 or first == 0 or end == width:
+            on_border[gap] = 1
+        for v in range(max(y - 1, 0), min(y + 2, height)):
+            for u in range(max(first - 1, 0), min(end + 1, width)):
+                d = depth[v, u]
+                if d > 0.0:
+                    near[gap], far[gap] = min(near[gap], d), max(far[gap], d)
+
+
+@kernel
+def widest(distance, runs, gaps, radius):
+    """Largest distance (H, W) to a valid pixel in each gap; radius (G,) float32 starts as 0."""
+    for k in range(len(runs)):
+        gap, (y, first, end) = gaps[k], runs[k]
+        for x in range(first, end):
             radius[gap] = max(radius[gap], distance[y, x])
-            for v in range(max(y - 1, 0), min(y + 2, height)):
-                for u in range(max(x - 1, 0), min(x + 2, width)):
-                    d = depth[v, u]
-                    if d > 0.0:
-                        near[gap], far[gap] = min(near[gap], d), max(far[gap], d)

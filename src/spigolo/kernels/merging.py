@@ -1,40 +1,40 @@
 """Merging pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004; eqs. 2, 3).
 
-docs/performance.md explains the rounds.
+A packed edge is 64 bits: those of its float32 weight, then 30 for its pixel, then 2 for its plane. A root's record is
+64 bits as well: the size of its region, then the bits of its merge bound. docs/performance.md explains the rounds.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from spigolo.kernels._jit import inlined, kernel
+from spigolo.kernels._jit import inlined, kernel, prefetch
+
+LOW_HALF = 0xFFFFFFFF
+SIGN_BIT = 0x80000000
+PLANE_BITS = 2
+NODES_AHEAD, ROOTS_AHEAD = 24, 12
+"""How many edges ahead memory is asked for: first a pixel's parent, then the record of that parent."""
 
 
 @inlined
-def ends(edge, pixels, offsets):
-    """Both pixels of an edge. Plane by comparison, as a division would cost more than the rest of a merge."""
-    plane = np.int64(edge >= pixels) + np.int64(edge >= 2 * pixels) + np.int64(edge >= 3 * pixels)
-    pixel = np.int64(edge) - plane * pixels
-    return np.uint32(pixel), np.uint32(pixel + offsets[plane])
+def ends(edge, offsets):
+    """Both pixels of a packed edge. All is unsigned, so that no index is tested for its sign."""
+    pixel = (edge & np.uint64(LOW_HALF)) >> np.uint64(PLANE_BITS)
+    return pixel, pixel + offsets[edge & np.uint64((1 << PLANE_BITS) - 1)]
 
 
 @inlined
 def find(parent, node):
-    """Root of a node's tree; the path behind is halved. Unsigned, so that no index is tested for its sign."""
-    while parent[node] != node:
-        parent[node] = parent[parent[node]]
-        node = parent[node]
-    return node
-
-
-@inlined
-def unite(parent, size, a, b):
-    """Joins two roots, the smaller below the larger, and returns the root of both."""
-    if size[a] < size[b]:
-        a, b = b, a
-    parent[b] = a
-    size[a] += size[b]
-    return a
+    """Root of a node's tree; the path behind is halved. Most nodes stand one step below their root."""
+    above = np.uint64(parent[node])
+    root = np.uint64(parent[above])
+    while above != root:
+        parent[node] = root
+        node = root
+        above = np.uint64(parent[node])
+        root = np.uint64(parent[above])
+    return above
 
 
 @inlined
@@ -49,88 +49,165 @@ def merge_bound(internal, gamma, size):
     return internal + gamma / size
 
 
-@kernel
-def collect(weights, bits, low, high, parent, bound, offsets, out):
-    """Packs the edges with low <= weight < high that may still merge something, in the order of their numbers.
-
-    Once an edge of weight w fails at a region, that region's bound is below w and all later edges are heavier: it has
-    its final extent. So an edge of at least `low` does nothing inside a region, or at one whose bound is below `low`.
-    weights, bits (E,): the same memory as float32 and uint32. Every pixel's parent must be its root.
-    out (E,) uint64; returns how many were packed.
-    """
-    pixels, count = parent.size, 0
-    for plane in range(weights.size // pixels):
-        first, offset = plane * pixels, offsets[plane]
-        for pixel in range(pixels):
-            weight = weights[first + pixel]
-            if weight >= low and weight < high:
-                a, b = parent[pixel], parent[pixel + offset]
-                if a != b and bound[a] >= low and bound[b] >= low:
-                    out[count] = (np.uint64(bits[first + pixel]) << np.uint64(32)) | np.uint64(first + pixel)
-                    count += 1
-    return count
+@inlined
+def bits_below(bound):
+    """Bits of the largest float32 that is not above a bound >= 0: no float32 weight lies between the two."""
+    nearest = np.float32(bound)
+    bits = nearest.view(np.uint32)
+    return bits - np.uint32(1) if np.float64(nearest) > bound else bits
 
 
-@kernel
-def collect_small(weights, bits, min_size, parent, size, offsets, out):
-    """Packs the edges at regions smaller than min_size, in the order of their numbers. As `collect` else."""
-    pixels, count = parent.size, 0
-    for plane in range(weights.size // pixels):
-        first, offset = plane * pixels, offsets[plane]
-        for pixel in range(pixels):
-            if weights[first + pixel] < np.inf:
-                a, b = parent[pixel], parent[pixel + offset]
-                if a != b and (size[a] < min_size or size[b] < min_size):
-                    out[count] = (np.uint64(bits[first + pixel]) << np.uint64(32)) | np.uint64(first + pixel)
-                    count += 1
-    return count
+@inlined
+def record(size, bound):
+    """What the root of a region keeps, in one word."""
+    return (np.uint64(size) << np.uint64(32)) | np.uint64(bits_below(bound))
 
 
-@kernel
-def merge(numbers, weights, offsets, gamma, parent, size, bound):
-    """Eqs. 2, 3. Merges regions over sorted edges.
+@inlined
+def size_of(node):
+    """Pixels of the region whose root has this record."""
+    return node >> np.uint64(32)
 
-    numbers (K, 2) uint32 and weights (K, 2) float32: the same packed edges, number in column 0 and weight in column 1;
-    offsets (P,) from a pixel to its neighbour. parent (H W,) uint32 and size start as 0..N-1 and 1; bound (H W,)
-    float64 starts as gamma. I(R) of eq. 2 is the weight of the last merge: the edges come sorted, so it is the largest
-    one in the minimum spanning tree of R.
-    """
-    pixels = parent.size
-    for k in range(numbers.shape[0]):
-        weight = float(weights[k, 1])
-        here, there = ends(numbers[k, 0], pixels, offsets)
-        a, b = find(parent, here), find(parent, there)
-        if a != b and may_merge(weight, bound[a], bound[b]):
-            root = unite(parent, size, a, b)
-            bound[root] = merge_bound(weight, gamma, size[root])
+
+@inlined
+def bound_bits(node):
+    """Bits of the merge bound of the region whose root has this record."""
+    return node & np.uint64(LOW_HALF)
+
+
+@inlined
+def unite(parent, records, a, b, bound):
+    """Joins two roots, the smaller below the larger."""
+    size_a, size_b = size_of(records[a]), size_of(records[b])
+    if size_a < size_b:
+        a, b = b, a
+    parent[b] = np.uint32(a)
+    records[a] = record(size_a + size_b, bound)
 
 
 @kernel
-def absorb_small(numbers, offsets, min_size, parent, size):
-    """Joins regions smaller than min_size to the neighbour over their lightest edge; sorted edges as in `merge`."""
-    pixels = parent.size
-    for k in range(numbers.shape[0]):
-        here, there = ends(numbers[k, 0], pixels, offsets)
-        a, b = find(parent, here), find(parent, there)
-        if a != b and (size[a] < min_size or size[b] < min_size):
-            unite(parent, size, a, b)
-
-
-@kernel
-def flatten(parent):
-    """Makes the root of every pixel its parent."""
+def plant(gamma, parent, records, flags):
+    """Makes every pixel a region that may still merge: parent (H W,) uint32, records (H W,) uint64, flags uint8."""
+    first = record(np.uint64(1), merge_bound(0.0, gamma, 1.0))
     for pixel in range(parent.size):
-        parent[pixel] = find(parent, np.uint32(pixel))
+        parent[pixel] = np.uint32(pixel)
+        records[pixel] = first
+        flags[pixel] = 1
+
+
+@kernel
+def choose(weights, low, high, parent, flags, least, offsets, chosen):
+    """Marks the edges with low <= weight < high between two regions of which `least` or more ends carry a flag.
+
+    weights (P, H W) float32; parent (H W,) every pixel's root; flags (H W,) uint8, 0 or 1; offsets (P,) int64;
+    chosen (P, H W or more) uint8, 0 from H W on.
+    """
+    pixels = parent.size
+    for plane in range(len(weights)):
+        offset = offsets[plane]
+        begin = min(max(0, -offset), pixels)
+        end = max(pixels - max(0, offset), begin)
+        chosen[plane, :begin] = 0
+        chosen[plane, end:] = 0
+        out, weight = chosen[plane, begin:end], weights[plane, begin:end]
+        root_a, root_b = parent[begin:end], parent[begin + offset : end + offset]
+        flag_a, flag_b = flags[begin:end], flags[begin + offset : end + offset]
+        for k in range(out.size):
+            inside = (weight[k] >= low) & (weight[k] < high)
+            out[k] = inside & (root_a[k] != root_b[k]) & (flag_a[k] + flag_b[k] >= least)
+
+
+@inlined
+def pack_edge(weight_bits, plane, pixel):
+    """64 bits of an edge: its weight's, its pixel, its plane."""
+    without_sign = np.uint64(weight_bits) & np.uint64(SIGN_BIT - 1)  # -0 sorts as 0
+    return (without_sign << np.uint64(32)) | (pixel << np.uint64(PLANE_BITS)) | np.uint64(plane)
+
+
+@kernel
+def pack(weight_bits, chosen, eights, out):
+    """Packs the chosen edges in the order of their numbers; out holds one more than there are.
+
+    weight_bits (P, H W) uint32; chosen as `choose` leaves it, eights the same memory as uint64, to skip what holds
+    none. Without a branch otherwise: what is not chosen is overwritten.
+    """
+    count, pixels = np.uint64(0), np.uint64(weight_bits.shape[1])
+    whole = pixels // np.uint64(8)
+    for plane in range(len(weight_bits)):
+        bits, wanted, some = weight_bits[plane], chosen[plane], eights[plane]
+        for eight in range(whole):
+            if some[eight] != 0:
+                for k in range(np.uint64(8)):
+                    pixel = eight * np.uint64(8) + k
+                    out[count] = pack_edge(bits[pixel], plane, pixel)
+                    count += np.uint64(wanted[pixel])
+        for pixel in range(whole * np.uint64(8), pixels):
+            out[count] = pack_edge(bits[pixel], plane, pixel)
+            count += np.uint64(wanted[pixel])
+
+
+@kernel
+def merge(edges, offsets, gamma, parent, records):
+    """Eqs. 2, 3. Merges regions over sorted packed edges (K,).
+
+    offsets (P,) uint64 from a pixel to its neighbour, modulo 2^64. I(R) of eq. 2 is the weight of the last merge: the
+    edges come sorted, so it is the largest one in the minimum spanning tree of R.
+    """
+    for k in range(edges.size):
+        if k + NODES_AHEAD < edges.size:
+            here, there = ends(edges[k + NODES_AHEAD], offsets)
+            prefetch(parent, here)
+            prefetch(parent, there)
+            here, there = ends(edges[k + ROOTS_AHEAD], offsets)
+            prefetch(records, np.uint64(parent[here]))
+            prefetch(records, np.uint64(parent[there]))
+        here, there = ends(edges[k], offsets)
+        a, b = find(parent, here), find(parent, there)
+        if a != b:
+            bits = edges[k] >> np.uint64(32)
+            if may_merge(bits, bound_bits(records[a]), bound_bits(records[b])):
+                weight = np.float64(np.uint32(bits).view(np.float32))
+                size = np.float64(size_of(records[a]) + size_of(records[b]))
+                unite(parent, records, a, b, merge_bound(weight, gamma, size))
+
+
+@kernel
+def absorb_small(edges, offsets, min_size, parent, records):
+    """Joins regions smaller than min_size to the neighbour over their lightest edge; sorted edges as in `merge`."""
+    for k in range(edges.size):
+        here, there = ends(edges[k], offsets)
+        a, b = find(parent, here), find(parent, there)
+        if a != b and (size_of(records[a]) < min_size or size_of(records[b]) < min_size):
+            unite(parent, records, a, b, 0.0)
+
+
+@kernel
+def flag_open(low_bits, parent, records, flags):
+    """Makes every pixel's root its parent; flags (H W,) the pixels of regions whose bound is at least `low_bits`."""
+    for pixel in range(np.uint64(parent.size)):
+        root = find(parent, pixel)
+        parent[pixel] = np.uint32(root)
+        flags[pixel] = bound_bits(records[root]) >= low_bits
+
+
+@kernel
+def flag_small(min_size, parent, records, flags):
+    """Makes every pixel's root its parent; flags (H W,) the pixels of regions smaller than min_size."""
+    for pixel in range(np.uint64(parent.size)):
+        root = find(parent, pixel)
+        parent[pixel] = np.uint32(root)
+        flags[pixel] = size_of(records[root]) < min_size
 
 
 @kernel
 def number_regions(parent, number, labels):
-    """Labels 0..R-1 in the order of each region's first pixel. number (H W,) starts at -1; returns R."""
-    regions = 0
-    for pixel in range(parent.size):
-        root = find(parent, np.uint32(pixel))
-        if number[root] < 0:
+    """Labels 0..R-1 in the order of each region's first pixel. number (H W,) uint32 is scratch; returns R."""
+    number[:] = 0
+    regions = np.uint32(0)
+    for pixel in range(np.uint64(parent.size)):
+        root = find(parent, pixel)
+        if number[root] == 0:
+            regions += np.uint32(1)
             number[root] = regions
-            regions += 1
-        labels[pixel] = number[root]
+        labels[pixel] = number[root] - np.uint32(1)
     return regions

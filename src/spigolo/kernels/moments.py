@@ -4,10 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from spigolo.kernels._jit import kernel
+from spigolo.kernels._jit import inlined, kernel
 
 DARK_BELOW = 24
 """The first three of 32 bins of a brightness in 0..255."""
+
+
+@inlined
+def run_end(row, first):
+    """Where the run of equal labels that begins at `first` ends, exclusive."""
+    end = first + 1
+    while end < row.size and row[end] == row[first]:
+        end += 1
+    return end
+
+
+@inlined
+def sum_squares(end):
+    """0^2 + 1^2 + ... + (end - 1)^2."""
+    return (end - 1.0) * end * (2.0 * end - 1.0) / 6.0
 
 
 @kernel
@@ -15,22 +30,25 @@ def sum_regions(labels, sums, boxes):
     """Count and first and second moments of the pixel coordinates, and the box of every region.
 
     labels (H, W) int32; sums (R, 6) float64 = n, sum y, sum x, sum yy, sum yx, sum xx, zero before;
-    boxes (R, 4) int32 = first row, first column, last row + 1, last column + 1.
+    boxes (R, 4) int32 = first row, first column, last row + 1, last column + 1. Run by run, in closed form.
     """
     height, width = labels.shape
     boxes[:, 0], boxes[:, 1] = height, width
     boxes[:, 2], boxes[:, 3] = 0, 0
     for y in range(height):
-        for x in range(width):
-            k = labels[y, x]
-            sums[k, 0] += 1.0
-            sums[k, 1] += y
-            sums[k, 2] += x
-            sums[k, 3] += y * y
-            sums[k, 4] += y * x
-            sums[k, 5] += x * x
-            boxes[k, 0], boxes[k, 1] = min(boxes[k, 0], y), min(boxes[k, 1], x)
-            boxes[k, 2], boxes[k, 3] = max(boxes[k, 2], y + 1), max(boxes[k, 3], x + 1)
+        first = 0
+        while first < width:
+            end = run_end(labels[y], first)
+            sum_, box, n = sums[labels[y, first]], boxes[labels[y, first]], float(end - first)
+            sum_x = n * (first + end - 1.0) / 2.0
+            sum_[0] += n
+            sum_[1] += n * y
+            sum_[2] += sum_x
+            sum_[3] += n * y * y
+            sum_[4] += y * sum_x
+            sum_[5] += sum_squares(end) - sum_squares(first)
+            box[0], box[1], box[2], box[3] = min(box[0], y), min(box[1], first), y + 1, max(box[3], end)
+            first = end
 
 
 @kernel
@@ -42,14 +60,35 @@ def sum_depth(labels, depth, camera, sums):
     height, width = labels.shape
     fx, fy, cx, cy = camera
     for y in range(height):
-        for x in range(width):
-            z = float(depth[y, x])
-            if z > 0.0:
-                k = labels[y, x]
-                sums[k, 0] += 1.0
-                sums[k, 1] += (x - cx) * z / fx
-                sums[k, 2] += (y - cy) * z / fy
-                sums[k, 3] += z
+        first = 0
+        while first < width:
+            end = run_end(labels[y], first)
+            n, sum_z, sum_xz = 0, 0.0, 0.0
+            for x in range(first, end):
+                z = float(depth[y, x])
+                n += z > 0.0
+                sum_z += z
+                sum_xz += x * z
+            sum_ = sums[labels[y, first]]
+            sum_[0] += n
+            sum_[1] += (sum_xz - cx * sum_z) / fx
+            sum_[2] += (y - cy) * sum_z / fy
+            sum_[3] += sum_z
+            first = end
+
+
+@kernel
+def count_marked(labels, mask, counts):
+    """Pixels of every region where a mask (H, W) uint8 of 0 and 1 holds; counts (R,) int64, zero before."""
+    height, width = labels.shape
+    for y in range(height):
+        first = 0
+        while first < width:
+            end, marked = run_end(labels[y], first), 0
+            for x in range(first, end):
+                marked += mask[y, x]
+            counts[labels[y, first]] += marked
+            first = end
 
 
 @kernel

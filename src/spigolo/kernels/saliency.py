@@ -2,29 +2,85 @@
 
 from __future__ import annotations
 
-from spigolo.kernels._jit import kernel
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+
+@inlined
+def whole_quotient(dividend, inverse):
+    """Dividend // divisor of whole numbers from 1 / divisor: the half keeps exact quotients from being cut."""
+    return np.int32((dividend + 0.5) * inverse)
+
+
+@inlined
+def lay_strip(above, below, pad, strip):
+    """Sums of a band of rows up to each column, from two rows of an integral image, repeated `pad` times outwards."""
+    columns = above.size
+    strip[:pad] = 0
+    inner = strip[pad : pad + columns]
+    for x in range(columns):
+        inner[x] = below[x] - above[x]
+    strip[pad + columns :] = inner[columns - 1]
+
+
+@inlined
+def measure_areas(rows, half, width, areas, inverses):
+    """Pixels of the clipped window around each column, and 1 / (those less the centre)."""
+    for x in range(width):
+        areas[x] = rows * (min(x + half + 1, width) - max(x - half + 1, 0))
+        inverses[x] = 1.0 / max(areas[x] - 1.0, 1.0)
+
+
+@inlined
+def difference_row(gray, left, right, areas, inverses, out):
+    """Centre less the mean of its window, which does not count the centre, cut towards 0 to whole grey levels."""
+    for x in range(out.size):
+        excess = areas[x] * gray[x] - (right[x] - left[x])
+        level = whole_quotient(abs(excess), inverses[x])
+        out[x] = level if excess > 0.0 else -level
 
 
 @kernel
 def center_surround(gray, integral, surrounds, on, off):
     """Sums over all surrounds how much brighter (on) and darker (off) each pixel is than its surround.
 
-    gray (H, W) uint8; integral (H+1, W+1) of gray; surrounds: half-sizes n of 2n x 2n windows (rows y-n+1..y+n,
-    clipped), whose centre pixel does not count. Each difference is cut to a whole grey level; on and off (H, W) int32.
+    gray (H, W) uint8; integral (H+1, W+1) int32 of gray; surrounds (S,): half-sizes n of 2n x 2n windows (rows
+    y-n+1..y+n, clipped), whose centre pixel does not count. Each difference is cut to a whole grey level; on and off
+    (H, W) int32.
     """
     height, width = gray.shape
+    pad = min(surrounds.max(), width)
+    strip, difference = np.empty(width + 1 + 2 * pad, np.int32), np.empty(width, np.int32)
+    rows_of = np.zeros(surrounds.size, np.int64)
+    areas, inverses = np.empty((surrounds.size, width)), np.empty((surrounds.size, width))
+    on[:], off[:] = 0, 0
     for y in range(height):
-        for x in range(width):
-            center = int(gray[y, x])
-            bright, dark = 0, 0
-            for n in surrounds:
-                top, bottom = max(y - n + 1, 0), min(y + n + 1, height)
-                left, right = max(x - n + 1, 0), min(x + n + 1, width)
-                count = (bottom - top) * (right - left) - 1
-                total = integral[bottom, right] - integral[bottom, left] - integral[top, right] + integral[top, left]
-                if count > 0:
-                    difference = center - (total - center) / count
-                    bright += int(max(difference, 0.0))
-                    dark += int(max(-difference, 0.0))
-            on[y, x] = bright
-            off[y, x] = dark
+        for k in range(surrounds.size):
+            half = surrounds[k]
+            top, bottom = max(y - half + 1, 0), min(y + half + 1, height)
+            if rows_of[k] != bottom - top:
+                rows_of[k] = bottom - top
+                measure_areas(rows_of[k], half, width, areas[k], inverses[k])
+            lay_strip(integral[top], integral[bottom], pad, strip)
+            reach = min(half, width)
+            left, right = strip[pad + 1 - reach :], strip[pad + 1 + reach :]
+            difference_row(gray[y], left, right, areas[k], inverses[k], difference)
+            bright, dark = on[y], off[y]
+            for x in range(width):
+                bright[x] += max(difference[x], np.int32(0))
+                dark[x] += max(-difference[x], np.int32(0))
+
+
+@kernel
+def join_levels(on, off, out):
+    """Scales on and off (H, W) int32 to a largest value of 255 each, cut to whole levels, and adds them up to 255.
+
+    out (H, W) uint8. A map that is 0 throughout stays so.
+    """
+    inverse_on, inverse_off = 1.0 / max(on.max(), 1), 1.0 / max(off.max(), 1)
+    for y in range(on.shape[0]):
+        bright, dark, row = on[y], off[y], out[y]
+        for x in range(row.size):
+            both = whole_quotient(255.0 * bright[x], inverse_on) + whole_quotient(255.0 * dark[x], inverse_off)
+            row[x] = min(both, 255)

@@ -24,6 +24,45 @@ def mark_steps(depth, error_per_m, step_factor, out):
             out[y, x] = 0 if d == 0.0 or right or below else 1
 
 
+@inlined
+def down_and_up(mask, cap, steps):
+    """Rows to the nearest zero of `mask` (H, W) in the same column, up to `cap`; steps (H, W) int16."""
+    height, width = mask.shape
+    for y in range(height):
+        row, before = steps[y], steps[max(y - 1, 0)]
+        for x in range(width):
+            row[x] = 0 if mask[y, x] == 0 else (min(before[x] + 1, cap) if y > 0 else cap)
+    for y in range(height - 2, -1, -1):
+        row, before = steps[y], steps[y + 1]
+        for x in range(width):
+            row[x] = min(row[x], before[x] + 1)
+
+
+@kernel
+def distance_to_zero(mask, cap, steps, out):
+    """Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
+
+    out (H, W) float32; steps (H, W) int16 is scratch. Exact: along columns first, then the least of
+    (columns away)^2 + (rows away)^2 along each row, as far as the row's largest distance reaches.
+    """
+    height, width = mask.shape
+    down_and_up(mask, cap, steps)
+    padded = np.full(width + 2 * cap, np.float32(cap * cap), np.float32)
+    here = padded[cap : cap + width]
+    for y in range(height):
+        row, far = out[y], np.int16(0)
+        for x in range(width):
+            here[x] = np.float32(steps[y, x]) * np.float32(steps[y, x])
+            row[x] = here[x]
+            far = max(far, steps[y, x])
+        for away in range(1, far):
+            left, right, square = padded[cap - away :], padded[cap + away :], np.float32(away * away)
+            for x in range(width):
+                row[x] = min(row[x], min(left[x], right[x]) + square)
+        for x in range(width):
+            row[x] = np.sqrt(row[x])
+
+
 @kernel
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
     """Smoothing area map S(y, x) = min(beta alpha d^2, T / sqrt 2), rounded, kept inside the image.

@@ -50,8 +50,8 @@ $(VENV)/.documenting: $(VENV)/pyvenv.cfg pyproject.toml
 	$(BIN)/python -m pip install --quiet --editable . --group docs
 	@touch $@ $(VENV)/.installed
 
-# OpenCV's contrib modules would overwrite the plain ones, so the oracle lives apart
-$(ORACLE)/.installed:
+# OpenCV's contrib modules would overwrite the plain ones, so the oracle lives apart, with the other peers of `bench`
+$(ORACLE)/.installed: Makefile
 	$(PYTHON) -m venv $(ORACLE)
-	$(ORACLE)/bin/python -m pip install --quiet "opencv-contrib-python-headless>=4.8"
+	$(ORACLE)/bin/python -m pip install --quiet "opencv-contrib-python-headless>=4.8" "scikit-image>=0.22"
 	@touch $@

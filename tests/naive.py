@@ -273,6 +273,10 @@ def join_levels(on: Array, off: Array) -> Array:
 # --- edges ----------------------------------------------------------------------------------------------------
 
 
+def steepest(gx: Array, gy: Array) -> int:
+    return max((int(gx[at]) ** 2 + int(gy[at]) ** 2 for at in pixels(gx)), default=0)
+
+
 def nearest_normal(gx: float, gy: float) -> Array:
     """The one of the four directions (n_y, n_x) that the gradient or its opposite is nearest to."""
     along = [abs(gx * n_x + gy * n_y) / math.hypot(n_y, n_x) for n_y, n_x in NORMALS]

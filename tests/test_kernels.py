@@ -178,7 +178,7 @@ def test_smoothing_radius(scene: Frame, rng: np.random.Generator, max_radius: in
 def test_count_boxes(scene: Frame, rng: np.random.Generator) -> None:
     mask, radius = scene.depth == 0, random_radii(rng, scene.shape)
     out = np.empty(scene.shape, np.int32)
-    smoothing.count_boxes(integral(mask), radius, out)
+    smoothing.count_boxes(integral(mask, np.int32), radius, out)
     np.testing.assert_array_equal(out, naive.count_boxes(mask, radius))
 
 
@@ -190,7 +190,7 @@ def test_mean_boxes(scene: Frame, rng: np.random.Generator, left_out: str) -> No
         "more": (scene.depth == 0) | (rng.random(scene.shape) < 0.6),
     }[left_out]
     radius, out = random_radii(rng, scene.shape), np.empty(scene.shape, np.float32)
-    smoothing.mean_boxes(scene.depth, integral(np.where(mask, 0, scene.depth)), integral(mask), radius, out)
+    smoothing.mean_boxes(scene.depth, integral(np.where(mask, 0, scene.depth)), integral(mask, np.int32), radius, out)
     np.testing.assert_allclose(out, naive.mean_boxes(scene.depth, mask, radius), **TOLERANCE)
 
 
@@ -263,6 +263,12 @@ def test_join_levels(scene: Frame, rng: np.random.Generator) -> None:
         out = np.empty(scene.shape, np.uint8)
         saliency.join_levels(on, off, out)
         np.testing.assert_array_equal(out, naive.join_levels(on, off))
+
+
+def test_steepest(scene: Frame, rng: np.random.Generator) -> None:
+    for largest in (1, 40, 4080):
+        gx, gy = rng.integers(-largest, largest + 1, (2, *scene.shape)).astype(np.int16)
+        assert edges.steepest(gx, gy) == naive.steepest(gx, gy)
 
 
 def _classify(scene: Frame, canny: naive.Array, gx: naive.Array, gy: naive.Array, **changes: object) -> None:

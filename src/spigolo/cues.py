@@ -24,14 +24,14 @@ class Cues:
     """What the graph is weighed by; every map is (H, W).
 
     depth: D_s in metres, 0 where missing. color: points (3, H, W) of eq. 4. missing: share of the frame without depth
-    inside the working range, before smoothing. cost: the function this frame is weighed by, AutoCost resolved.
-    saliency: for SaliencyCost, else None. edges: for BoundaryCost, else None. support: the plane that objects stand on,
-    where the rejection asks for it and there is one.
+    inside the working range, None where no AutoCost asks. cost: the function this frame is weighed by, AutoCost
+    resolved. saliency: for SaliencyCost, else None. edges: for BoundaryCost, else None. support: the plane that objects
+    stand on, where the rejection asks for it and there is one.
     """
 
     depth: DepthMap
     color: Points
-    missing: float
+    missing: float | None
     cost: SaliencyCost | BoundaryCost
     saliency: npt.NDArray[np.float32] | None
     edges: EdgeMaps | None
@@ -53,8 +53,10 @@ class Cues:
 def gather_cues(frame: Frame, config: Config) -> Cues:
     """All cues that the frame's cost function reads."""
     depth = prepare_depth(frame.depth, config.depth)
-    missing = missing_share(depth, config.rejection.max_distance_m)
-    cost = config.cost.choose(missing) if isinstance(config.cost, AutoCost) else config.cost
+    missing, cost = None, config.cost
+    if isinstance(cost, AutoCost):
+        missing = missing_share(depth, config.rejection.max_distance_m)
+        cost = cost.choose(missing)
     rule = config.rejection.support
     camera = frame.camera
     support = None if rule is None or camera is None else find_support(frame.depth, camera, rule)

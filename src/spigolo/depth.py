@@ -49,7 +49,7 @@ def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[
 def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
     """Eq. 7. gamma_0 (H, W): pixels of `mask` in the window of each pixel."""
     out = np.empty(mask.shape, np.int32)
-    smoothing.count_boxes(_integral(mask.astype(np.float32)), radius, out)
+    smoothing.count_boxes(_count_integral(mask), radius, out)
     return out
 
 
@@ -65,13 +65,18 @@ def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
         left_out = steps | missing_mask(depth) if config.skip_steps else missing_mask(depth)
     out = np.empty_like(depth)
     counted = np.where(left_out, np.float32(0), depth)
-    smoothing.mean_boxes(depth, _integral(counted), _integral(left_out.astype(np.float32)), radius, out)
+    smoothing.mean_boxes(depth, _integral(counted), _count_integral(left_out), radius, out)
     return out
 
 
 def _integral(image: DepthMap) -> Integral:
     """Integral image (H+1, W+1) in float64: in float32 a mean over a few pixels would be off by centimetres."""
     return np.asarray(cv2.integral(image, sdepth=cv2.CV_64F), np.float64)
+
+
+def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
+    """Integral image (H+1, W+1) of a mask: how many of its pixels lie above and left."""
+    return np.asarray(cv2.integral(mask.view(np.uint8), sdepth=cv2.CV_32S), np.int32)
 
 
 def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:

@@ -69,7 +69,7 @@ def scharr_canny(image: Color, config: Edges) -> tuple[Mask, Gradient, Gradient]
     gray = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (5, 5), 0)
     gx = np.asarray(cv2.Scharr(gray, cv2.CV_16S, 1, 0), np.int16)
     gy = np.asarray(cv2.Scharr(gray, cv2.CV_16S, 0, 1), np.int16)
-    largest = float(np.sqrt((gx.astype(np.float32) ** 2 + gy.astype(np.float32) ** 2).max(initial=0)))
+    largest = float(np.sqrt(np.float32(kernel.steepest(gx, gy))))
     low = max(config.canny_low * largest, config.canny_floor)
     high = low * config.canny_high / config.canny_low if config.canny_low > 0 else config.canny_high * largest
     return cv2.Canny(gx, gy, low, high, L2gradient=True) > 0, gx, gy

@@ -93,6 +93,17 @@ def read_depth(path: PathLike) -> Image:
         raise FileError(f"expected a depth array in {path}, but it cannot be read: {error}") from None
 
 
+def read_labels(path: PathLike) -> Image:
+    """A label image (H, W) of whole numbers, as stored."""
+    stored = _decode(path, cv2.IMREAD_UNCHANGED)
+    if stored.ndim != 2 or stored.dtype.kind not in "ui":
+        raise FrameError(
+            f"expected labels in one channel of whole numbers in {path}, got {stored.dtype} of shape {stored.shape}:"
+            " store label numbers, 0 for background, as a grey PNG"
+        )
+    return stored
+
+
 def read_camera(path: PathLike, width: int | None = None, height: int | None = None) -> tuple[Camera, float | None]:
     """Camera of a file, and its depth_scale (metres per unit) or None.
 

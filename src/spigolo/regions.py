@@ -77,7 +77,7 @@ class Edges:
             self.weights, np.float32(low), np.float32(high), forest.parent, forest.flags, least, self.offsets,
             self._chosen,
         )  # fmt: skip
-        count = int(np.count_nonzero(self._chosen))
+        count = int(np.count_nonzero(self._chosen.view(bool)))
         edges = self._workspace.array("edges", count + 1, np.uint64)
         merging.pack(self.weights.view(np.uint32), self._chosen, self._eights, edges)
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0]

@@ -29,10 +29,10 @@ def _levels(image: Color, config: Saliency) -> npt.NDArray[np.uint8]:
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     for _ in range(2):
         gray = cv2.GaussianBlur(gray, (3, 3), 0)
-    gray = np.asarray(gray, np.uint8)
     on, off = np.empty(gray.shape, np.int32), np.empty(gray.shape, np.int32)
     kernel.center_surround(gray, cv2.integral(gray), np.asarray(config.surrounds_px, np.int64), on, off)
-    kernel.join_levels(on, off, levels := np.empty_like(gray))
+    levels = np.empty(gray.shape, np.uint8)
+    kernel.join_levels(on, off, levels)
     return levels
 
 

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-
 ROOM_TO_GROW = 8
 """An eighth more than asked for, as frames differ a little in what they need."""
 

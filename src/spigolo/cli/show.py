@@ -24,14 +24,6 @@ if TYPE_CHECKING:
     from spigolo.objects import Segmentation
 
 
-def announce_compilation() -> None:
-    """Says that the first run on a machine takes longer."""
-    from spigolo.kernels import _jit
-
-    if _jit.CACHE_FOLDER is None or not any(_jit.CACHE_FOLDER.iterdir()):
-        print("compiling the kernels, once on this machine: about 20 s", file=sys.stderr, flush=True)
-
-
 def progress(frames: list[FramePaths], what: str) -> Iterable[FramePaths]:
     """The frames with a bar on the error stream while they are worked on."""
     return track(frames, description=what, console=Console(stderr=True), disable=not sys.stderr.isatty())

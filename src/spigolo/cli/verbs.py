@@ -1,4 +1,4 @@
-"""The verbs: segment, trace, doctor, presets, warmup, demo."""
+"""The verbs: segment, trace, doctor, presets, warmup, demo; and those that other modules define."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from cyclopts import Parameter
 
 from spigolo import __version__
 from spigolo.cli import DONE, SOME_FAILED
+from spigolo.cli.bench import bench
+from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frame import MAX_PIXELS
@@ -31,6 +33,10 @@ app = cyclopts.App(
     help="Finds the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.",
     help_epilogue="Begin with `spigolo demo`; then `spigolo doctor` on a frame of your own, then `spigolo segment`.",
 )
+app.command(evaluate)
+app.command(report)
+
+app.command(bench)
 
 
 @app.command
@@ -85,7 +91,6 @@ def segment(
     from spigolo.cli import show
     from spigolo.stream import Segmenter
 
-    show.announce_compilation()
     run = Segmenter(config)
     if len(frames) == 1:
         frame = _read(frames[0], camera, depth_scale, max_pixels)
@@ -147,7 +152,6 @@ def trace(
     from spigolo.view import figure1
 
     frame = _read(paths, camera, depth_scale, max_pixels)
-    show.announce_compilation()
     run = pipeline.trace(frame, config)
     io.write_png(out / "trace.png", figure1.figure1(run))
     if stages:
@@ -221,9 +225,6 @@ def warmup() -> int:
     """Compiles the kernels now, so that the first frame does not wait: for images of containers and robots."""
     import time
 
-    from spigolo.cli import show
-
-    show.announce_compilation()
     start = time.perf_counter()
     from spigolo.stream import warm_up
 
@@ -248,7 +249,6 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
 
     scene = Path(__file__).parents[1] / "demo_scene"
     frame = io.read_frame(scene / "rgb.png", scene / "depth.png", scene / "camera.json")
-    show.announce_compilation()
     run = pipeline.trace(frame, OBJECTS)
     show.write_result(run.segmentation, frame, out)
     io.write_png(out / "demo.png", _panels(run))

@@ -6,6 +6,9 @@ A label image is a 2-D array of whole numbers: 0 is background, every other valu
     total = summarise([score, ...])                         # a data set
     print(format_table({"ours": total}))
 
+Rows are the scores of many methods on many frames, in a file (`Row`, `RowFile`, `read_rows`); `pool` puts those of one
+method together, `compare` sets two side by side, `folds` and `leave_one_set_out` split frames to choose and to score.
+
 Letters used in shapes: H, W = image; N = true objects; S = predicted segments.
 Needs the extra ``evaluation`` (scipy): ``pip install "spigolo[evaluation]"``.
 """
@@ -28,18 +31,37 @@ from spigolo.evaluation.measures import (
     summarise,
     wilson_interval,
 )
+from spigolo.evaluation.pooling import Difference, Pooled, compare, pool
+from spigolo.evaluation.resampling import Estimate, Split, bootstrap, folds, leave_one_set_out
+from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, read_rows, row_to_json, score_row
 
 __all__ = [
     "DatasetScore",
+    "Difference",
+    "Estimate",
     "FrameScore",
+    "Key",
     "OverlapTable",
+    "Pooled",
+    "Row",
+    "RowFile",
+    "RowScore",
+    "Split",
+    "bootstrap",
     "boundary_hits",
     "boundary_map",
+    "compare",
     "default_radius_px",
+    "folds",
     "format_table",
+    "leave_one_set_out",
     "overlap_table",
     "pair_by_f",
+    "pool",
+    "read_rows",
+    "row_to_json",
     "score_frame",
+    "score_row",
     "summarise",
     "wilson_interval",
 ]

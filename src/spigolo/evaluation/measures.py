@@ -210,10 +210,11 @@ def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
     )
 
 
-def wilson_interval(hits: int, n: int, z: float = 1.96) -> tuple[float, float]:
+def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
     """Wilson's score interval of a share: `hits` out of `n`, at `z` standard deviations (1.96 = 95 %).
 
-    Honest for few trials and for shares near 0 or 1. Nothing is known without trials: (0, 1).
+    Honest for few trials and for shares near 0 or 1. Nothing is known without trials: (0, 1). Counts need not be whole:
+    trials that are near-identical may weigh less.
     Trials are taken as independent; objects of one frame are not quite.
     """
     if not 0 <= hits <= n or not z >= 0:

@@ -6,7 +6,9 @@ Where nothing can be written the kernels are compiled in each process.
 
 from __future__ import annotations
 
+import functools
 import hashlib
+import logging
 import os
 import tempfile
 import warnings
@@ -77,6 +79,19 @@ class _CacheImpl(FunctionCache._impl_class):
 
 class _Cache(FunctionCache):
     _impl_class = _CacheImpl
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            _announce()
+        return found
+
+
+@functools.cache
+def _announce() -> None:
+    """Says once in a process that this is the first run on a machine."""
+    if CACHE_FOLDER is not None and not any(CACHE_FOLDER.iterdir()):
+        logging.getLogger("spigolo").warning("compiling the kernels, once on this machine: about 15 s")
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -11,6 +11,18 @@ TAN_HALF_BIN = np.sqrt(2.0) - 1.0
 """tan 22.5 degrees."""
 
 
+@kernel
+def steepest(gx, gy):
+    """The largest squared length of a Scharr gradient (H, W) int16 of 8-bit values, which is below 2^26."""
+    largest = np.int32(0)
+    for y in range(gx.shape[0]):
+        along_x, along_y = gx[y], gy[y]
+        for x in range(along_x.size):
+            dx, dy = np.int32(along_x[x]), np.int32(along_y[x])
+            largest = max(largest, np.int32(np.int32(dx * dx) + np.int32(dy * dy)))
+    return largest
+
+
 @inlined
 def normal_direction(gx, gy):
     """N = (n_y, n_x), the gradient's direction in one of four bins of 45 degrees, whatever its polarity.

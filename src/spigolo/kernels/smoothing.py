@@ -88,6 +88,15 @@ def box_sum(integral, y, x, r):
     )
 
 
+@inlined
+def box_row(integral, y, x, r, n, out):
+    """`box_sum` of n pixels of one radius from column x on."""
+    above, below = integral[y - r], integral[y + r + 1]
+    a, b, c, d = above[x - r :], above[x + r + 1 :], below[x - r :], below[x + r + 1 :]
+    for k in range(n):
+        out[k] = (d[k] - c[k]) - (b[k] - a[k])
+
+
 @kernel
 def count_boxes(integral, radius, out):
     """Eq. 7. How many pixels that I_B marks lie in the window of each pixel (gamma_0)."""
@@ -101,15 +110,24 @@ def count_boxes(integral, radius, out):
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
     """Eq. 8; eq. 5 where nothing is left out. Mean depth of each pixel's window, left-out pixels not counted.
 
-    A missing pixel stays missing: smoothing fills no shadow.
+    depth_integral float64 and left_out_integral int32 (H+1, W+1). A missing pixel stays missing: smoothing fills no
+    shadow. Pixels are taken in runs of equal radius, so that the compiler makes vectors of them.
     """
     height, width = depth.shape
+    total, counted = np.empty(width), np.empty(width)
     for y in range(height):
-        for x in range(width):
-            r = radius[y, x]
-            side = 2 * r + 1
-            counted = side * side - box_sum(left_out_integral, y, x, r)
-            if depth[y, x] == 0.0 or counted == 0 or r == 0:
-                out[y, x] = depth[y, x]
-            else:
-                out[y, x] = box_sum(depth_integral, y, x, r) / counted
+        first = 0
+        while first < width:
+            r, end = radius[y, first], first + 1
+            while end < width and radius[y, end] == r:
+                end += 1
+            n = end - first
+            box_row(depth_integral, y, first, r, n, total)
+            box_row(left_out_integral, y, first, r, n, counted)
+            here, mean, pixels = depth[y, first:end], out[y, first:end], float((2 * r + 1) * (2 * r + 1))
+            for x in range(n):
+                of = pixels - counted[x]
+                value = total[x] / (of if of > 0.0 else 1.0)
+                keep = (here[x] == 0.0) | (of == 0.0) | (r == 0)
+                mean[x] = here[x] if keep else value
+            first = end

@@ -1,0 +1,19 @@
+"""How fast is it: ours and others' code on the same frames, round by round.
+
+In use::
+
+    report = bench({"mine": frame}, QUICK)          # everything that is measured
+    report.to_json()                                # with the raw rounds
+    print(markdown(report))
+
+What segments a frame joins the rounds once it stands in `BASELINES`.
+"""
+
+from __future__ import annotations
+
+from spigolo.bench.contestants import BASELINES
+from spigolo.bench.report import QUICK, Plan, Report, bench
+from spigolo.bench.scaling import SIZES, Size
+from spigolo.bench.tables import Table, markdown, tables
+
+__all__ = ["BASELINES", "QUICK", "SIZES", "Plan", "Report", "Size", "Table", "bench", "markdown", "tables"]

@@ -1,0 +1,185 @@
+"""The verb `bench`: how fast is it here."""
+
+from __future__ import annotations
+
+import dataclasses
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from spigolo.cli import DONE
+from spigolo.cli.inputs import find_frames
+from spigolo.errors import ConfigError, FrameError
+from spigolo.frame import MAX_PIXELS
+
+if TYPE_CHECKING:
+    from spigolo.bench import Plan, Report, Size
+    from spigolo.bench.timing import Tell
+    from spigolo.frame import Color, Frame
+
+NONE = "none"
+
+
+def bench(
+    *folders: str,
+    rounds: int | None = None,
+    quick: bool = False,
+    sizes: str | None = None,
+    peers: Path | None = None,
+    latency: int = 0,
+    startup: bool = False,
+    json: Path | None = None,
+    plot: Path | None = None,
+    markdown: Path | None = None,
+) -> int:
+    """Times spigolo beside other people's code, round by round: by preset, by stage, by image size; and its memory.
+
+    Examples: `spigolo bench --quick`, or `spigolo bench recordings/ --latency 1000 --startup --json bench.json`. The
+    peers are OpenCV's GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and merging by a plain
+    sort and union-find. Every round runs each of them once; ratios are taken within the rounds. Close other programs.
+
+    Parameters
+    ----------
+    folders
+        Folders of frames, as for `segment`. Default: the bundled scene. All but the rounds is about the first frame.
+    rounds
+        Rounds that count, after one to warm up. Default: 15, with --quick 3.
+    quick
+        Fewer rounds, sizes and frames: about a quarter of a minute.
+    sizes
+        Image sizes that the first frame is rescaled to: `640x480,1280x960`; `none` leaves that out.
+    peers
+        Python interpreter that has opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python
+        below the current folder, then this interpreter. What is missing is left out.
+    latency
+        Segments this many frames in a row for median, 99th percentile and worst.
+    startup
+        Also start once with nothing compiled: about 15 s more.
+    json
+        File for everything that was measured, raw rounds included.
+    plot
+        PNG file for time against pixels.
+    markdown
+        File for the tables.
+
+    """
+    plan = _plan(quick, rounds, sizes, latency, startup)
+    if plot is not None and not plan.sizes:
+        raise ConfigError("expected sizes to plot, got none")
+    frames = _read(folders)
+    from spigolo import io
+    from spigolo.bench import bench as measure
+    from spigolo.bench import markdown as as_markdown
+
+    with _progress() as tell:
+        report = measure(frames, plan, peers, tell)
+    _print(report)
+    if json is not None:
+        io.write_json(json, report.to_json())
+    if markdown is not None:
+        io.write_bytes(markdown, as_markdown(report).encode())
+    if plot is not None:
+        io.write_png(plot, _chart(report))
+    written = [str(path) for path in (json, markdown, plot) if path is not None]
+    if written:
+        print(f"written: {', '.join(written)}")
+    return DONE
+
+
+def _plan(quick: bool, rounds: int | None, sizes: str | None, latency: int, startup: bool) -> Plan:
+    from spigolo.bench import QUICK, Plan
+
+    plan = dataclasses.replace(QUICK if quick else Plan(), latency=latency, cold=startup)
+    if latency < 0:
+        raise ConfigError(f"expected a number of frames as --latency, got {latency}")
+    if rounds is not None:
+        if rounds < 1:
+            raise ConfigError(f"expected at least one round, got {rounds}")
+        plan = dataclasses.replace(plan, rounds=rounds, size_rounds=min(rounds, Plan().size_rounds))
+    return plan if sizes is None else dataclasses.replace(plan, sizes=_sizes(sizes))
+
+
+def _sizes(text: str) -> tuple[Size, ...]:
+    if text.lower() == NONE:
+        return ()
+    sizes = []
+    for word in text.split(","):
+        width, _, height = word.strip().lower().partition("x")
+        if not (width.isdecimal() and height.isdecimal() and int(width) * int(height)):
+            raise ConfigError(f"expected --sizes as 640x480,1280x960 or none, got {text!r}")
+        if int(width) * int(height) > MAX_PIXELS:
+            raise ConfigError(f"expected --sizes of at most {MAX_PIXELS} pixels, got {word.strip()}")
+        sizes.append((int(width), int(height)))
+    return tuple(dict.fromkeys(sizes))
+
+
+def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
+    """The frames by name, or by path where two are named alike."""
+    from spigolo import io
+
+    found = find_frames(folders or [str(Path(__file__).parents[1] / "demo_scene")])
+    names = [paths.name for paths in found]
+    keys = names if len(set(names)) == len(names) else [str(paths.color) for paths in found]
+    frames = {
+        key: io.read_frame(paths.color, paths.depth, paths.camera) for key, paths in zip(keys, found, strict=True)
+    }
+    if small := [key for key, frame in frames.items() if min(frame.shape) < 16]:
+        raise FrameError(f"expected frames of at least 16x16 pixels to time, got {small[0]}")
+    return frames
+
+
+@contextmanager
+def _progress() -> Iterator[Tell]:
+    """A bar on the error stream, drawn between the runs alone: a thread that redraws it would be timed as well."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TimeElapsedColumn(), BarColumn(), TextColumn("{task.description}"))
+    hidden = not sys.stderr.isatty()
+    with Progress(*columns, console=Console(stderr=True), auto_refresh=False, transient=True, disable=hidden) as bar:
+        task = bar.add_task("", total=1.0)
+
+        def tell(what: str, done: float) -> None:
+            bar.update(task, description=what, completed=done, refresh=True)
+
+        yield tell
+
+
+def _print(report: Report) -> None:
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table
+
+    from spigolo.bench import tables
+
+    console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 120)
+    for table in tables(report):
+        drawn = Table(box=SIMPLE_HEAD, show_header=any(table.header))
+        for k, (name, side) in enumerate(zip(table.header, table.sides, strict=True)):
+            drawn.add_column(name, justify=side, overflow="fold", no_wrap=k == 0)
+        for row in table.rows:
+            drawn.add_row(*row)
+        console.print(table.title, style="bold")
+        console.print(drawn)
+        if table.note:
+            console.print(f"{table.note}\n", style="dim")
+
+
+def _chart(report: Report) -> Color:
+    from spigolo.view.chart import Curve, log_log
+
+    pixels = [1e-6 * width * height for width, height in report.plan.sizes]
+    curves = []
+    for name, growth in report.growth.items():
+        ordered = sorted(zip(pixels, growth.cpu_ms, strict=True))
+        fit = "" if growth.pixels is None else f"\ngrows as N^{growth.pixels.exponent:.2f}"
+        curves.append(Curve(name + fit, [x for x, _ in ordered], [y for _, y in ordered]))
+    return log_log(
+        curves,
+        "Time of one frame against its pixels",
+        "million pixels; dashed: in proportion to the pixels",
+        "CPU time, ms, one thread",
+        f"{report.machine.cpu}; {report.contests[0].frame} rescaled, median of {report.plan.size_rounds} rounds",
+    )

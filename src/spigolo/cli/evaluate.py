@@ -1,0 +1,145 @@
+"""The verbs of experiments: evaluate writes rows, report makes a page of them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from spigolo.cli import DONE, SOME_FAILED
+from spigolo.cli.inputs import configure, split_flags
+from spigolo.errors import FileError
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+    from spigolo.evaluation.rows import Row
+    from spigolo.experiments import Contender
+
+Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
+Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
+Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
+
+
+def evaluate(
+    *frames: Inputs,
+    methods: Many = ("toscana2016",),
+    presets: Many = ("OBJECTS",),
+    full: Many = ("osd-*", "hand-uoc"),
+    jobs: Annotated[int, Parameter(alias="-j")] = 1,
+    out: Annotated[Path, Parameter(alias="-o")] = Path("rows.jsonl"),
+) -> int:
+    """Runs methods on labelled frames and writes a row of JSON for each: scores, time, rejected regions.
+
+    Rows that the file holds already are not made again, so that a run that was cut off goes on. `spigolo report` makes
+    a page of the rows. Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
+
+    Parameters
+    ----------
+    frames
+        Folders, before any flag: roots of data sets, data sets or single frames, as SET/FRAME/ with rgb.png, depth.png,
+        camera.json and label.png (0 = background, 1..N = objects, 255 = ignore; absent: time and counts alone). Any
+        field of the presets is a flag as well: `--partition.gamma 0.004`.
+    methods
+        Methods by name; toscana2016 is this one.
+    presets
+        Presets of toscana2016, by name or as TOML files.
+    full
+        Sets on which every object is labelled, as patterns: on others precision means nothing.
+    jobs
+        Worker processes.
+    out
+        File of rows, to which new ones are appended.
+
+    """
+    words, flags = split_flags(frames)
+    if not words:
+        raise FileError("expected a folder of frames, got nothing: name folders before any flag")
+    from spigolo.experiments import evaluate as run
+    from spigolo.experiments import find_labelled_frames, gather, make_methods
+
+    configs = [configure(preset, flags) for preset in presets]
+    chosen = make_methods(methods, configs)
+    found = find_labelled_frames([Path(word) for word in words], full)
+    new: list[Row] = []
+    with _bar() as bar:
+        task = bar.add_task("evaluating", total=None)
+
+        def tell(done: int, total: int, row: Row | None) -> None:
+            bar.update(task, completed=done, total=total)
+            if row is not None:
+                new.append(row)
+
+        rows = run(found, chosen, out, jobs, tell)
+    failed = [row for row in new if row.error is not None]
+    for row in failed:
+        print(f"spigolo: {row.data_set}/{row.frame} ({row.method} {row.preset}): {row.error}", file=sys.stderr)
+    _print_pooled(gather({"": rows}))
+    print(f"{len(rows)} rows, {len(rows) - len(new)} of them were there already: {out}")
+    return SOME_FAILED if failed else DONE
+
+
+def report(
+    *rows: Path,
+    frames: Folders = (),
+    against: str | None = None,
+    out: Annotated[Path, Parameter(alias="-o")] = Path("spigolo-report"),
+) -> int:
+    """Makes a page of rows: accuracy beside time, differences, the worst frames, limitations.
+
+    Files that hold the same frames and parameters, as before and after a change of the code, are compared preset by
+    preset.
+    Example: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`.
+
+    Parameters
+    ----------
+    rows
+        Files that `spigolo evaluate` wrote, before any flag.
+    frames
+        Folders of the frames, as for `evaluate`: pictures of the worst frames are drawn from them.
+    against
+        What differences are to: a label of the page, preset, digest or a file. Default: what comes first.
+    out
+        Folder for index.html, report.md and the pictures.
+
+    """
+    if not rows:
+        raise FileError("expected a file of rows, got nothing: name files before any flag")
+    from spigolo.experiments import find_labelled_frames, find_references, read_contenders, write_report
+
+    contenders = read_contenders(rows)
+    find_references(contenders, against)  # before anything is drawn
+    folders = find_labelled_frames(frames) if frames else []
+    with _bar() as bar:
+        task = bar.add_task("drawing", total=None)
+
+        def tell(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+
+        write_report(contenders, out, folders, against, tell)
+    _print_pooled(contenders)
+    print(f"written: {out / 'index.html'}, {out / 'report.md'}")
+    return DONE
+
+
+@contextmanager
+def _bar() -> Iterator[Progress]:
+    """A bar on the error stream, nothing where that is a file."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
+        yield bar
+
+
+def _print_pooled(contenders: list[Contender]) -> None:
+    from spigolo.experiments.page import to_text
+    from spigolo.experiments.tables import brief_table
+
+    table = brief_table(contenders)
+    if table.rows:
+        print(to_text(table))

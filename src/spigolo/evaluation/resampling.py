@@ -1,0 +1,115 @@
+"""Intervals by resampling, and splits that keep what belongs together on one side.
+
+Letters used in shapes: G = groups of near-identical frames; K = frames.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Indices = NDArray[np.intp]
+
+DRAWS = 4000
+SEED = 0
+LEVEL = 0.95
+
+
+class Estimate(NamedTuple):
+    """A figure with its 95 % interval; NaN for what is not known."""
+
+    value: float
+    low: float
+    high: float
+
+
+UNKNOWN = Estimate(math.nan, math.nan, math.nan)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Split:
+    """Frames by number. inside: to choose by; outside: to score, and no frame like them is inside."""
+
+    name: str
+    inside: Indices
+    outside: Indices
+
+
+def bootstrap(
+    values: ArrayLike, weights: ArrayLike | None = None, *, draws: int = DRAWS, seed: int = SEED, level: float = LEVEL
+) -> Estimate:
+    """The weighted mean of one value per group, with its percentile interval over groups drawn with replacement.
+
+    values, weights: (G,), weights 1 by default. For a paired comparison give the differences. The interval is NaN with
+    fewer than two groups. The same seed gives the same interval.
+    """
+    x = np.asarray(values, np.float64)
+    w = np.ones_like(x) if weights is None else np.asarray(weights, np.float64)
+    if x.ndim != 1 or x.shape != w.shape or (w < 0).any():
+        raise ValueError(
+            f"expected one value and one weight of 0 or more per group, got shapes {x.shape} and {w.shape};"
+            " mend: take the mean within each group first"
+        )
+    x, w = x[w > 0], w[w > 0]
+    if not x.size:
+        return UNKNOWN
+    value = float(np.average(x, weights=w))
+    if x.size == 1:
+        return Estimate(value, math.nan, math.nan)
+    drawn = np.random.default_rng(seed).integers(0, x.size, (draws, x.size))
+    means = (x * w)[drawn].sum(axis=1) / w[drawn].sum(axis=1)
+    low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2])
+    return Estimate(value, float(low), float(high))
+
+
+def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Split]:
+    """Splits K frames into `k` folds of about one size, each the outside of one split; a group is never divided.
+
+    groups: (K,) the group of each frame. Raises ValueError where there are fewer groups than folds.
+    """
+    frames_of = _frames_of(groups)
+    if not 2 <= k <= len(frames_of):
+        raise ValueError(
+            f"expected 2 to {len(frames_of)} folds of {len(frames_of)} groups, got {k}; mend: choose another k"
+        )
+    order = np.random.default_rng(seed).permutation(len(frames_of))
+    lists = list(frames_of.values())
+    # large groups first, so that the folds come out alike in size
+    shuffled = sorted((lists[i] for i in order), key=len, reverse=True)
+    held: list[list[int]] = [[] for _ in range(k)]
+    for members in shuffled:
+        min(held, key=len).extend(members)
+    return [_split(f"fold {n}", len(groups), members, groups) for n, members in enumerate(held, start=1)]
+
+
+def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = None) -> list[Split]:
+    """A split per data set, in the order of their names, with that set outside.
+
+    sets: (K,) the data set of each frame. groups: (K,) its group; frames of other sets that are like one outside are on
+    neither side. Raises ValueError with fewer than two sets.
+    """
+    names = sorted(set(sets))
+    if len(names) < 2:
+        raise ValueError(f"expected at least two data sets to leave one out, got {len(names)}; mend: add frames")
+    alike = list(range(len(sets))) if groups is None else groups
+    if len(alike) != len(sets):
+        raise ValueError(f"expected a group per frame, got {len(alike)} for {len(sets)}; mend: give both in one order")
+    return [_split(name, len(sets), [i for i, s in enumerate(sets) if s == name], alike) for name in names]
+
+
+def _frames_of(groups: Sequence[Hashable]) -> dict[Hashable, list[int]]:
+    frames: dict[Hashable, list[int]] = {}
+    for index, group in enumerate(groups):
+        frames.setdefault(group, []).append(index)
+    return frames
+
+
+def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hashable]) -> Split:
+    held = {groups[i] for i in outside}
+    inside = [i for i in range(count) if groups[i] not in held]
+    return Split(name, np.array(inside, np.intp), np.array(sorted(outside), np.intp))

@@ -1,0 +1,30 @@
+"""Methods on labelled frames, in two steps: `evaluate` writes rows, `write_report` makes a page of them.
+
+frames = find_labelled_frames([Path("frames")])
+evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))
+write_report(read_contenders([Path("rows.jsonl")]), Path("report"), frames)
+"""
+
+from __future__ import annotations
+
+from spigolo.experiments.contenders import Contender, find_references, gather, read_contenders
+from spigolo.experiments.labelled import FrameFolder, Truth, find_labelled_frames
+from spigolo.experiments.methods import Method, Toscana2016, make_methods, remake
+from spigolo.experiments.report import write_report
+from spigolo.experiments.running import evaluate
+
+__all__ = [
+    "Contender",
+    "FrameFolder",
+    "Method",
+    "Toscana2016",
+    "Truth",
+    "evaluate",
+    "find_labelled_frames",
+    "find_references",
+    "gather",
+    "make_methods",
+    "read_contenders",
+    "remake",
+    "write_report",
+]

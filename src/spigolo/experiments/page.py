@@ -1,0 +1,221 @@
+"""A page of blocks, as HTML and as Markdown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """A figure, and in smaller print what goes with it. strong: worth seeing first."""
+
+    text: str
+    note: str = ""
+    strong: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """A heading of a section."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Paragraph:
+    """A paragraph of plain text."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Items:
+    """A list of sentences."""
+
+    sentences: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows under a head. The first `names` columns hold text, the others figures; equal names below each other are
+    said once.
+    """
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[Cell]]
+    names: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture beside the page, with its caption."""
+
+    path: str
+    caption: str
+
+
+@dataclass(frozen=True, slots=True)
+class Gallery:
+    """Pictures that can be folded away."""
+
+    title: str
+    pictures: Sequence[Picture]
+    unfolded: bool = False
+
+
+Block = Heading | Paragraph | Items | Table | Gallery
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A title and what follows."""
+
+    title: str
+    blocks: Sequence[Block]
+
+
+STYLE = """
+:root { color-scheme: light dark; --line: #d8dce2; --dim: #667080; --head: #f3f5f8; --ink: #1c2330; --page: #fff; }
+@media (prefers-color-scheme: dark) {
+  :root { --line: #363c48; --dim: #98a2b3; --head: #232936; --ink: #e4e8ef; --page: #171b23; }
+}
+body { margin: 2.5rem auto; max-width: 92rem; padding: 0 1.5rem; background: var(--page); color: var(--ink);
+  font: 15px/1.5 system-ui, sans-serif; }
+h1 { font-size: 1.7rem; margin: 0 0 .4rem; }
+h2 { font-size: 1.2rem; margin: 2.4rem 0 .6rem; }
+p, li { max-width: 60rem; }
+.table { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: .35rem .5rem; text-align: right; vertical-align: top; white-space: nowrap; }
+th { background: var(--head); font-weight: 600; vertical-align: bottom; white-space: normal; }
+th.name, td.name { text-align: left; white-space: normal; }
+tr.first td { border-top: 1px solid var(--line); }
+table tr:last-child td { border-bottom: 1px solid var(--line); }
+td small { display: block; color: var(--dim); font-size: .8em; }
+details { margin: .8rem 0; }
+summary { cursor: pointer; font-weight: 600; }
+.gallery { display: grid; grid-template-columns: repeat(auto-fill, minmax(34rem, 1fr)); gap: 1.2rem;
+  margin-top: .8rem; }
+figure { margin: 0; }
+figure img { width: 100%; display: block; border-radius: 4px; }
+figcaption { color: var(--dim); font-size: .9em; margin-top: .3rem; }
+@media (max-width: 40rem) { .gallery { grid-template-columns: 1fr; } }
+"""
+
+
+def to_html(page: Page) -> str:
+    """The page as one HTML file; pictures lie beside it."""
+    title = escape(page.title)
+    body = "\n".join(_html(block) for block in page.blocks)
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{body}\n</body>\n</html>\n"
+    )
+
+
+def to_markdown(page: Page) -> str:
+    """The page as Markdown; pictures lie beside it."""
+    return "\n\n".join([f"# {page.title}", *(_markdown(block) for block in page.blocks)]) + "\n"
+
+
+def to_text(table: Table) -> str:
+    """The table for a terminal, columns aligned; what goes with a figure stands in parentheses."""
+    cells = [list(table.head), *([_text_cell(cell) for cell in row] for row in table.rows)]
+    widths = [max(len(row[k]) for row in cells) for k in range(len(table.head))]
+    pads = [str.ljust if k < table.names else str.rjust for k in range(len(widths))]
+    lines = ([pad(text, width) for pad, text, width in zip(pads, row, widths, strict=True)] for row in cells)
+    return "\n".join("  ".join(line).rstrip() for line in lines)
+
+
+def _text_cell(cell: Cell) -> str:
+    return f"{cell.text} ({cell.note})" if cell.note else cell.text
+
+
+def _html(block: Block) -> str:
+    match block:
+        case Heading(text):
+            return f"<h2>{escape(text)}</h2>"
+        case Paragraph(text):
+            return f"<p>{escape(text)}</p>"
+        case Items(sentences):
+            return "<ul>\n" + "\n".join(f"<li>{escape(s)}</li>" for s in sentences) + "\n</ul>"
+        case Table():
+            return _html_table(block)
+        case Gallery(title, pictures, unfolded):
+            shown = " open" if unfolded else ""
+            figures = "\n".join(_html_figure(picture) for picture in pictures)
+            return (
+                f"<details{shown}>\n<summary>{escape(title)}</summary>\n"
+                f'<div class="gallery">\n{figures}\n</div>\n</details>'
+            )
+
+
+def _html_figure(picture: Picture) -> str:
+    caption, path = escape(picture.caption), escape(picture.path)
+    return (
+        f'<figure><a href="{path}"><img src="{path}" alt="{caption}" loading="lazy"></a>'
+        f"<figcaption>{caption}</figcaption></figure>"
+    )
+
+
+def _html_table(table: Table) -> str:
+    kinds = ['class="name"' if k < table.names else "" for k in range(len(table.head))]
+    head = "".join(f"<th {kind}>{escape(text)}</th>" for kind, text in zip(kinds, table.head, strict=True))
+    lines = [f"<tr>{head}</tr>"]
+    for number, row in enumerate(table.rows):
+        first = _first_of_name(table, number)
+        cells = "".join(
+            f"<td {kind}>{_html_cell(cell) if k or first else ''}</td>"
+            for k, (kind, cell) in enumerate(zip(kinds, row, strict=True))
+        )
+        lines.append(f'<tr class="{"first" if first else ""}">{cells}</tr>')
+    return '<div class="table"><table>\n' + "\n".join(lines) + "\n</table></div>"
+
+
+def _first_of_name(table: Table, number: int) -> bool:
+    return table.names < 2 or number == 0 or table.rows[number - 1][0] != table.rows[number][0]
+
+
+def _html_cell(cell: Cell) -> str:
+    text = f"<b>{escape(cell.text)}</b>" if cell.strong else escape(cell.text)
+    return f"{text}<small>{escape(cell.note)}</small>" if cell.note else text
+
+
+def _markdown(block: Block) -> str:
+    match block:
+        case Heading(text):
+            return f"## {_plain(text)}"
+        case Paragraph(text):
+            return _plain(text)
+        case Items(sentences):
+            return "\n".join(f"- {_plain(s)}" for s in sentences)
+        case Table():
+            return _markdown_table(block)
+        case Gallery(title, pictures):
+            return "\n\n".join(
+                [
+                    f"### {_plain(title)}",
+                    *(f"![{_plain(p.caption)}]({p.path})\n\n{_plain(p.caption)}" for p in pictures),
+                ]
+            )
+
+
+def _markdown_table(table: Table) -> str:
+    rule = ["---"] * table.names + ["---:"] * (len(table.head) - table.names)
+    lines = [list(map(_plain, table.head)), rule, *([_markdown_cell(cell) for cell in row] for row in table.rows)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def _markdown_cell(cell: Cell) -> str:
+    text = f"**{_plain(cell.text)}**" if cell.strong else _plain(cell.text)
+    return f"{text} ({_plain(cell.note)})" if cell.note else text
+
+
+def _plain(text: str) -> str:
+    """Text that Markdown leaves as it is."""
+    for mark in ("\\", "|", "*", "_", "`", "<", "[", "]"):
+        text = text.replace(mark, f"\\{mark}")
+    return " ".join(text.split())

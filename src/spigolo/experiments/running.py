@@ -1,0 +1,199 @@
+"""Methods on frames, a row each, in this process or in several."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from spigolo import __version__
+from spigolo.errors import SpigoloError
+from spigolo.evaluation.matching import NEEDS_SCIPY
+from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, score_row
+from spigolo.experiments.labelled import FrameFolder, Truth
+from spigolo.experiments.machine import describe_machine
+from spigolo.experiments.methods import Method
+from spigolo.frame import Frame
+from spigolo.objects import Segmentation
+
+Tell = Callable[[int, int, Row | None], None]
+"""Called with the number of rows done, of rows to do and the row just done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One method on one frame."""
+
+    frame: FrameFolder
+    method: str
+    digest: str
+
+    @property
+    def key(self) -> Key:
+        """As that of the row that it will be."""
+        return Key(self.frame.data_set, self.frame.name, self.method, self.digest)
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a method answered, and in what time."""
+
+    result: Segmentation
+    cpu_s: float
+    wall_s: float
+
+
+class Worker:
+    """Does tasks one after the other. The first frame of a method is run once before it is timed."""
+
+    def __init__(self, methods: Sequence[Method]) -> None:
+        self._methods = {(method.name, method.digest): method for method in methods}
+        self._warm: set[tuple[str, str]] = set()
+
+    def __call__(self, task: Task) -> Row:
+        """The row of a task; an error that spigolo raises on purpose becomes a row as well."""
+        method = self._methods[task.method, task.digest]
+        truth: Truth | None = None
+        try:
+            frame, truth = task.frame.read_both()
+            run = self._time(method, frame)
+        except SpigoloError as error:
+            return _row(task.frame, method, None, _score_of_nothing(truth), str(error))
+        return _row(task.frame, method, run, None if truth is None else _score(truth, run.result))
+
+    def _time(self, method: Method, frame: Frame) -> Run:
+        key = method.name, method.digest
+        if key not in self._warm:
+            method(frame)
+            self._warm.add(key)
+        wall, cpu = time.perf_counter(), time.process_time()
+        result = method(frame)
+        return Run(result, time.process_time() - cpu, time.perf_counter() - wall)
+
+
+def evaluate(
+    frames: Sequence[FrameFolder], methods: Sequence[Method], out: Path, jobs: int = 1, tell: Tell | None = None
+) -> list[Row]:
+    """Runs every method on every frame and appends a row each to the file `out`, but for those that it holds.
+
+    jobs: worker processes. Returns the rows of these methods on these frames, old and new. Raises SpigoloError where
+    the measures cannot run or a worker dies, FileError for a file that holds something else.
+    """
+    if importlib.util.find_spec("scipy") is None:
+        raise SpigoloError(NEEDS_SCIPY)
+    if jobs < 1:
+        raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
+    wanted = [Task(frame, method.name, method.digest) for frame in frames for method in methods]
+    with RowFile(out) as file:
+        there = {row.key for row in file.rows}
+        tasks = [task for task in wanted if task.key not in there]
+        if tell is not None:
+            tell(0, len(tasks), None)
+        with closing(_run(tasks, methods, jobs)) as rows:
+            for done, row in enumerate(rows, start=1):
+                file.append(row)
+                if tell is not None:
+                    tell(done, len(tasks), row)
+        by_key = {row.key: row for row in file.rows}
+    return [by_key[task.key] for task in wanted]
+
+
+def _run(tasks: Sequence[Task], methods: Sequence[Method], jobs: int) -> Generator[Row]:
+    """The rows in the order of the tasks."""
+    if jobs == 1 or len(tasks) < 2:
+        with _one_thread():
+            yield from map(Worker(methods), tasks)
+        return
+    # spawn: OpenCV's threads do not survive a fork
+    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_prepare, initargs=(methods,))
+    try:
+        yield from pool.map(_do, tasks)
+    except BrokenProcessPool:
+        raise SpigoloError(
+            "expected the worker processes to live, but one died, probably for want of memory: take fewer with -j;"
+            " the rows so far are kept"
+        ) from None
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+_worker: Worker | None = None
+
+
+def _prepare(methods: Sequence[Method]) -> None:
+    """In a new worker process."""
+    global _worker  # noqa: PLW0603
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    cv2.setNumThreads(1)
+    _worker = Worker(methods)
+
+
+def _end_with_parent() -> None:
+    """A worker whose parent was killed would wait for tasks for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _do(task: Task) -> Row:
+    assert _worker is not None
+    return _worker(task)
+
+
+@contextmanager
+def _one_thread() -> Iterator[None]:
+    """OpenCV on one thread, as the times are those of one."""
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
+
+
+def _score(truth: Truth, result: Segmentation) -> RowScore:
+    return score_row(truth.labels, result.labels, result.scene.regions.labels + 1, truth.ignore)
+
+
+def _score_of_nothing(truth: Truth | None) -> RowScore | None:
+    """None also for an empty scene: who failed there has not seen that it is empty."""
+    if truth is None or not truth.labels.any():
+        return None
+    return score_row(truth.labels, np.zeros_like(truth.labels), None, truth.ignore)
+
+
+def _row(frame: FrameFolder, method: Method, run: Run | None, score: RowScore | None, error: str | None = None) -> Row:
+    rejected = Counter(region.reason.value for region in run.result.rejected) if run is not None else {}
+    return Row(
+        data_set=frame.data_set,
+        frame=frame.name,
+        group=frame.group,
+        labelling=frame.labelling,
+        method=method.name,
+        preset=method.preset,
+        digest=method.digest,
+        parameters=dict(method.parameters),
+        version=__version__,
+        machine=describe_machine(),
+        cpu_s=None if run is None else run.cpu_s,
+        wall_s=None if run is None else run.wall_s,
+        n_predicted=0 if run is None else len(run.result),
+        rejected=dict(sorted(rejected.items())),
+        score=score,
+        error=error,
+    )

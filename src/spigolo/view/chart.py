@@ -1,0 +1,136 @@
+"""Curves over logarithmic axes, where a power law is a straight line and its exponent the slope."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import cv2
+import numpy as np
+
+from spigolo.frame import Color
+from spigolo.view.overlay import FONT, INK
+
+WIDTH, HEIGHT, FINER = 1120, 720, 3
+"""Size in pixels; drawn this much finer and shrunk, which makes smooth lines and letters."""
+LEFT, RIGHT, TOP, BOTTOM = 90, 300, 80, 110
+"""Margins; the curves' names stand in the right one."""
+COLORS = ((31, 98, 184), (214, 92, 20), (110, 110, 110), (30, 140, 90), (150, 60, 150), (190, 150, 0))
+GRID, GUIDE, PALE = (229, 229, 229), (170, 170, 170), (95, 95, 95)
+LINE_PX = 24
+
+Tint = tuple[int, int, int]
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Positive x and y of the same length, by growing x. name: a line of text, or two."""
+
+    name: str
+    x: Sequence[float]
+    y: Sequence[float]
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """Logarithmic, from `low` to `high`, drawn from pixel `start` to pixel `end`."""
+
+    low: float
+    high: float
+    start: float
+    end: float
+
+    def __call__(self, value: float) -> float:
+        """The pixel of a value."""
+        share = math.log(value / self.low) / math.log(self.high / self.low)
+        return self.start + share * (self.end - self.start)
+
+    @property
+    def ticks(self) -> list[float]:
+        """1, 2, 5 times the powers of ten on the axis."""
+        decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        every = [float(f"{digit}e{decade}") for decade in decades for digit in (1, 2, 5)]
+        return [tick for tick in every if self.low <= tick <= self.high]
+
+
+def log_log(curves: Sequence[Curve], title: str, x_label: str, y_label: str, note: str = "") -> Color:
+    """A chart (H, W, 3) of at least one curve; the dashed line through the first one's first point has the slope 1."""
+    x = _axis([v for c in curves for v in c.x], LEFT, WIDTH - RIGHT)
+    y = _axis([v for c in curves for v in c.y], HEIGHT - BOTTOM, TOP)
+    picture = np.full((HEIGHT * FINER, WIDTH * FINER, 3), 255, np.uint8)
+    _draw_grid(picture, x, y)
+    _draw_guide(picture, curves[0], x, y)
+    tints = [COLORS[k % len(COLORS)] for k in range(len(curves))]
+    for curve, tint in zip(curves, tints, strict=True):
+        _draw_curve(picture, [(x(a), y(b)) for a, b in zip(curve.x, curve.y, strict=True)], tint)
+    _draw_names(picture, curves, tints, y)
+    _text(picture, title, (LEFT, TOP - 42), 0.72, INK, weight=2)
+    _text(picture, y_label, (LEFT, TOP - 16), 0.48, PALE)
+    _text(picture, x_label, (LEFT, HEIGHT - BOTTOM + 52), 0.48, PALE)
+    _text(picture, note, (LEFT, HEIGHT - 22), 0.42, PALE)
+    return np.asarray(cv2.resize(picture, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA), np.uint8)
+
+
+def _axis(values: list[float], start: float, end: float) -> Axis:
+    """With some room on both sides."""
+    low, high = min(values), max(values)
+    room = max((high / low) ** 0.06, 1.15)
+    return Axis(low / room, high * room, start, end)
+
+
+def _draw_grid(picture: Color, x: Axis, y: Axis) -> None:
+    for tick in x.ticks:
+        _line(picture, (x(tick), y.start), (x(tick), y.end), GRID)
+        _text(picture, f"{tick:g}", (x(tick), y.start + 24), 0.46, INK, align=0.5)
+    for tick in y.ticks:
+        _line(picture, (x.start, y(tick)), (x.end, y(tick)), GRID)
+        _text(picture, f"{tick:g}", (x.start - 10, y(tick) + 5), 0.46, INK, align=1.0)
+    _line(picture, (x.start, y.start), (x.end, y.start), PALE)
+    _line(picture, (x.start, y.start), (x.start, y.end), PALE)
+
+
+def _draw_guide(picture: Color, curve: Curve, x: Axis, y: Axis) -> None:
+    """Dashes of slope 1 through the curve's first point, as far as the axes reach."""
+    factor = curve.y[0] / curve.x[0]
+    low, high = max(x.low, y.low / factor), min(x.high, y.high / factor)
+    ends = np.array([(x(low), y(low * factor)), (x(high), y(high * factor))])
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    for begin in np.arange(0, length, 12):
+        a, b = (ends[0] + (ends[1] - ends[0]) * min(s, length) / length for s in (begin, begin + 6))
+        _line(picture, (a[0], a[1]), (b[0], b[1]), GUIDE, width=1.5)
+
+
+def _draw_curve(picture: Color, points: list[Point], tint: Tint) -> None:
+    for a, b in pairwise(points):
+        _line(picture, a, b, tint, width=2.4)
+    for px, py in points:
+        center = round(px * FINER), round(py * FINER)
+        cv2.circle(picture, center, round(5.5 * FINER), (255, 255, 255), -1, cv2.LINE_AA)
+        cv2.circle(picture, center, round(4.5 * FINER), tint, -1, cv2.LINE_AA)
+
+
+def _draw_names(picture: Color, curves: Sequence[Curve], tints: Sequence[Tint], y: Axis) -> None:
+    """Beside the last point of each curve, moved down where the one above is in the way."""
+    free = float(TOP)
+    for curve, tint in sorted(zip(curves, tints, strict=True), key=lambda pair: y(pair[0].y[-1])):
+        lines = curve.name.split("\n")
+        at = max(y(curve.y[-1]) + 5, free)
+        for k, line in enumerate(lines):
+            _text(picture, line, (WIDTH - RIGHT + 12, at + 20 * k), 0.52 if k == 0 else 0.42, tint, weight=2 - k)
+        free = at + LINE_PX * len(lines)
+
+
+def _line(picture: Color, a: Point, b: Point, tint: Tint, width: float = 1.0) -> None:
+    ends = [(round(px * FINER), round(py * FINER)) for px, py in (a, b)]
+    cv2.line(picture, ends[0], ends[1], tint, round(width * FINER), cv2.LINE_AA)
+
+
+def _text(picture: Color, text: str, at: Point, size: float, tint: Tint, align: float = 0.0, weight: int = 1) -> None:
+    """align: which share of the text's width stands left of `at`."""
+    thickness = round((0.6 + 0.5 * weight) * FINER)
+    (width, _), _ = cv2.getTextSize(text, FONT, size * FINER, thickness)
+    corner = round(at[0] * FINER - align * width), round(at[1] * FINER)
+    cv2.putText(picture, text, corner, FONT, size * FINER, tint, thickness, cv2.LINE_AA)

@@ -1,0 +1,33 @@
+"""What is true over the colour image, and what was found of it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frame import Color, Mask
+
+FOUND, MISSED = (60, 220, 90), (255, 60, 60)
+HATCH_STEP_PX = 12
+
+
+def truth_picture(
+    color: Color, labels: npt.NDArray[np.integer[Any]], found: Collection[int], ignore: Mask | None = None
+) -> Color:
+    """The colour image (H, W, 3) with each labelled object outlined, green if found and red if not.
+
+    labels (H, W): 0 = background. found: the labels that count as found. ignore (H, W): what does not count, hatched.
+    """
+    picture = color.copy()
+    if ignore is not None:
+        picture[ignore] = picture[ignore] // 2
+        picture[ignore & (np.add.outer(*map(np.arange, labels.shape)) % HATCH_STEP_PX < 2)] = 150
+    width = max(2, round(3 * labels.shape[0] / 480))
+    for label in np.unique(labels[labels > 0]).tolist():
+        outlines, _ = cv2.findContours((labels == label).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        cv2.drawContours(picture, outlines, -1, FOUND if label in found else MISSED, width, cv2.LINE_AA)
+    return picture

@@ -1,0 +1,93 @@
+"""The first frame: short kernels, a cache where the user may write, and none where nothing can be written."""
+
+from __future__ import annotations
+
+import ast
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import spigolo
+import spigolo.kernels._jit
+
+SOURCES = Path(spigolo.__file__).parents[1]
+NOBODY = 65534
+SEGMENT = """
+import os, numpy as np, spigolo as sp
+rng = np.random.default_rng(0)
+depth = np.full((60, 80), 1.0, np.float32)
+depth[20:40, 30:50] = 0.8
+color = np.full((60, 80, 3), 90, np.uint8)
+color[20:40, 30:50] = 200, 30, 30
+result = sp.segment(sp.Frame(color, depth, sp.Camera(80, 80, 39.5, 29.5, 80, 60)), sp.TABLE)
+print(os.getuid(), *result.labels.shape)
+"""
+
+
+@pytest.mark.parametrize("path", sorted((SOURCES / "spigolo" / "kernels").glob("[a-z]*.py")), ids=lambda p: p.stem)
+def test_no_kernel_is_longer_than_sixty_lines(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef):
+            assert node.end_lineno is not None
+            assert node.end_lineno - node.lineno < 60, node.name
+
+
+@pytest.fixture
+def public() -> Iterator[Path]:
+    """A folder that every user can read, unlike pytest's own."""
+    folder = Path(tempfile.mkdtemp())
+    folder.chmod(0o755)
+    yield folder
+    shutil.rmtree(folder)
+
+
+def interpreter_for_all(folder: Path) -> Path:
+    """This interpreter where every user can run it: its home may be closed to others."""
+    libraries = Path(sysconfig.get_path("stdlib"))
+    left_out = shutil.ignore_patterns("site-packages", "test", "__pycache__", "idlelib", "tkinter")
+    shutil.copytree(libraries, folder / "lib" / libraries.name, ignore=left_out)
+    for shared in Path(sys.base_prefix, "lib").glob("libpython*"):
+        shutil.copy(shared, folder / "lib")
+    (folder / "bin").mkdir()
+    return Path(shutil.copy(Path(sys.executable).resolve(), folder / "bin" / "python"))
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root can become another user")
+def test_another_user_without_a_home_who_can_write_nowhere_still_gets_an_answer(public: Path) -> None:
+    packages = sysconfig.get_path("purelib")
+    environment = {
+        "PYTHONHOME": str(public),
+        "PYTHONPATH": f"{SOURCES}:{packages}",
+        "LD_LIBRARY_PATH": str(public / "lib"),
+        "HOME": "/nonexistent",
+    }
+    done = subprocess.run(
+        [interpreter_for_all(public), "-c", SEGMENT],
+        user=NOBODY, group=NOBODY, extra_groups=[], env=environment, cwd="/", capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    if "No module named 'spigolo'" in done.stderr:
+        pytest.skip(f"{SOURCES} is closed to other users")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.split() == [str(NOBODY), "60", "80"]
+    assert "compiles them in each process; set SPIGOLO_CACHE_DIR" in done.stderr
+
+
+def test_the_cache_lies_where_it_is_asked_for_and_the_first_run_says_what_it_does(tmp_path: Path) -> None:
+    environment = {**os.environ, "SPIGOLO_CACHE_DIR": str(tmp_path)}
+    first, second = (
+        subprocess.run([sys.executable, "-c", SEGMENT], env=environment, capture_output=True, text=True, check=True)
+        for _ in range(2)
+    )
+    assert first.stderr == "compiling the kernels, once on this machine: about 15 s\n"
+    assert second.stderr == ""
+    kept = [path.relative_to(tmp_path).parts for path in tmp_path.rglob("*.nbi")]
+    assert len(kept) > 20
+    assert {part[:2] for part in kept} == {("spigolo", f"kernels-{spigolo.kernels._jit.SOURCE_HASH}")}

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from spigolo.io import read_camera, read_frame
     from spigolo.objects import ObjectMask, RejectedRegion, Segmentation
     from spigolo.pipeline import Trace, segment, segment_at, trace
-    from spigolo.presets import CLUTTER, OBJECTS, OBJECTS_1, PRESETS, SHELF, TABLE, preset
+    from spigolo.presets import CLUTTER, OBJECTS, OBJECTS_1, OBJECTS_2, PRESETS, SHELF, TABLE, preset
     from spigolo.registration import register_depth
     from spigolo.rejection import Reason
     from spigolo.roi import MetricBox
@@ -66,7 +66,7 @@ _HOMES = {
     "stream": "Segmenter warm_up",
     "workspace": "Workspace",
     "pipeline": "Trace segment segment_at trace",
-    "presets": "CLUTTER OBJECTS OBJECTS_1 PRESETS SHELF TABLE preset",
+    "presets": "CLUTTER OBJECTS OBJECTS_1 OBJECTS_2 PRESETS SHELF TABLE preset",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

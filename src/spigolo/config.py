@@ -255,6 +255,9 @@ class Support(_Stage):
     """A plane with a smaller share of the measured pixels supports nothing."""
     contour: bool = True
     """Join the border of what stands above the plane to the final map, where the cost reads that."""
+    stacked_share: Positive | None = None
+    """Take the largest plane that lies above the largest one and along it, if it has at least this share of that one's
+    pixels: the table in place of the floor below it. None takes the largest."""
 
 
 class Rejection(_Stage):
@@ -278,6 +281,73 @@ class Rejection(_Stage):
     """Share of pixels in the first three of 32 brightness bins, 0..23 of 255 (paper: 0.3)."""
 
 
+class Vessel(_Stage):
+    """Wall and inside of a cup, bowl or pot. Hollowness: depth of a region's middle behind its chords along image rows,
+    as a share of their length; positive where it curves away from the camera.
+    """
+
+    min_behind_m: Positive = 0.02
+    """Least mean depth step from the wall to the inside."""
+    max_hollow_front: float = -0.1
+    """Largest hollowness of the wall, which bulges."""
+    min_hollow_back: float = -0.01
+    """Least hollowness of the inside."""
+    min_contrast: float = 0.25
+    """Least difference of both."""
+    top_m: NotNegative = 0.008
+    """Both end at one height above the support, within this,"""
+    top_share: Share = 0.1
+    """or within this share of it."""
+    min_solidity: Share = 0.78
+    """Least share of their convex hull that both fill together."""
+
+
+class Cap(_Stage):
+    """The upper face of an object, or the inside of a cup that the camera saw filled."""
+
+    max_gap_m: Positive = 0.02
+    """Largest mean depth step between both."""
+    min_behind_m: NotNegative = 0.003
+    """Least by which the upper one lies behind."""
+    top_share: Share = 0.2
+    """Both end at one height above the support, within this share of it."""
+    min_solidity: Share = 0.93
+    """Least share of their convex hull that both fill together."""
+
+
+class Smooth(_Stage):
+    """A surface that goes on, flat or convex, where noise looked like a contour."""
+
+    max_gap_m: Positive = 0.025
+    """Largest mean depth step across the border."""
+    max_bend_m: float = 0.00125
+    """Largest mean depth of the border behind the chord of its sides: more is a valley between two objects."""
+    max_boundary: Share = 0.75
+    """Largest mean boundary along the border."""
+
+
+class Joining(_Stage):
+    """Which regions are parts of one object (our addition, not in the paper). None switches a rule off."""
+
+    vessel: Vessel | None = Vessel()
+    cap: Cap | None = Cap()
+    smooth: Smooth | None = Smooth()
+    enclosed: Share | None = 0.9
+    """Least share of its surroundings that belongs to one object for a region on the plane to be part of it."""
+    reach_px: Annotated[int, Field(ge=1, le=100)] = 4
+    """Where both sides of a border are sampled."""
+    margin_px: Annotated[int, Field(ge=0, le=100)] = 3
+    """How far inside a region the ends of its chords are taken: depth at a contour is a mixture."""
+    min_border_px: Annotated[int, Field(ge=1)] = 12
+    """Shorter borders say nothing."""
+    min_measured: Share = 0.5
+    """Least share of a border, and of a region, with depth."""
+    min_above: Share = 0.5
+    """Least share of a region's measured pixels above the support for it to stand there."""
+    max_share: Share = 0.25
+    """Regions with a larger share of the image are no parts."""
+
+
 class Config(_Stage):
     """All of the method's parameters. Frozen: `replace` gives a changed copy."""
 
@@ -289,12 +359,16 @@ class Config(_Stage):
     edges: Edges = Edges()
     cost: Cost = BoundaryCost()
     partition: Partition = Partition()
+    joining: Joining | None = None
+    """Joins the parts of an object that the partition cut; None is the paper's method."""
     rejection: Rejection = Rejection()
 
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:
         if isinstance(self.cost, AutoCost) != (self.partition.gamma_shadows is not None):
             raise ValueError("partition.gamma_shadows goes with an AutoCost, and only with it")
+        if self.joining is not None and self.rejection.support is None:
+            raise ValueError("joining needs rejection.support: its rules ask what stands on the plane")
         return self
 
     @property

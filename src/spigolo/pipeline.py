@@ -8,6 +8,7 @@ from spigolo.config import Config
 from spigolo.cues import Cues, gather_cues
 from spigolo.frame import Frame
 from spigolo.graph import Graph, weigh
+from spigolo.joining import join_parts
 from spigolo.objects import ObjectMask, Segmentation, select_objects
 from spigolo.presets import OBJECTS
 from spigolo.regions import Regions, partition
@@ -31,6 +32,7 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     cues = gather_cues(frame, config)  # eqs. 5-21
     graph = weigh(cues, config.partition.connectivity, config.depth)  # eqs. 4, 9, 22 or 23
     regions = partition(graph, config.partition, workspace)  # eqs. 2, 3
+    regions = join_parts(regions, cues, frame, config)  # ours, off in the paper's presets
     segmentation = select_objects(regions, graph, cues, frame, config, roi)  # section III-F
     return Trace(frame, cues, graph, regions, segmentation)
 

@@ -16,6 +16,7 @@ from spigolo.config import (
     DepthContours,
     Edges,
     Inpainting,
+    Joining,
     Partition,
     Rejection,
     SaliencyCost,
@@ -77,13 +78,29 @@ OBJECTS_1 = Config(
 )
 """Fitted to real frames of several sensors (docs/objects.md)."""
 
-OBJECTS = OBJECTS_1
+OBJECTS_2 = OBJECTS_1.replace(
+    name="OBJECTS_2",
+    partition={"connectivity": 4},
+    joining=Joining(),
+    rejection={"support": {"stacked_share": 0.5}, "min_contour": 0.6},
+)
+"""OBJECTS_1 with the parts of an object joined, and the table taken for the support rather than the floor."""
 
-PRESETS = {"OBJECTS": OBJECTS, "OBJECTS_1": OBJECTS_1, "SHELF": SHELF, "TABLE": TABLE, "CLUTTER": CLUTTER}
+OBJECTS = OBJECTS_2
+
+PRESETS = {
+    "OBJECTS": OBJECTS,
+    "OBJECTS_1": OBJECTS_1,
+    "OBJECTS_2": OBJECTS_2,
+    "SHELF": SHELF,
+    "TABLE": TABLE,
+    "CLUTTER": CLUTTER,
+}
 
 SUMMARIES = {
-    "OBJECTS": "your own data: the newest of OBJECTS_1, ...",
+    "OBJECTS": "your own data: the newest of OBJECTS_1, OBJECTS_2, ...",
     "OBJECTS_1": "fitted to real frames of several sensors; depth contours and support plane",
+    "OBJECTS_2": "the same with parts of an object joined: cups, bowls, boxes that noise cut",
     "SHELF": "the paper's Rutgers APC: shelves, low light, large shadows (first cost function)",
     "TABLE": "the paper's RGB-D Scenes: table-tops, nearly full depth (second cost function)",
     "CLUTTER": "the paper's multiple instances among clutter (second cost function)",

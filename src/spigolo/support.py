@@ -10,11 +10,16 @@ import numpy.typing as npt
 
 from spigolo.config import Support
 from spigolo.frame import Camera, DepthMap, Mask
+from spigolo.kernels import planes as kernel
 
 SAMPLES = 3000
 HYPOTHESES = 200
 REFINEMENTS = 3
 SPECKLE_PX = 5
+STACKED_M = 0.1
+STACKED_SLACK_M = 0.05
+STACKED_COSINE = 0.97
+"""A second support lies at least 10 cm above the first, within 14 degrees of it; heights are taken 5 cm at a time."""
 SEED = 7
 """RANSAC draws from a fixed seed: the same frame gives the same plane."""
 
@@ -34,11 +39,17 @@ class Plane:
 
     def height_map_m(self, depth: DepthMap, camera: Camera) -> npt.NDArray[np.float32]:
         """Height (H, W) of every pixel of a depth map (H, W) in metres; offset_m where depth is missing."""
-        height, width = depth.shape
+        slope_x, slope_y, slope = self.slopes(depth.shape, camera)
+        return np.asarray((slope_x + slope_y[:, None] + slope) * depth + np.float32(self.offset_m))
+
+    def slopes(
+        self, shape: tuple[int, ...], camera: Camera
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], np.float32]:
+        """Of each column, of each row, of all: height = (their sum) * depth + offset_m."""
         a, b, c = (float(v) for v in self.normal)
-        slope_x = (np.arange(width, dtype=np.float32) - np.float32(camera.cx)) * np.float32(a / camera.fx)
-        slope_y = (np.arange(height, dtype=np.float32) - np.float32(camera.cy)) * np.float32(b / camera.fy)
-        return np.asarray((slope_x + slope_y[:, None] + np.float32(c)) * depth + np.float32(self.offset_m))
+        slope_x = (np.arange(shape[1], dtype=np.float32) - np.float32(camera.cx)) * np.float32(a / camera.fx)
+        slope_y = (np.arange(shape[0], dtype=np.float32) - np.float32(camera.cy)) * np.float32(b / camera.fy)
+        return slope_x, slope_y, np.float32(c)
 
 
 def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray[np.float32]:
@@ -51,30 +62,35 @@ def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | No
 
     RANSAC on a sample of the pixels, then least squares on what lies within the tolerance.
     """
-    valid = np.flatnonzero(depth)
+    valid = np.flatnonzero(depth > 0)
     if valid.size < 3:
         return None
     rng = np.random.default_rng(SEED)
     y, x = np.divmod(valid[rng.integers(valid.size, size=min(SAMPLES, valid.size))], depth.shape[1])
     z = depth[y, x].astype(np.float64)
     sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
-    plane = _best_hypothesis(sample, rng, config)
-    for _ in range(REFINEMENTS):
-        inliers = sample[_on(plane, sample, config)]
-        if len(inliers) < 3:
-            return None
-        plane = _fit(inliers)
-    return plane if _on(plane, sample, config).mean() >= config.min_share else None
+    plane = _refine(_best_hypothesis(sample, rng, config), sample, config)
+    if plane is None or _share(plane, sample, config) < config.min_share:
+        return None
+    stacked = None if config.stacked_share is None else _stacked(plane, sample, config)
+    return plane if stacked is None else stacked
 
 
 def support_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
     """Pixels (H, W) that lie on the plane, within the tolerance."""
-    return np.asarray((depth > 0) & (np.abs(plane.height_map_m(depth, camera)) <= tolerance_m(depth, config)))
+    return np.asarray(_sides(plane, depth, camera, config) == kernel.ON)
 
 
 def above_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
     """Pixels (H, W) that stand above the plane by more than the tolerance."""
-    return np.asarray((depth > 0) & (plane.height_map_m(depth, camera) > tolerance_m(depth, config)))
+    return np.asarray(_sides(plane, depth, camera, config) == kernel.ABOVE)
+
+
+def _sides(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> npt.NDArray[np.uint8]:
+    out = np.empty(depth.shape, np.uint8)
+    least, noise = np.float32(config.min_height_m), np.float32(config.noise_per_m)
+    kernel.tell_sides(depth, *plane.slopes(depth.shape, camera), np.float32(plane.offset_m), least, noise, out)
+    return out
 
 
 def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
@@ -91,18 +107,49 @@ def _on(plane: Plane, points: Points, config: Support) -> Mask:
     return np.asarray(np.abs(plane.height_m(points)) <= tolerance_m(points[:, 2], config))
 
 
+def _share(plane: Plane, sample: Points, config: Support) -> float:
+    return float(_on(plane, sample, config).mean())
+
+
+def _refine(plane: Plane, sample: Points, config: Support) -> Plane | None:
+    """Least squares on what lies within the tolerance, a few times; None where too little does."""
+    for _ in range(REFINEMENTS):
+        inliers = sample[_on(plane, sample, config)]
+        if len(inliers) < 3:
+            return None
+        plane = _fit(inliers)
+    return plane
+
+
+def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
+    """The largest plane above `floor` and along it; None where it has too small a share."""
+    assert config.stacked_share is not None
+    height = np.sort(floor.height_m(sample))
+    height = height[height > STACKED_M]
+    if height.size < 3:
+        return None
+    within = np.searchsorted(height, height + STACKED_SLACK_M) - np.arange(height.size)
+    low = height[within.argmax()]
+    band = (floor.height_m(sample) >= low) & (floor.height_m(sample) <= low + STACKED_SLACK_M)
+    plane = _refine(_fit(sample[band]), sample, config) if np.count_nonzero(band) >= 3 else None
+    if plane is None or plane.normal @ floor.normal < STACKED_COSINE:
+        return None
+    least = max(config.stacked_share * _share(floor, sample, config), config.min_share)
+    return plane if _share(plane, sample, config) >= least else None
+
+
 def _best_hypothesis(sample: Points, rng: np.random.Generator, config: Support) -> Plane:
     a, b, c = sample[rng.integers(len(sample), size=(3, HYPOTHESES))]
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 1e-9)
     offsets = -(normals * a).sum(1)
-    x, y, z = sample.astype(np.float32).T[:, :, None]
-    nx, ny, nz, d = np.column_stack([normals, offsets]).astype(np.float32).T[:, None, :]
-    # written out: a matrix product of this size would start the threads of BLAS
-    near = np.abs(x * nx + y * ny + z * nz + d) <= tolerance_m(z, config)
-    near[:, lengths[:, 0] <= 1e-9] = False
-    best = int(near.sum(0).argmax())
+    near = np.zeros(HYPOTHESES, np.int64)
+    planes = np.column_stack([normals, offsets]).astype(np.float32)
+    tolerance = tolerance_m(sample[:, 2].astype(np.float32), config)
+    kernel.count_near(sample.astype(np.float32).T.copy(), planes, tolerance, near)
+    near[lengths[:, 0] <= 1e-9] = 0
+    best = int(near.argmax())
     return _towards_camera(normals[best], float(offsets[best]))
 
 

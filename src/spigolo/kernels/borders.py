@@ -1,0 +1,90 @@
+"""What lies on both sides of the borders between regions, and how regions bulge."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+from spigolo.kernels.contours import hollow
+
+PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
+SUMS = 6
+
+
+@inlined
+def clipped(value, limit):
+    """The value within -limit..limit: one flying pixel must not outweigh a border."""
+    return max(min(value, limit), -limit)
+
+
+@inlined
+def sample_border(labels, y, x, v, u, reach):
+    """The samples `reach` pixels to both sides of a border between (y, x) and its right or lower neighbour (v, u).
+
+    Both in rows and columns, and whether they lie in the image and in the regions that meet there.
+    """
+    dy, dx = v - y, u - x
+    y_a, x_a, y_b, x_b = y - dy * (reach - 1), x - dx * (reach - 1), y + dy * reach, x + dx * reach
+    inside = y_a >= 0 and x_a >= 0 and y_b < labels.shape[0] and x_b < labels.shape[1]
+    return y_a, x_a, y_b, x_b, inside and labels[y_a, x_a] == labels[y, x] and labels[y_b, x_b] == labels[v, u]
+
+
+@kernel
+def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
+    """Sums over the border between every two numbered regions, from samples `reach` pixels to both sides of it.
+
+    labels (H, W) int32; number (R,) int32: 0..S-1, or -1 for a region that is left out; depth, boundary (H, W).
+    sums (S, S, 6) float64, zero before, at [a, b]: pairs of 4-neighbours on the border, those with depth on both sides
+    and between, |difference of depth| (m), how far b lies behind a (m), depth of the border behind the chord of both
+    samples (m), larger boundary of each pair. Lengths are clipped.
+    """
+    height, width = labels.shape
+    for y in range(height):
+        for x in range(width):
+            same_right = x + 1 >= width or labels[y, x + 1] == labels[y, x]
+            if same_right and (y + 1 >= height or labels[y + 1, x] == labels[y, x]):
+                continue
+            for v, u in ((y, x + 1), (y + 1, x)):
+                if v >= height or u >= width or labels[v, u] == labels[y, x]:
+                    continue
+                a, b = number[labels[y, x]], number[labels[v, u]]
+                if a < 0 or b < 0:
+                    continue
+                y_a, x_a, y_b, x_b, fits = sample_border(labels, y, x, v, u, reach)
+                if not fits:
+                    continue
+                here, there, between = float(depth[y_a, x_a]), float(depth[y_b, x_b]), float(depth[y, x])
+                measured = here > 0.0 and there > 0.0 and between > 0.0
+                behind = clipped(there - here, gap_limit)
+                bend = clipped(hollow(here, between, there), bend_limit) if measured else 0.0
+                for i, j, sign in ((a, b, 1.0), (b, a, -1.0)):
+                    sums[i, j, PAIRS] += 1.0
+                    sums[i, j, BOUNDARY] += max(boundary[y, x], boundary[v, u])
+                    if measured:
+                        sums[i, j, MEASURED] += 1.0
+                        sums[i, j, GAP] += abs(behind)
+                        sums[i, j, BEHIND] += sign * behind
+                        sums[i, j, BEND] += bend
+
+
+@kernel
+def sum_hollows(labels, number, depth, fx, margin, sums):
+    """How deep each numbered region lies behind its chords along image rows: positive inside a bowl, negative on a can.
+
+    sums (S, 2) float64, zero before: depth of the middle of each row's run behind the chord between its ends (m), and
+    the length of the chord (m). Ends are taken `margin` pixels inside the run; runs shorter than 8 are left out.
+    """
+    height, width = labels.shape
+    for y in range(height):
+        first = 0
+        while first < width:
+            end = first + 1
+            while end < width and labels[y, end] == labels[y, first]:
+                end += 1
+            k, left, right = number[labels[y, first]], first + margin, end - 1 - margin
+            if k >= 0 and right - left >= 8:
+                a, z, b = float(depth[y, left]), float(depth[y, (left + right) // 2]), float(depth[y, right])
+                if a > 0.0 and b > 0.0 and z > 0.0:
+                    sums[k, 0] += hollow(a, z, b)
+                    sums[k, 1] += np.hypot((right - left) * 0.5 * (a + b) / fx, a - b)
+            first = end

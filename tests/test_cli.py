@@ -186,7 +186,11 @@ def test_trace_draws_seven_panels_and_writes_each_stage(tmp_path: Path, preset: 
     stages = {p.stem for p in (tmp_path / "stages").iterdir()}
     assert {"depth", "smoothed_depth", "weights", "regions", "labels"} <= stages
     assert ("saliency" in stages) == (preset == "SHELF")
-    assert np.load(tmp_path / "stages" / "weights.npy").shape == (4, 480, 640)
+    assert np.load(tmp_path / "stages" / "weights.npy").shape == (
+        sp.PRESETS[preset].partition.connectivity // 2,
+        480,
+        640,
+    )
 
 
 def test_doctor_is_content_with_the_scene_and_not_with_wrong_units(tmp_path: Path) -> None:

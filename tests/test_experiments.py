@@ -606,7 +606,7 @@ def test_a_frame_that_fails_ends_with_1_and_the_rest_is_done(root: Path, tmp_pat
     (root / "shop" / "f0" / "rgb.png").write_bytes(b"")
     done = spigolo("evaluate", root / "shop", "--out", tmp_path / "rows.jsonl")
     assert done.returncode == 1
-    assert "shop/f0 (toscana2016 OBJECTS_1): expected an image" in done.stderr
+    assert "shop/f0 (toscana2016 OBJECTS_2): expected an image" in done.stderr
     assert len(read_rows(tmp_path / "rows.jsonl")) == 3
 
 

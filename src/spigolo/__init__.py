@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         DepthContours,
         Edges,
         Inpainting,
+        Joining,
         Partition,
         Rejection,
         Saliency,
@@ -52,8 +53,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "config": "AutoCost BoundaryCost Color Config Depth DepthContours Edges Inpainting Partition Rejection Saliency"
-    " SaliencyCost Smoothing Support",
+    "config": "AutoCost BoundaryCost Color Config Depth DepthContours Edges Inpainting Joining Partition Rejection"
+    " Saliency SaliencyCost Smoothing Support",
     "errors": "CameraError ConfigError FileError FrameError SpigoloError",
     "frame": "Camera Frame",
     "io": "read_camera read_frame",

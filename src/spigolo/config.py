@@ -298,7 +298,7 @@ class Vessel(_Stage):
     """Both end at one height above the support, within this,"""
     top_share: Share = 0.1
     """or within this share of it."""
-    min_solidity: Share = 0.78
+    min_solidity: Share = 0.75
     """Least share of their convex hull that both fill together."""
 
 

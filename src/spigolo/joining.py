@@ -187,13 +187,13 @@ class _Parts:
         return abs(a - b) <= max(tolerance_m, share * max(a, b))
 
     def _solidity(self, border: Border) -> float:
-        """Share of the convex hull of both regions that they fill."""
+        """Share of the convex hull of both regions that lies within their outlines: what they enclose counts."""
         (y0, x0), (y1, x1) = self.boxes[[border.a, border.b], :2].min(0), self.boxes[[border.a, border.b], 2:].max(0)
         labels = self.labels[y0:y1, x0:x1]
         both = ((labels == border.a) | (labels == border.b)).view(np.uint8)
         outlines, _ = cv2.findContours(both, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         hull: Any = cv2.convexHull(np.vstack(outlines))
-        return float(both.sum() / max(cv2.contourArea(hull), 1.0))
+        return sum(map(cv2.contourArea, outlines)) / max(cv2.contourArea(hull), 1.0)
 
 
 def _count(regions: Regions, mask: Mask) -> Counts:

@@ -1,0 +1,197 @@
+"""Parts of one object are joined, objects beside each other are not: on solids drawn ray by ray."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import naive
+import spigolo as sp
+from spigolo.config import Cap, Smooth, Vessel
+from spigolo.cues import gather_cues
+from spigolo.joining import join_parts
+from spigolo.regions import Regions
+from spigolo.support import find_support
+
+CAMERA = sp.Camera(fx=400.0, fy=400.0, cx=159.5, cy=119.5, width=320, height=240)
+TILT = np.deg2rad(50)
+UP = np.array([0.0, -np.cos(TILT), -np.sin(TILT)])
+RIGHT = np.array([1.0, 0.0, 0.0])
+FORWARD = np.cross(UP, RIGHT)
+FORWARD *= np.sign(FORWARD[2])
+DISTANCE_M = 0.6
+CENTER = -DISTANCE_M * UP + 0.5 * FORWARD
+"""A table 0.6 m below a camera that looks down by 50 degrees; solids are given in (right, forward, up) from here."""
+
+Array = np.ndarray
+Surface = Callable[[Array, Array], Array]
+
+
+def rays() -> tuple[Array, Array]:
+    """Origin and directions of all pixels in (right, forward, up); a direction's length is one metre of depth."""
+    y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
+    pixels = np.stack([(x - CAMERA.cx) / CAMERA.fx, (y - CAMERA.cy) / CAMERA.fy, np.ones(x.shape)], -1)
+    axes = np.stack([RIGHT, FORWARD, UP])
+    return axes @ -CENTER, pixels @ axes.T
+
+
+def everywhere(x: Array, y: Array) -> Array:
+    return np.ones(x.shape, bool)
+
+
+def plane(height: float, where: Callable[[Array, Array], Array] = everywhere) -> Surface:
+    def hit(origin: Array, direction: Array) -> Array:
+        t = (height - origin[2]) / direction[..., 2]
+        x, y = (origin[i] + t * direction[..., i] for i in (0, 1))
+        return np.where((t > 0) & where(x, y), t, np.inf)
+
+    return hit
+
+
+def wall(x: float, y: float, radius: float, low: float, high: float, inner: bool = False) -> Surface:
+    """An upright cylinder's surface as seen from outside, or from inside."""
+
+    def hit(origin: Array, direction: Array) -> Array:
+        o = origin[:2] - (x, y)
+        a = (direction[..., :2] ** 2).sum(-1)
+        b, c = direction[..., :2] @ o, (o**2).sum() - radius**2
+        root = b**2 - a * c
+        t = (-b + (1 if inner else -1) * np.sqrt(np.maximum(root, 0))) / a
+        up = origin[2] + t * direction[..., 2]
+        return np.where((root > 0) & (t > 0) & (up >= low) & (up <= high), t, np.inf)
+
+    return hit
+
+
+def disc(x: float, y: float, radius: float, height: float) -> Surface:
+    return plane(height, lambda u, v: (u - x) ** 2 + (v - y) ** 2 <= radius**2)
+
+
+def front(x: float, y: float, width: float, high: float) -> Surface:
+    """The upright face of a box towards the camera, at distance y."""
+
+    def hit(origin: Array, direction: Array) -> Array:
+        t = (y - origin[1]) / direction[..., 1]
+        u, up = origin[0] + t * direction[..., 0], origin[2] + t * direction[..., 2]
+        return np.where((t > 0) & (abs(u - x) <= width / 2) & (up >= 0) & (up <= high), t, np.inf)
+
+    return hit
+
+
+def rectangle(x: float, y: float, width: float, length: float, height: float) -> Surface:
+    return plane(height, lambda u, v: (abs(u - x) <= width / 2) & (v >= y) & (v <= y + length))
+
+
+def draw(*parts: Surface) -> tuple[sp.Frame, Array]:
+    """The table with these surfaces on it, and which of them each pixel shows, 0 the table."""
+    origin, direction = rays()
+    hits = np.stack([plane(0.0)(origin, direction), *(part(origin, direction) for part in parts)])
+    depth, part = hits.min(0), hits.argmin(0)
+    noise = 0.0008 * np.random.default_rng(0).normal(size=depth.shape) * depth**2
+    color = np.array([[120, 90, 60], [200, 200, 200], [190, 195, 200], [60, 90, 200], [200, 60, 60]], np.uint8)
+    return sp.Frame(color[part % 5], (depth + noise).astype(np.float32), CAMERA), part
+
+
+def joined(config: sp.Config, *parts: Surface) -> list[int]:
+    """For each part, the smallest part that is in one region with it."""
+    frame, part = draw(*parts)
+    labels = naive.number_regions(part.reshape(-1).tolist()).reshape(part.shape)
+    regions = Regions(labels, int(labels.max()) + 1)
+    answer = join_parts(regions, gather_cues(frame, config), frame, config)
+    for region in range(answer.count):  # whole regions alone are joined
+        assert np.unique(answer.labels[labels == region]).size == 1
+    assert answer.labels.max() + 1 == answer.count
+    together = {k: answer.labels[part == k][0] for k in range(len(parts) + 1) if (part == k).any()}
+    return [min(j for j, label in together.items() if label == together[k]) for k in together]
+
+
+CUP = (wall(0, 0, 0.045, 0, 0.1), wall(0, 0, 0.045, 0, 0.1, inner=True))
+BOWL_WITH_BOTTOM = (wall(0, 0, 0.09, 0, 0.1), wall(0, 0, 0.09, 0, 0.1, inner=True), disc(0, 0, 0.09, 0.002))
+LIDDED = (wall(0, 0, 0.05, 0, 0.09), disc(0, 0, 0.05, 0.09))
+HALVES = (front(-0.04, 0, 0.08, 0.15), front(0.04, 0.001, 0.08, 0.15))
+
+
+def both_cans(x: float, y: float) -> tuple[Surface, ...]:
+    """Two solid cans of one height, the second one moved."""
+    return tuple(
+        lambda o, d, at=at: np.minimum(wall(*at, 0.035, 0, 0.1)(o, d), disc(*at, 0.035, 0.1)(o, d))
+        for at in ((0, 0), (x, y))
+    )
+
+
+BOXES_BEHIND_EACH_OTHER = (front(0, 0, 0.1, 0.12), front(0.02, 0.08, 0.1, 0.12))
+
+
+@pytest.mark.parametrize(
+    ("parts", "together"),
+    [
+        pytest.param(CUP, [0, 1, 1], id="cup"),
+        pytest.param(BOWL_WITH_BOTTOM, [0, 1, 1, 1], id="bowl whose bottom lies on the table"),
+        pytest.param(HALVES, [0, 1, 1], id="a face cut in two"),
+        pytest.param(both_cans(0.075, 0), [0, 1, 2], id="two cans side by side"),
+        pytest.param(both_cans(0.02, 0.08), [0, 1, 2], id="a can behind a can"),
+        pytest.param(BOXES_BEHIND_EACH_OTHER, [0, 1, 2], id="a box behind a box"),
+    ],
+)
+def test_parts_are_joined_and_objects_are_not(parts: tuple[Surface, ...], together: list[int]) -> None:
+    assert joined(sp.OBJECTS_2, *parts) == together
+
+
+@pytest.mark.parametrize(
+    ("rules", "parts", "together"),
+    [
+        ({"vessel": Vessel()}, CUP, [0, 1, 1]),
+        ({"cap": Cap(), "smooth": Smooth(), "enclosed": 0.9}, CUP, [0, 1, 2]),
+        ({"vessel": Vessel()}, BOWL_WITH_BOTTOM, [0, 1, 1, 3]),
+        ({"smooth": Smooth()}, HALVES, [0, 1, 1]),
+        ({"vessel": Vessel(), "cap": Cap()}, HALVES, [0, 1, 2]),
+        ({}, CUP, [0, 1, 2]),
+    ],
+)
+def test_each_rule_can_be_switched_off(rules: dict, parts: tuple[Surface, ...], together: list[int]) -> None:
+    rest = dict.fromkeys(("vessel", "cap", "smooth", "enclosed")) | rules
+    config = sp.OBJECTS_1.replace(joining=sp.Joining(**rest))
+    assert joined(config, *parts) == together
+
+
+def test_nothing_is_joined_without_a_camera_or_a_support() -> None:
+    frame, part = draw(*CUP)
+    regions = Regions(part.astype(np.int32), 3)
+    blind = sp.Frame(frame.color, frame.depth, None)
+    assert join_parts(regions, gather_cues(blind, sp.OBJECTS_2), blind, sp.OBJECTS_2) is regions
+    high = sp.OBJECTS_2.replace(rejection={"support": {"min_share": 1.0}})
+    assert join_parts(regions, gather_cues(frame, high), frame, high) is regions
+    assert join_parts(regions, gather_cues(frame, sp.OBJECTS_1), frame, sp.OBJECTS_1) is regions
+
+
+def test_joining_without_a_support_is_refused() -> None:
+    with pytest.raises(sp.ConfigError, match=r"joining needs rejection\.support"):
+        sp.TABLE.replace(joining=sp.Joining())
+
+
+def test_a_cup_is_one_object_from_frame_to_answer() -> None:
+    frame, part = draw(*CUP)
+    objects = list(sp.segment(frame))
+    assert len(objects) == 1
+    truth = part > 0
+    assert np.count_nonzero(objects[0].mask & truth) / np.count_nonzero(objects[0].mask | truth) > 0.85
+    assert len(sp.segment(frame, sp.OBJECTS_1)) == 2
+
+
+def table_and_floor(table_share: float) -> Array:
+    """Depth of a floor with a table-top 0.4 m above it that fills a share of the image's columns."""
+    origin, direction = rays()
+    floor, table = plane(-0.4)(origin, direction), plane(0.0)(origin, direction)
+    depth = floor.copy()
+    width = int(table_share * CAMERA.width)
+    depth[:, :width] = table[:, :width]
+    return depth.astype(np.float32)
+
+
+@pytest.mark.parametrize(("share", "stacked", "on_table"), [(0.4, 0.5, True), (0.4, None, False), (0.25, 0.5, False)])
+def test_the_support_is_the_table_and_not_the_floor(share: float, stacked: float | None, on_table: bool) -> None:
+    found = find_support(table_and_floor(share), CAMERA, sp.Support(stacked_share=stacked))
+    assert found is not None
+    assert found.offset_m == pytest.approx(DISTANCE_M if on_table else DISTANCE_M + 0.4, abs=0.005)

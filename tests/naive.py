@@ -7,6 +7,7 @@ kernel takes the points made of it, a mask where it takes an integral image, wei
 from __future__ import annotations
 
 import colorsys
+import itertools
 import math
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
@@ -296,6 +297,8 @@ def contact_angle(depth: Array, K: Array, e: Array, n: Array, offset: int, sign_
     if sign_rule == "x":
         upright = n[0] == 0  # all three points lie in one image row: the x component is zero
         sign = 0.0 if upright else v_cross[0]
+    elif sign_rule == "none":
+        sign = 0.0
     else:
         sign = v_cross @ np.array([-n[0], n[1], 0])
     return -theta if sign < 0 else theta
@@ -577,6 +580,102 @@ def count_dark(labels: Array, color: Array, count: int) -> list[int]:
     """In the first three of 32 bins of max(R, G, B)."""
     brightness = color.max(axis=2)
     return [int(np.histogram(brightness[labels == k], bins=32, range=(0, 256))[0][:3].sum()) for k in range(count)]
+
+
+# --- borders and planes ---------------------------------------------------------------------------------------
+
+
+def behind_chord(before: float, here: float, after: float) -> float:
+    """How far `here` lies behind the straight line in space between two points, along its ray."""
+    return here - 2 / (1 / before + 1 / after)
+
+
+def sum_borders(
+    labels: Array, number: Array, depth: Array, boundary: Array, reach: int, gap_limit: float, bend_limit: float
+) -> Array:
+    """(S, S, 6): pairs, measured pairs, |gap|, how far the second lies behind, valley, boundary."""
+    count = int(number.max(initial=-1)) + 1
+    out = np.zeros((count, count, 6))
+    for p in (np.array(at) for at in pixels(labels)):
+        for step in (np.array([0, 1]), np.array([1, 0])):
+            q, side_p, side_q = p + step, p - (reach - 1) * step, p + reach * step
+            if not (inside(labels, *side_p) and inside(labels, *side_q)) or not inside(labels, *q):
+                continue
+            a, b = labels[tuple(p)], labels[tuple(q)]
+            if a == b or labels[tuple(side_p)] != a or labels[tuple(side_q)] != b or min(number[a], number[b]) < 0:
+                continue
+            here, there, between = (float(depth[tuple(at)]) for at in (side_p, side_q, p))
+            strength = max(boundary[tuple(p)], boundary[tuple(q)])
+            entry = np.array([1, 0, 0, 0, 0, strength])
+            if min(here, there, between) > 0:
+                gap = float(np.clip(there - here, -gap_limit, gap_limit))
+                valley = float(np.clip(behind_chord(here, between, there), -bend_limit, bend_limit))
+                entry[1:5] = 1, abs(gap), gap, valley
+            out[number[a], number[b]] += entry
+            out[number[b], number[a]] += entry * np.array([1, 1, 1, -1, 1, 1])
+    return out
+
+
+def sum_hollows(labels: Array, number: Array, depth: Array, fx: float, margin: int) -> Array:
+    """(S, 2): how far the middle of every run lies behind the chord between its ends, and the chord's length."""
+    out = np.zeros((int(number.max(initial=-1)) + 1, 2))
+    for y, row in enumerate(labels):
+        cuts = [0, *(np.flatnonzero(np.diff(row)) + 1), len(row)]
+        for first, end in itertools.pairwise(cuts):
+            left, right = first + margin, end - 1 - margin
+            if number[row[first]] < 0 or right - left < 8:
+                continue
+            ends_and_middle = [float(depth[y, x]) for x in (left, (left + right) // 2, right)]
+            if min(ends_and_middle) > 0:
+                a, middle, b = ends_and_middle
+                length = math.hypot((right - left) * (a + b) / 2 / fx, a - b)
+                out[number[row[first]]] += behind_chord(a, middle, b), length
+    return out
+
+
+def sum_steps(
+    labels: Array, depth: Array, tall: Array, near: int, deep: int, step_m: float, step_share: float, count: int
+) -> Array:
+    """(R, 6): sides across the contour, those measured, those where depth steps back, sides on the image border, pixels
+    with depth, tall ones."""
+    out = np.zeros((count, 6))
+    for k in range(count):
+        out[k, 4:] = np.count_nonzero(depth[labels == k] > 0), tall[labels == k].sum()
+    for p in (np.array(at) for at in pixels(labels)):
+        k = labels[tuple(p)]
+        for step in (np.array(direction) for direction in ((0, 1), (0, -1), (1, 0), (-1, 0))):
+            if not inside(labels, *(p + step)):
+                out[k, 3] += 1
+                continue
+            if labels[tuple(p + step)] == k:
+                continue
+            own = [p - (at - 1) * step for at in (near, deep)]
+            inner, deeper = (
+                float(depth[tuple(at)]) if inside(labels, *at) and labels[tuple(at)] == k else 0.0 for at in own
+            )
+            outer = float(depth[tuple(p + near * step)]) if inside(labels, *(p + near * step)) else 0.0
+            out[k, 0] += 1
+            if inner > 0 and outer > 0:
+                slope = abs(inner - deeper) / (deep - near) * 2 * near if deeper > 0 else 0.0
+                out[k, 1] += 1
+                out[k, 2] += outer - inner > step_m + step_share * inner + slope
+    return out
+
+
+def count_near(points: Array, planes: Array, tolerance: Array) -> list[int]:
+    """points (N, 3)."""
+    heights = [points.astype(np.float64) @ plane[:3].astype(np.float64) + float(plane[3]) for plane in planes]
+    return [int((np.abs(h) <= tolerance).sum()) for h in heights]
+
+
+def tell_sides(depth: Array, K: Array, normal: Array, offset: float, least: float, noise: float) -> Array:
+    """0 missing, 1 below, 2 on, 3 above."""
+    out = np.zeros(depth.shape, np.uint8)
+    for y, x in np.argwhere(depth > 0):
+        point = np.linalg.solve(K, [x, y, 1]) * float(depth[y, x])
+        height, tolerance = float(normal @ point) + offset, max(least, noise * float(depth[y, x]) ** 2)
+        out[y, x] = 3 if height > tolerance else (2 if abs(height) <= tolerance else 1)
+    return out
 
 
 # --- registration ---------------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ import naive
 import spigolo as sp
 from spigolo.config import Cap, Smooth, Vessel
 from spigolo.cues import gather_cues
+from spigolo.facts import measure_hiding
 from spigolo.joining import join_parts
 from spigolo.regions import Regions
 from spigolo.support import find_support
@@ -195,3 +196,40 @@ def test_the_support_is_the_table_and_not_the_floor(share: float, stacked: float
     found = find_support(table_and_floor(share), CAMERA, sp.Support(stacked_share=stacked))
     assert found is not None
     assert found.offset_m == pytest.approx(DISTANCE_M if on_table else DISTANCE_M + 0.4, abs=0.005)
+
+
+@pytest.mark.parametrize(("width", "hides_something"), [(0.25, True), (9.0, False)])
+def test_what_stands_tall_and_hides_nothing_is_a_wall(width: float, hides_something: bool) -> None:
+    """A board on the floor hides floor; the same stretch of an endless step in the floor hides nothing."""
+    origin, direction = rays()
+    upright = front(0.0, 0.1, width, 0.15)(origin, direction)
+    behind = plane(0.0 if hides_something else 0.15, lambda x, y: y >= 0.1)(origin, direction)
+    before = plane(0.0, lambda x, y: y < 0.1)(origin, direction)
+    depth = np.minimum.reduce([upright, behind, before])
+    x = origin[0] + depth * direction[..., 0]
+    stretch = (depth == upright) & (abs(x) < 0.125)
+    regions = Regions(naive.number_regions(stretch.reshape(-1).tolist()).reshape(stretch.shape), 2)
+    region = int(regions.labels[stretch][0])
+    hides = measure_hiding(regions, depth.astype(np.float32), stretch, sp.Wall())
+    assert (hides[region] >= sp.Wall().min_hides) == hides_something
+    low = measure_hiding(regions, depth.astype(np.float32), np.zeros_like(stretch), sp.Wall())
+    assert np.isnan(low[region])
+
+
+def test_a_frame_of_edges_is_no_second_support() -> None:
+    origin, direction = rays()
+    floor, lip = plane(-0.4)(origin, direction), plane(0.0)(origin, direction)
+    depth = floor.copy()
+    edge = np.ones(depth.shape, bool)
+    edge[45:-45, 55:-55] = False
+    depth[edge] = lip[edge]
+    found = find_support(depth.astype(np.float32), CAMERA, sp.Support(stacked_share=0.3))
+    assert found is not None
+    shares = np.count_nonzero(edge) / edge.size
+    assert shares > 0.5  # the frame is the larger plane here: the floor is not above it
+    wide = floor.copy()
+    edge[30:-30, 35:-35] = False
+    wide[edge] = lip[edge]
+    found = find_support(wide.astype(np.float32), CAMERA, sp.Support(stacked_share=0.3))
+    assert found is not None
+    assert found.offset_m == pytest.approx(DISTANCE_M + 0.4, abs=0.005)

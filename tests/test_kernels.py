@@ -18,9 +18,10 @@ import naive
 import spigolo as sp
 from spigolo import Camera, Frame, Partition
 from spigolo.config import VGA_PX2
-from spigolo.edges import scharr_canny
+from spigolo.edges import SIGN_RULES, scharr_canny
 from spigolo.graph import OFFSETS, Graph
 from spigolo.kernels import (
+    borders,
     color,
     contours,
     costs,
@@ -33,8 +34,10 @@ from spigolo.kernels import (
     smoothing,
     sorting,
 )
+from spigolo.kernels import planes as kernel_planes
 from spigolo.regions import Edges, partition
 from spigolo.registration import projection
+from spigolo.support import Plane
 from spigolo.workspace import Workspace
 
 KERNELS = Path(color.__file__).parent
@@ -285,7 +288,7 @@ def _classify(scene: Frame, canny: naive.Array, gx: naive.Array, gy: naive.Array
         "sign_rule": "tangent",
     }
     values |= changes
-    rule = edges.SIGN_X if values["sign_rule"] == "x" else edges.SIGN_TANGENT
+    rule = SIGN_RULES[str(values["sign_rule"])]
     depth_boundary, contact = np.zeros(canny.shape, np.uint8), np.zeros(canny.shape, np.uint8)
     rest = list((values | {"sign_rule": rule}).values())
     edges.classify_edges(canny.astype(np.uint8), gx, gy, scene.depth, camera, *rest, depth_boundary, contact)
@@ -312,9 +315,10 @@ def test_classify_edges(scene: Frame, rng: np.random.Generator, changes: dict[st
     _classify(scene, canny, gx, gy, **changes)
 
 
-def test_classify_edges_by_the_printed_sign_rule(scene: Frame, rng: np.random.Generator) -> None:
+@pytest.mark.parametrize("sign_rule", ["x", "none"])
+def test_classify_edges_by_other_sign_rules(scene: Frame, rng: np.random.Generator, sign_rule: str) -> None:
     gx, gy = rng.integers(-9000, 9000, (2, *scene.shape)).astype(np.int16)
-    _classify(scene, rng.random(scene.shape) < 0.5, gx, gy, sign_rule="x")
+    _classify(scene, rng.random(scene.shape) < 0.5, gx, gy, sign_rule=sign_rule)
 
 
 @pytest.mark.parametrize("max_run", [0, 1, 2, 40])
@@ -582,6 +586,74 @@ def test_sum_contours(scene: Frame, labels: naive.Array, rng: np.random.Generato
     np.testing.assert_allclose(sums, naive.sum_contours(labels, boundary), **TOLERANCE)
 
 
+# --- borders and planes ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def blocks(scene: Frame, rng: np.random.Generator) -> tuple[naive.Array, naive.Array]:
+    """Labels in blocks, and the number of every region, -1 where it is left out."""
+    y, x = np.mgrid[: scene.shape[0], : scene.shape[1]]
+    labels = naive.number_regions(((y // 6) * 10 + x // 11).reshape(-1).tolist()).reshape(scene.shape)
+    number = np.where(rng.random(labels.max() + 1) < 0.2, -1, 0)
+    number[number == 0] = np.arange((number == 0).sum())
+    return labels, number.astype(np.int32)
+
+
+@pytest.mark.parametrize("reach", [1, 2, 4])
+def test_sum_borders(
+    scene: Frame, rng: np.random.Generator, blocks: tuple[naive.Array, naive.Array], reach: int
+) -> None:
+    (labels, number), boundary = blocks, rng.random(scene.shape, np.float32)
+    count = int(number.max(initial=-1)) + 1
+    sums = np.zeros((count, count, borders.SUMS))
+    borders.sum_borders(labels, number, scene.depth, boundary, reach, 0.15, 0.02, sums)
+    twin = naive.sum_borders(labels, number, scene.depth, boundary, reach, 0.15, 0.02)
+    np.testing.assert_allclose(sums, twin, **TOLERANCE)
+
+
+@pytest.mark.parametrize("margin", [0, 1])
+def test_sum_hollows(scene: Frame, blocks: tuple[naive.Array, naive.Array], margin: int) -> None:
+    labels, number = blocks
+    sums = np.zeros((int(number.max(initial=-1)) + 1, 2))
+    borders.sum_hollows(labels, number, scene.depth, 300.0, margin, sums)
+    np.testing.assert_allclose(sums, naive.sum_hollows(labels, number, scene.depth, 300.0, margin), **TOLERANCE)
+
+
+@pytest.mark.parametrize(("near", "deep"), [(1, 2), (2, 5), (4, 10)])
+def test_sum_steps(
+    scene: Frame, rng: np.random.Generator, blocks: tuple[naive.Array, naive.Array], near: int, deep: int
+) -> None:
+    labels, count, tall = blocks[0], int(blocks[0].max()) + 1, rng.integers(0, 2, scene.shape).astype(np.uint8)
+    sums = np.zeros((count, borders.STEPS))
+    borders.sum_steps(labels, scene.depth, tall, near, deep, 0.0121, 0.0061, sums)
+    twin = naive.sum_steps(labels, scene.depth, tall, near, deep, 0.0121, 0.0061, count)
+    np.testing.assert_array_equal(sums, twin)
+
+
+def _planes(rng: np.random.Generator, count: int) -> naive.Array:
+    normals = rng.normal(size=(count, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.column_stack([normals, rng.uniform(-1, 1, count)]).astype(np.float32)
+
+
+def test_count_near(rng: np.random.Generator) -> None:
+    points, planes = rng.uniform(-1, 1, (400, 3)).astype(np.float32), _planes(rng, 20)
+    tolerance, counts = rng.uniform(0, 0.3, 400).astype(np.float32), np.zeros(20, np.int64)
+    kernel_planes.count_near(points.T.copy(), planes, tolerance, counts)
+    assert counts.tolist() == naive.count_near(points, planes, tolerance)
+
+
+def test_tell_sides(scene: Frame, rng: np.random.Generator) -> None:
+    for a, b, c, d in _planes(rng, 3).astype(np.float64):
+        plane, out = Plane(np.array([a, b, c]), d), np.empty(scene.shape, np.uint8)
+        slopes = plane.slopes(scene.shape, scene.camera)
+        kernel_planes.tell_sides(
+            scene.depth, *slopes, np.float32(d), np.float32(0.0081), np.float32(0.0056), out
+        )  # fmt: skip
+        twin = naive.tell_sides(scene.depth, scene.camera.matrix, plane.normal, d, 0.0081, 0.0056)
+        assert np.count_nonzero(out != twin) <= 0.001 * out.size  # within rounding of a tolerance either may hold
+
+
 # --- registration ---------------------------------------------------------------------------------------------
 
 
@@ -627,7 +699,7 @@ def kernel_names() -> dict[str, str]:
 
 def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
     tree = ast.parse(Path(__file__).read_text(encoding="utf-8"))
-    called = {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    called = {ast.unparse(node.func).removeprefix("kernel_") for node in ast.walk(tree) if isinstance(node, ast.Call)}
     names = kernel_names()
     assert len(names) >= 20
     assert [name for name in names if not hasattr(naive, name)] == []

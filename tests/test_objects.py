@@ -27,7 +27,7 @@ def cues_of(frame: sp.Frame) -> Cues:
 
 
 def measure(regions: Regions, frame: sp.Frame) -> list[RegionFacts]:
-    return measure_regions(regions, cues_of(frame), frame, np.zeros(frame.shape, np.float32))
+    return measure_regions(regions, cues_of(frame).depth, frame, np.zeros(frame.shape, np.float32))
 
 
 def facts_of(labels: np.ndarray, depth: np.ndarray | None = None, color: int = 128) -> list:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         SaliencyCost,
         Smoothing,
         Support,
+        Wall,
     )
     from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError
     from spigolo.facts import RegionFacts
@@ -54,7 +55,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "config": "AutoCost BoundaryCost Color Config Depth DepthContours Edges Inpainting Joining Partition Rejection"
-    " Saliency SaliencyCost Smoothing Support",
+    " Saliency SaliencyCost Smoothing Support Wall",
     "errors": "CameraError ConfigError FileError FrameError SpigoloError",
     "frame": "Camera Frame",
     "io": "read_camera read_frame",

@@ -156,9 +156,9 @@ class Edges(_Stage):
     """t_theta_L (authors' release)."""
     contact_high_deg: Annotated[float, Field(ge=0, le=180)] = 154.0
     """t_theta_H (authors' release)."""
-    sign_rule: Literal["tangent", "x"] = "tangent"
-    """`tangent` takes the sign of the cross product along the edge and holds for every direction; `x` takes its
-    x component as printed in eq. 19, which is zero for upright edges."""
+    sign_rule: Literal["tangent", "x", "none"] = "tangent"
+    """`tangent` takes the sign of the cross product along the edge and holds for every direction; `x` takes its x
+    component as printed in eq. 19, which is zero for upright edges; `none` takes none: internal boundaries stay."""
     boundary: Literal["soft", "thin"] = "soft"
     """`soft` blurs the final map and rescales it to 1, which closes its gaps (authors' release); `thin` is eq. 20."""
     blur_px: Annotated[int, Field(ge=1, le=99, multiple_of=1)] = 7
@@ -260,11 +260,30 @@ class Support(_Stage):
     pixels: the table in place of the floor below it. None takes the largest."""
 
 
+class Wall(_Stage):
+    """Walls of bins and shelves: tall, but nothing lies hidden behind them (our addition, not in the paper)."""
+
+    min_hides: Share = 0.15
+    """Least share of a region's contour beyond which depth steps back; the image border hides nothing."""
+    min_height_m: Positive = 0.06
+    """Regions less than 5 % of which stand so high above the support are not asked: low objects hide little."""
+    min_measured: Share = 0.4
+    """Nor are those of whose contour a smaller share has depth on both sides."""
+    reach_px: Annotated[int, Field(ge=1, le=100)] = 4
+    """Where depth is compared on both sides of the contour; grows with the image."""
+    step_m: NotNegative = 0.012
+    """Least step back, beyond what the region's own slope there explains,"""
+    step_share: Share = 0.006
+    """plus this share of the distance."""
+
+
 class Rejection(_Stage):
     """Which regions are no objects (paper, section III-F). None switches a rule off."""
 
     support: Support | None = None
     """Regions that do not stand above the support plane are parts of it, or lie below (our addition)."""
+    wall: Wall | None = None
+    """Regions that stand tall and hide nothing behind them are walls; asks for a support (our addition)."""
     min_contour: Share | None = None
     """Least mean of the boundary along a region's border, where the cost reads a boundary (our addition)."""
     max_distance_m: Positive | None = None

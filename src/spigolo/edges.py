@@ -21,6 +21,8 @@ from spigolo.kernels import edges as kernel
 NO_ANGLE_DEG = 360.0
 """A low threshold that no angle reaches: without intrinsics there are depth steps but no angles."""
 
+SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
+
 Gradient = npt.NDArray[np.int16]
 
 
@@ -93,7 +95,7 @@ def classify(
         config.contact_offset_px,
         config.contact_low_deg if camera is not None else NO_ANGLE_DEG,
         config.contact_high_deg,
-        kernel.SIGN_X if config.sign_rule == "x" else kernel.SIGN_TANGENT,
+        SIGN_RULES[config.sign_rule],
         depth_boundary,
         contact,
     )

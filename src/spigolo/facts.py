@@ -9,16 +9,20 @@ import numpy.typing as npt
 
 from spigolo.boxes import OrientedBox, fit_box
 from spigolo.camera import kernel_numbers
+from spigolo.config import Wall
 from spigolo.cues import Cues
 from spigolo.depth import missing_mask
 from spigolo.errors import CameraError
-from spigolo.frame import Frame, Mask
+from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
-from spigolo.kernels import moments
+from spigolo.kernels import borders, moments
 from spigolo.regions import Regions
 
 Labels = npt.NDArray[np.int32]
 
+TALL_SHARE = 0.05
+REACH_INSIDE = 2.5
+"""Where a region's own slope is measured, as a multiple of the reach."""
 SUPPORTED_PX2 = 3000.0
 """Measured pixels, at 640x480, at which a score has risen to 63 % of what the rest allows (our choice)."""
 
@@ -34,7 +38,8 @@ class RegionFacts:
     depth. unfilled: share still without depth after in-painting. dark: share in the first three of 32 brightness bins.
     above: share of its measured pixels that stand above the support plane, None where there is no plane. inside: share
     in the region of interest, None where none is given. contour: strength of its contour in [0, 1], the mean of
-    `contour_cue` along its border.
+    `contour_cue` along its border. hides: share of its contour beyond which depth steps back; None where no rule asks,
+    and for a region that is not tall or has too little depth around it (`Wall`).
     """
 
     region: int
@@ -51,6 +56,7 @@ class RegionFacts:
     above: float | None
     inside: float | None
     contour: float
+    hides: float | None
     regions: Labels = field(repr=False)
     frame: Frame = field(repr=False)
 
@@ -84,16 +90,18 @@ class RegionFacts:
 
 def measure_regions(
     regions: Regions,
-    cues: Cues,
+    depth: DepthMap,
     frame: Frame,
     contour: npt.NDArray[np.float32],
     above: Mask | None = None,
     inside: tuple[Mask, Mask] | None = None,
+    hides: npt.NDArray[np.float64] | None = None,
 ) -> list[RegionFacts]:
     """The facts of every region, by number.
 
-    contour: (H, W) as `contour_cue` gives it. above: (H, W), measured pixels above the support. inside: pixels (H, W)
-    in the region of interest and those that count.
+    depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` gives it. above: (H, W), measured pixels above the
+    support. inside: pixels (H, W) in the region of interest and those that count. hides: (R,) as `measure_hiding` gives
+    it.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)
@@ -108,7 +116,7 @@ def measure_regions(
     standing = None if above is None else _share(regions, above, measured)
     wanted = None if inside is None else _share(regions, inside[0] & inside[1], _count(regions, inside[1]))
     score = region_score(strength, measured * regions.vga_scale, standing)
-    unfilled = _count(regions, missing_mask(cues.depth)) / n
+    unfilled = _count(regions, missing_mask(depth)) / n
     return [
         RegionFacts(
             region=k,
@@ -125,11 +133,25 @@ def measure_regions(
             above=None if standing is None else float(standing[k]),
             inside=None if wanted is None else float(wanted[k]),
             contour=float(strength[k]),
+            hides=None if hides is None or np.isnan(hides[k]) else float(hides[k]),
             regions=regions.labels,
             frame=frame,
         )
         for k in range(regions.count)
     ]
+
+
+def measure_hiding(regions: Regions, depth: DepthMap, tall: Mask, rule: Wall) -> npt.NDArray[np.float64]:
+    """Share of each region's contour beyond which depth (H, W) steps back (R,); NaN where `rule` asks for more depth
+    around it, or for more of its pixels among the tall ones (H, W).
+    """
+    sums = np.zeros((regions.count, borders.STEPS))
+    near = max(round(rule.reach_px * regions.vga_scale**-0.5), 1)
+    steps = rule.step_m, rule.step_share
+    borders.sum_steps(regions.labels, depth, tall.view(np.uint8), near, round(REACH_INSIDE * near), *steps, sums)
+    pairs, known, back, edge, valid, high = sums.T
+    asked = (known + edge >= rule.min_measured * (pairs + edge)) & (high >= TALL_SHARE * valid)
+    return np.where(asked & (known + edge > 0), back / np.maximum(known + edge, 1), np.nan)
 
 
 def region_score(
@@ -145,12 +167,15 @@ def region_score(
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """What a border is measured by, (H, W) in [0, 1]: delta_bound, or the weights where the cost reads no boundary.
+    """What a border is measured by, (H, W) in [0, 1]: delta_bound, or the weights where the cost reads no boundary."""
+    return weight_contour(graph) if cues.edges is None else cues.edges.boundary
 
-    Of the weights the larger of the right and lower edge of each pixel counts, as a share of their 95th percentile.
+
+def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
+    """A cue of borders (H, W) in [0, 1] from weights alone.
+
+    The larger of the right and lower edge of each pixel counts, as a share of their 95th percentile.
     """
-    if cues.edges is not None:
-        return cues.edges.boundary
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)
     np.maximum(largest, down, out=largest, where=np.isfinite(down))

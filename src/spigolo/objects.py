@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Config
+from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
-from spigolo.facts import Labels, RegionFacts, contour_cue, measure_regions
-from spigolo.frame import Frame, Mask
+from spigolo.facts import Labels, RegionFacts, contour_cue, measure_hiding, measure_regions
+from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
 from spigolo.regions import Regions
 from spigolo.rejection import Reason, Verdict, judge
 from spigolo.roi import Roi, roi_mask
-from spigolo.support import above_mask, support_mask
+from spigolo.support import Plane, above_mask, support_mask
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -38,20 +38,45 @@ class RejectedRegion(RegionFacts):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """What regions are judged by, whatever method made them.
+
+    depth: (H, W) metres, in-painted where that is wanted; what is 0 there counts as missing. contour: (H, W) in [0, 1],
+    how strong a border is. plane: the support, None where there is none. rules: what is rejected. preset, digest: of
+    the parameters that the regions come from. left_out: cues that could not be had for want of intrinsics.
+    """
+
+    depth: DepthMap
+    contour: npt.NDArray[np.float32]
+    plane: Plane | None
+    rules: Rejection
+    preset: str
+    digest: str
+    left_out: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """What an answer was made from, kept for corrections by hand."""
 
     regions: Regions
-    cues: Cues
     frame: Frame
-    config: Config
-    contour: npt.NDArray[np.float32]
+    evidence: Evidence
     above: Mask | None
     inside: tuple[Mask, Mask] | None
 
     def measure(self, regions: Regions) -> list[RegionFacts]:
         """The facts of these regions."""
-        return measure_regions(regions, self.cues, self.frame, self.contour, self.above, self.inside)
+        depth, contour = self.evidence.depth, self.evidence.contour
+        return measure_regions(regions, depth, self.frame, contour, self.above, self.inside, self._hiding(regions))
+
+    def _hiding(self, regions: Regions) -> npt.NDArray[np.float64] | None:
+        plane, camera, rules = self.evidence.plane, self.frame.camera, self.evidence.rules
+        if rules.wall is None or rules.support is None or plane is None or camera is None:
+            return None
+        high = rules.support.model_copy(update={"min_height_m": rules.wall.min_height_m})
+        tall = above_mask(plane, self.evidence.depth, camera, high)
+        return measure_hiding(regions, self.evidence.depth, tall, rules.wall)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -140,16 +165,30 @@ def select_objects(
 
     Pixel limits are those of a 640x480 image and grow with its area. roi: regions outside are rejected.
     """
-    plane, rule = cues.support, config.rejection.support
+    evidence = Evidence(
+        depth=cues.depth,
+        contour=contour_cue(cues, graph),
+        plane=cues.support,
+        rules=config.rejection,
+        preset=config.name,
+        digest=config.digest,
+        left_out=("contact boundary",) if frame.camera is None and cues.edges is not None else (),
+    )
+    if not frame.depth.any():
+        warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=4)
+    return judge_regions(regions, frame, evidence, roi)
+
+
+def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi | None = None) -> Segmentation:
+    """The answer from the regions of any method: each measured, and an object or rejected with a reason."""
+    plane, rules = evidence.plane, evidence.rules
     above = None
-    if plane is not None and rule is not None and frame.camera is not None:
-        above = above_mask(plane, frame.depth, frame.camera, rule)
-    inside = None if roi is None else roi_mask(roi, frame)
-    scene = Scene(regions, cues, frame, config, contour_cue(cues, graph), above, inside)
+    if plane is not None and rules.support is not None and frame.camera is not None:
+        above = above_mask(plane, frame.depth, frame.camera, rules.support)
+    scene = Scene(regions, frame, evidence, above, None if roi is None else roi_mask(roi, frame))
     facts = scene.measure(regions)
     if frame.depth.any():
-        return assemble(scene, facts, [judge(f, config.rejection, 1 / regions.vga_scale) for f in facts])
-    warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=4)
+        return assemble(scene, facts, [judge(f, rules, 1 / regions.vga_scale) for f in facts])
     return assemble(scene, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
 
 
@@ -172,14 +211,14 @@ def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verd
         rejected=rejected,
         support=_support(scene, labels),
         left_out=_left_out(scene),
-        preset=scene.config.name,
-        digest=scene.config.digest,
+        preset=scene.evidence.preset,
+        digest=scene.evidence.digest,
         scene=scene,
     )
 
 
 def _support(scene: Scene, labels: Labels) -> Mask | None:
-    plane, rule, frame = scene.cues.support, scene.config.rejection.support, scene.frame
+    plane, rule, frame = scene.evidence.plane, scene.evidence.rules.support, scene.frame
     if plane is None or rule is None or frame.camera is None:
         return None
     return np.asarray(support_mask(plane, frame.depth, frame.camera, rule) & (labels == 0))
@@ -188,9 +227,8 @@ def _support(scene: Scene, labels: Labels) -> Mask | None:
 def _left_out(scene: Scene) -> tuple[str, ...]:
     if scene.frame.camera is not None:
         return ()
-    contact = ("contact boundary",) if scene.cues.edges is not None else ()
-    support = ("support plane",) if scene.config.rejection.support is not None else ()
-    return (*contact, *support, "reach", "points, centroids and boxes in metres")
+    support = ("support plane",) if scene.evidence.rules.support is not None else ()
+    return (*scene.evidence.left_out, *support, "reach", "points, centroids and boxes in metres")
 
 
 def _fields(facts: RegionFacts) -> dict[str, Any]:

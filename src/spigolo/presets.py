@@ -22,6 +22,7 @@ from spigolo.config import (
     SaliencyCost,
     Smoothing,
     Support,
+    Wall,
     parse_toml,
 )
 from spigolo.errors import ConfigError
@@ -82,7 +83,7 @@ OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
     partition={"connectivity": 4},
     joining=Joining(),
-    rejection={"support": {"stacked_share": 0.5}, "min_contour": 0.6},
+    rejection={"support": {"stacked_share": 0.5}, "wall": Wall(), "min_contour": 0.6},
 )
 """OBJECTS_1 with the parts of an object joined, and the table taken for the support rather than the floor."""
 

@@ -15,6 +15,7 @@ class Reason(str, Enum):
     NO_DEPTH = "no depth"
     OUTSIDE = "outside the region of interest"
     SUPPORT = "support"
+    WALL = "wall"
     WEAK_CONTOUR = "weak contour"
     OUT_OF_REACH = "out of reach"
     TOO_LONG = "too long"
@@ -37,11 +38,13 @@ def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | 
 
 
 def _judge_place(facts: RegionFacts, rules: Rejection) -> Verdict | None:
-    """Where it is: in the region of interest, above the support, behind a contour, within reach."""
+    """Where it is: in the region of interest, above the support, before something, in a contour, within reach."""
     if facts.inside is not None and facts.inside < LEAST_INSIDE:
         return Reason.OUTSIDE, f"outside the region of interest: {facts.inside:.0%} of it inside"
     if rules.support is not None and facts.above is not None and facts.above < rules.support.min_above:
         return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {rules.support.min_above:.0%}"
+    if rules.wall is not None and facts.hides is not None and facts.hides < rules.wall.min_hides:
+        return Reason.WALL, f"wall: hides what is behind along {facts.hides:.0%}, least {rules.wall.min_hides:.0%}"
     if rules.min_contour is not None and facts.contour < rules.min_contour:
         return Reason.WEAK_CONTOUR, f"weak contour: mean boundary {facts.contour:.2f}, least {rules.min_contour:.2f}"
     return _above(Reason.OUT_OF_REACH, facts.distance_m, rules.max_distance_m, "centroid at {:.2f} m, limit {:.2f} m")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -20,6 +21,9 @@ STACKED_M = 0.1
 STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
 """A second support lies at least 10 cm above the first, within 14 degrees of it; heights are taken 5 cm at a time."""
+MOST_BELOW = 0.2
+COARSE_PX = 4
+"""Share of a second support's outline that may show what is below it; outlines are looked at in steps of 4 px."""
 SEED = 7
 """RANSAC draws from a fixed seed: the same frame gives the same plane."""
 
@@ -73,7 +77,7 @@ def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | No
     if plane is None or _share(plane, sample, config) < config.min_share:
         return None
     stacked = None if config.stacked_share is None else _stacked(plane, sample, config)
-    return plane if stacked is None else stacked
+    return stacked if stacked is not None and _is_opaque(stacked, sample, np.stack([x, y], axis=1), config) else plane
 
 
 def support_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
@@ -136,6 +140,21 @@ def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
         return None
     least = max(config.stacked_share * _share(floor, sample, config), config.min_share)
     return plane if _share(plane, sample, config) >= least else None
+
+
+def _is_opaque(plane: Plane, sample: Points, pixels: npt.NDArray[np.int64], config: Support) -> bool:
+    """Whether hardly anything shows through a plane from below, within the outline of what lies on it.
+
+    A table hides the floor; the front edges of a shelf lie in one plane too, but frame what is behind.
+    """
+    coarse = (pixels // COARSE_PX).astype(np.int32)
+    on = _on(plane, sample, config)
+    outline: Any = cv2.convexHull(coarse[on])
+    inside = np.zeros(coarse.max(axis=0)[::-1] + 1, np.uint8)
+    cv2.fillConvexPoly(inside, outline, 1)
+    within = inside[coarse[:, 1], coarse[:, 0]] > 0
+    below = plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
+    return bool(np.count_nonzero(below & within) <= MOST_BELOW * np.count_nonzero(within))
 
 
 def _best_hypothesis(sample: Points, rng: np.random.Generator, config: Support) -> Plane:

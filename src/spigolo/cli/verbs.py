@@ -13,6 +13,7 @@ from spigolo import __version__
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.bench import bench
 from spigolo.cli.evaluate import evaluate, report
+from spigolo.cli.figures import figures
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frame import MAX_PIXELS
@@ -35,6 +36,7 @@ app = cyclopts.App(
 )
 app.command(evaluate)
 app.command(report)
+app.command(figures)
 
 app.command(bench)
 

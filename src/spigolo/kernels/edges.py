@@ -6,7 +6,7 @@ import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
 
-SIGN_TANGENT, SIGN_X = 0, 1
+SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
 """tan 22.5 degrees."""
 
@@ -92,8 +92,10 @@ def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
     angle = np.arctan2(sine, cosine) * 180.0 / np.pi
     if sign_rule == SIGN_X:
         along = c[0] if n_y != 0 else 0.0
-    else:
+    elif sign_rule == SIGN_TANGENT:
         along = -n_y * c[0] + n_x * c[1]
+    else:
+        along = 0.0
     return -angle if along < 0.0 else angle
 
 

@@ -5,18 +5,16 @@ World axes: x to the right, y away from the robot, z up; the table top is z = 0.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.frame import Camera
 from spigolo.synthetic import textures
-from spigolo.synthetic.meshes import Mesh, arc, box, faceted, gable_roof, lathe, line, tube
+from spigolo.synthetic.meshes import arc, box, faceted, gable_roof, lathe, line, tube
+from spigolo.synthetic.rendering import Lighting, developed, render_depth, render_geoms, render_light
+from spigolo.synthetic.scene import CAMERA, Part, SceneObject, View, compile_scene
 from spigolo.synthetic.structured_light import simulate_structured_light
 
 __all__ = [
@@ -30,34 +28,15 @@ __all__ = [
     "render_geometry",
 ]
 
-# The principal point is the centre of the image, counting from the centre of the first pixel.
-CAMERA = Camera(fx=525.0, fy=525.0, cx=319.5, cy=239.5, width=640, height=480)
-_LOOK_AT_M = np.array([-0.005, 0.03, 0.05])
-_VIEWING_DISTANCE_M = 0.81
-_PITCH_DEG = 40.0
-_SUPERSAMPLING = 2
+_VIEW = View(look_at_m=(-0.005, 0.03, 0.05), distance_m=0.81, pitch_deg=40.0)
+_LIGHTING = Lighting(
+    aim_m=_VIEW.look_at_m,
+    lamp_m=(-0.9, -1.15, 2.0),
+    lamp_radius_m=0.45,
+    lamp_rgb=0.85 * np.array([1.0, 0.95, 0.87]),
+    sky_rgb=1.05 * np.array([0.93, 0.98, 1.08]),
+)
 _COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels; more would make the PNG a great deal larger
-
-
-@dataclass(frozen=True)
-class Part:
-    """A piece of an object: its mesh and what it is made of."""
-
-    mesh: Mesh
-    texture: npt.NDArray[np.uint8]
-    specular: float = 0.15
-    shininess: float = 0.3
-
-
-@dataclass(frozen=True)
-class SceneObject:
-    """Something on the table: where it is, how far its own z leans over, and to which side (yaw)."""
-
-    name: str
-    position_m: tuple[float, float, float]
-    yaw_deg: float
-    parts: tuple[Part, ...]
-    tilt_deg: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -210,85 +189,9 @@ def _surroundings() -> list[SceneObject]:
 
 def load_model() -> Any:
     """Compile the scene: a ``mujoco.MjModel`` whose body ``object k`` is the object of label k."""
-    import mujoco
-
-    assets: dict[str, bytes] = {}
-    asset_xml: list[str] = []
-    body_xml: list[str] = []
-    bodies = [(thing.name, thing) for thing in _surroundings()]
-    bodies += [(f"object {label}", thing) for label, thing in enumerate(scene_objects(), start=1)]
-    for body_name, thing in bodies:
-        geoms = []
-        for k, part in enumerate(thing.parts):
-            name = f"{thing.name} {k}"
-            asset_xml.append(_part_xml(name, part))
-            assets[f"{name}.png"] = _linear_png(part.texture)
-            geoms.append(f'<geom type="mesh" mesh="{name}" material="{name}" contype="0" conaffinity="0"/>')
-        body_xml.append(f'<body name="{body_name}" {_pose(thing)}>{"".join(geoms)}</body>')
-    return mujoco.MjModel.from_xml_string(_scene_xml(asset_xml, body_xml), assets)
-
-
-def _scene_xml(asset_xml: list[str], body_xml: list[str]) -> str:
-    """The MJCF around the assets and bodies: camera, one movable light, rendering quality."""
-    pitch = np.radians(_PITCH_DEG)
-    position = _LOOK_AT_M + _VIEWING_DISTANCE_M * np.array([0.0, -np.cos(pitch), np.sin(pitch)])
-    # MuJoCo's image centre lies between the middle pixels: at (319.5, 239.5), which is the principal point.
-    fovy_deg = np.degrees(2 * np.arctan(CAMERA.height / 2 / CAMERA.fy))
-    width, height = _SUPERSAMPLING * CAMERA.width, _SUPERSAMPLING * CAMERA.height
-    return f"""<mujoco model="spigolo demo scene">
-  <compiler angle="degree" eulerseq="zyx" balanceinertia="true"/>
-  <statistic extent="1" center="0 0 0"/>
-  <visual>
-    <global offwidth="{width}" offheight="{height}"/>
-    <quality shadowsize="4096" offsamples="4"/>
-    <map znear="0.2" zfar="8" shadowscale="1"/>
-    <headlight ambient="0.05 0.05 0.055" diffuse="0 0 0" specular="0 0 0"/>
-  </visual>
-  <asset>{"".join(asset_xml)}</asset>
-  <worldbody>
-    <camera name="robot" pos="{_numbers(position)}" fovy="{fovy_deg:.9f}"
-            xyaxes="1 0 0 0 {np.sin(pitch):.9f} {np.cos(pitch):.9f}"/>
-    <light name="lamp" pos="0 0 3" dir="0 0 -1" castshadow="true" cutoff="65" exponent="0"
-           ambient="0 0 0" diffuse="1 1 1" specular="1 1 1"/>
-    {"".join(body_xml)}
-  </worldbody>
-</mujoco>"""
-
-
-def _part_xml(name: str, part: Part) -> str:
-    """Mesh, texture and material of one part."""
-    mesh = part.mesh
-    return (
-        f"<mesh name={quoteattr(name)} vertex={quoteattr(_numbers(mesh.vertices_m))}"
-        f" normal={quoteattr(_numbers(mesh.normals))} texcoord={quoteattr(_numbers(mesh.uv))}"
-        f' face={quoteattr(" ".join(map(str, mesh.triangles.ravel())))} inertia="shell"/>'
-        f'<texture name={quoteattr(name)} type="2d" file="{name}.png"/>'
-        f'<material name={quoteattr(name)} texture={quoteattr(name)} texuniform="false"'
-        f' specular="{part.specular}" shininess="{part.shininess}"/>'
-    )
-
-
-def _pose(thing: SceneObject) -> str:
-    """Position and orientation of a body as MJCF attributes."""
-    return f'pos="{_numbers(thing.position_m)}" euler="{thing.yaw_deg} {thing.tilt_deg} 0"'
-
-
-def _numbers(values: npt.ArrayLike) -> str:
-    return " ".join(f"{value:.7g}" for value in np.ravel(np.asarray(values, dtype=np.float64)))
-
-
-def _linear_png(texture: npt.NDArray[np.uint8]) -> bytes:
-    """A texture as PNG in linear light, so that lights add up as real ones do."""
-    linear = np.round(255 * _srgb_to_linear(np.arange(256) / 255)).astype(np.uint8)[texture]
-    return bytes(cv2.imencode(".png", linear[..., ::-1])[1].tobytes())
-
-
-def _srgb_to_linear(value: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-
-
-def _linear_to_srgb(value: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    return np.where(value <= 0.0031308, 12.92 * value, 1.055 * np.maximum(value, 1e-9) ** (1 / 2.4) - 0.055)
+    bodies = {thing.name: thing for thing in _surroundings()}
+    bodies |= {f"object {label}": thing for label, thing in enumerate(scene_objects(), start=1)}
+    return compile_scene("spigolo demo scene", bodies, _VIEW)
 
 
 def make_demo_frame(seed: int = 0) -> RenderedScene:
@@ -311,62 +214,13 @@ def render_geometry(model: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np
     """Ideal depth (H, W) in metres along the optical axis, and labels (H, W), from ``load_model()``."""
     import mujoco
 
-    model.vis.quality.offsamples = 0  # a mean of several samples is neither a depth nor a label
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    with mujoco.Renderer(model, CAMERA.height, CAMERA.width) as renderer:
-        renderer.update_scene(data, camera="robot")
-        renderer.enable_depth_rendering()
-        depth_m = np.array(renderer.render(), dtype=np.float32)
-        renderer.disable_depth_rendering()
-        renderer.enable_segmentation_rendering()
-        geom = np.array(renderer.render())[..., 0]
     label_of_geom = np.zeros(model.ngeom + 1, dtype=np.uint8)  # the last, for geom -1, is the void
     for k in range(1, len(OBJECT_NAMES) + 1):
         body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, f"object {k}")
         label_of_geom[:-1][model.geom_bodyid == body] = k
-    return depth_m, label_of_geom[geom]
+    return render_depth(model), label_of_geom[render_geoms(model)]
 
 
-def render_colour(model: Any, lamp_samples: int = 24, sky_samples: int = 40) -> npt.NDArray[np.uint8]:
-    """Colour image (H, W, 3) of ``load_model()``'s scene, anti-aliased, under soft light.
-
-    MuJoCo's own shadows are hard; the mean of many renderings, each with the one light elsewhere, has the
-    penumbras of a broad lamp and the soft contact shadows of a room's light.
-    """
-    import mujoco
-
-    model.vis.quality.offsamples = 4
-    data = mujoco.MjData(model)
-    shape = (CAMERA.height, _SUPERSAMPLING, CAMERA.width, _SUPERSAMPLING, 3)
-    light = np.zeros((CAMERA.height, CAMERA.width, 3))
-    with mujoco.Renderer(model, shape[0] * shape[1], shape[2] * shape[3]) as renderer:
-        for position_m, colour in _lights(lamp_samples, sky_samples):
-            model.light_pos[0] = position_m
-            model.light_dir[0] = (_LOOK_AT_M - position_m) / np.linalg.norm(_LOOK_AT_M - position_m)
-            mujoco.mj_forward(model, data)
-            renderer.update_scene(data, camera="robot")
-            light += colour * (renderer.render() / 255.0).reshape(shape).mean(axis=(1, 3))
-    return _developed(light)
-
-
-def _lights(lamp_samples: int, sky_samples: int) -> Iterator[tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
-    """Positions, in metres, and linear RGB weights of the point lights that make up lamp and sky."""
-    golden = np.pi * (3 - np.sqrt(5))
-    for k in range(lamp_samples):  # a warm lamp, 0.9 m across, up behind the camera on its left
-        radius_m, turn = 0.45 * np.sqrt((k + 0.5) / lamp_samples), golden * k
-        offset = radius_m * np.array([np.cos(turn), np.sin(turn), 0.0])
-        yield np.array([-0.9, -1.15, 2.0]) + offset, 0.85 * np.array([1.0, 0.95, 0.87]) / lamp_samples
-    for k in range(sky_samples):  # the cooler light of the room from all over the hemisphere
-        height = 0.25 + 0.75 * (k + 0.5) / sky_samples
-        across = np.sqrt(1 - height**2)
-        direction = np.array([across * np.cos(golden * k), across * np.sin(golden * k), height])
-        yield _LOOK_AT_M + 1.9 * direction, 1.05 * np.array([0.93, 0.98, 1.08]) / sky_samples
-
-
-def _developed(light: npt.NDArray[np.float64]) -> npt.NDArray[np.uint8]:
-    """Linear light to 8-bit sRGB, with a soft shoulder so that highlights do not clip."""
-    knee = 0.7
-    bright = knee + (1 - knee) * np.tanh((light - knee) / (1 - knee))
-    toned = np.where(light > knee, bright, light)
-    return np.round(255 * np.clip(_linear_to_srgb(toned), 0, 1)).astype(np.uint8)
+def render_colour(model: Any) -> npt.NDArray[np.uint8]:
+    """Colour image (H, W, 3) of ``load_model()``'s scene, anti-aliased, under soft light."""
+    return developed(render_light(model, _LIGHTING))

@@ -1,4 +1,4 @@
-"""Procedural triangle meshes, with texture coordinates, for the objects of the demo scene.
+"""Procedural triangle meshes, with texture coordinates, for the rendered scenes.
 
 Lengths are in metres, z is up, and faces run anticlockwise as seen from outside.
 """
@@ -11,7 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Mesh", "arc", "box", "faceted", "gable_roof", "lathe", "line", "tube"]
+__all__ = [
+    "Mesh",
+    "arc",
+    "box",
+    "faceted",
+    "gable_roof",
+    "joined",
+    "lathe",
+    "line",
+    "prism",
+    "rounded_rectangle",
+    "tub",
+    "tube",
+]
 
 FloatArray = npt.NDArray[np.float64]
 Rectangle = tuple[float, float, float, float]  # left, top, right, bottom in texture coordinates
@@ -60,7 +73,7 @@ def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
         v = 0.002 + 0.996 * (highest - z) / (highest - lowest)
         uv = np.stack([np.broadcast_to(turn, z.shape), v], axis=-1)
         parts.append(_grid_mesh(vertices, normals, uv))
-    return _joined(parts)
+    return joined(parts)
 
 
 def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
@@ -82,7 +95,7 @@ def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
         after = np.roll(ring, -1, axis=0)
         corners = np.stack([middle, ring, after] if sign > 0 else [middle, after, ring], axis=1)
         caps.append(faceted([(triangle, (0.0, 0.0, 0.0, 0.0)) for triangle in corners]))
-    return _joined([sweep, *caps])
+    return joined([sweep, *caps])
 
 
 def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
@@ -100,7 +113,7 @@ def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
         uv = np.array(quad if len(vertices) == 4 else triangle)
         fan = [(0, k, k + 1) for k in range(1, len(vertices) - 1)]
         parts.append(Mesh(vertices, normals, uv, np.array(fan, dtype=np.int64)))
-    return _joined(parts)
+    return joined(parts)
 
 
 def box(size_m: tuple[float, float, float]) -> Mesh:
@@ -117,6 +130,62 @@ def box(size_m: tuple[float, float, float]) -> Mesh:
             ([(-x, y, 0), (x, y, 0), (x, -y, 0), (-x, -y, 0)], top),
         ]
     )
+
+
+def rounded_rectangle(
+    size_m: tuple[float, float], radius_m: float, per_corner: int = 8
+) -> tuple[FloatArray, FloatArray]:
+    """Points (N, 2) of a rectangle about the origin, anticlockwise, and the unit vectors (N, 2) that point outward.
+
+    A radius of half the shorter side makes round ends, and a disc of a square.
+    """
+    turn = np.radians(np.linspace(0, 90, per_corner) + 90 * np.arange(4)[:, None]).ravel()
+    outward = np.column_stack([np.cos(turn), np.sin(turn)])
+    signs = np.repeat([(1, 1), (-1, 1), (-1, -1), (1, -1)], per_corner, axis=0)
+    return signs * (np.array(size_m) / 2 - radius_m) + radius_m * outward, outward
+
+
+def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float | None = None) -> Mesh:
+    """An upright prism over a convex outline (N, 2); `texture_m`: width of the texture, else that of the outline."""
+    corner = outline_m.min(axis=0)
+    extent = np.ptp(outline_m, axis=0).max() if texture_m is None else texture_m
+    flat_uv = (outline_m - corner) / extent * [1, -1] + [0, 1]
+    fan = np.array([(0, k, k + 1) for k in range(1, len(outline_m) - 1)])
+    parts = []
+    for z, up in ((high_m, 1.0), (low_m, -1.0)):
+        vertices = np.column_stack([outline_m, np.full(len(outline_m), z)])
+        parts.append(Mesh(vertices, np.tile([0, 0, up], (len(vertices), 1)), flat_uv, fan if up > 0 else fan[:, ::-1]))
+    faces = []
+    for a, b in zip(outline_m, np.roll(outline_m, -1, axis=0), strict=True):
+        width = float(np.linalg.norm(b - a)) / extent
+        if width > 1e-9:
+            shown = (0.0, 0.0, width, (high_m - low_m) / extent)
+            faces.append(([(*a, low_m), (*b, low_m), (*b, high_m), (*a, high_m)], shown))
+    return joined([*parts, faceted(faces)])
+
+
+def tub(size_m: tuple[float, float], radius_m: float, sections: Sequence[FloatArray]) -> Mesh:
+    """Like `lathe`, but round a rounded rectangle: r of the profile is how far it lies outside that outline.
+
+    The texture is as wide as the tub is round.
+    """
+    outline, outward = (np.vstack([ring, ring[:1]]) for ring in rounded_rectangle(size_m, radius_m))
+    steps = np.linalg.norm(np.diff(outline, axis=0), axis=1)
+    around = np.concatenate([[0], np.cumsum(steps)]) / steps.sum()
+    parts, along_m = [], 0.0
+    for profile in sections:
+        tangent = np.gradient(profile, axis=0)
+        tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+        outset, z = profile[:, 0, None, None], np.repeat(profile[:, 1:], len(outline), axis=1)
+        vertices = np.concatenate([outline + outset * outward, z[..., None]], axis=-1)
+        normals = np.concatenate(
+            [tangent[:, 1, None, None] * outward, np.broadcast_to(-tangent[:, :1], z.shape)[..., None]], axis=-1
+        )
+        lengths = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
+        v = np.broadcast_to((along_m + lengths[:, None]) / steps.sum(), z.shape)
+        parts.append(_grid_mesh(vertices, normals, np.stack([np.broadcast_to(around, z.shape), v], axis=-1)))
+        along_m += lengths[-1]
+    return joined(parts)
 
 
 def gable_roof(width_m: float, depth_m: float, base_z_m: float, roof_m: float, fin_m: float) -> Mesh:
@@ -147,6 +216,17 @@ def panels() -> tuple[Rectangle, Rectangle, Rectangle]:
     return left, middle, right
 
 
+def joined(parts: Sequence[Mesh]) -> Mesh:
+    """One mesh out of several."""
+    starts = np.cumsum([0] + [len(part.vertices_m) for part in parts])
+    return Mesh(
+        np.concatenate([part.vertices_m for part in parts]),
+        np.concatenate([part.normals for part in parts]),
+        np.concatenate([part.uv for part in parts]),
+        np.concatenate([part.triangles + start for part, start in zip(parts, starts[:-1], strict=True)]),
+    )
+
+
 def _grid_mesh(vertices: FloatArray, normals: FloatArray, uv: FloatArray) -> Mesh:
     """Triangles over a (rows, columns) grid of vertices; those of no area, at a lathe's poles, are left out."""
     rows, columns = vertices.shape[:2]
@@ -157,14 +237,3 @@ def _grid_mesh(vertices: FloatArray, normals: FloatArray, uv: FloatArray) -> Mes
     corners = flat[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     return Mesh(flat, normals.reshape(-1, 3), uv.reshape(-1, 2), triangles[area > 1e-12])
-
-
-def _joined(parts: Sequence[Mesh]) -> Mesh:
-    """One mesh out of several."""
-    starts = np.cumsum([0] + [len(part.vertices_m) for part in parts])
-    return Mesh(
-        np.concatenate([part.vertices_m for part in parts]),
-        np.concatenate([part.normals for part in parts]),
-        np.concatenate([part.uv for part in parts]),
-        np.concatenate([part.triangles + start for part, start in zip(parts, starts[:-1], strict=True)]),
-    )

@@ -38,9 +38,9 @@ def smooth_noise(size: tuple[int, int], cells: tuple[int, int], rng: np.random.G
     return cv2.resize(grid, (size[1], size[0]), interpolation=cv2.INTER_CUBIC).astype(np.float64)
 
 
-def wood(rng: np.random.Generator, planks: int = 7) -> Image:
+def wood(rng: np.random.Generator, planks: int = 7, size: tuple[int, int] = (1024, 2048)) -> Image:
     """Pale oak: planks along u, each with its own tone, grain and a fine joint."""
-    height, width = 1024, 2048
+    height, width = size
     image = np.empty((height, width, 3))
     edges = np.linspace(0, height, planks + 1).astype(int)
     for top, bottom in pairwise(edges):

@@ -1,0 +1,62 @@
+"""The verb that draws the paper's figures: figures."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from spigolo.cli import DONE
+from spigolo.cli.inputs import find_frames
+
+if TYPE_CHECKING:
+    from spigolo.frame import Frame
+
+Out = Annotated[Path, Parameter(alias="-o")]
+
+
+def figures(
+    *inputs: str, camera: str | None = None, depth_scale: float | None = None, out: Out = Path("spigolo-figures")
+) -> int:
+    """Draws the paper's Figures 2 to 5 from your own frames: smoothing, saliency, edges, objects.
+
+    Example: `spigolo figures rgb.png depth.png --camera camera.json`. Figures 2 to 4 show the first frame.
+
+    Parameters
+    ----------
+    inputs
+        Colour and depth image, or folders, as for segment. Default: the bundled scene.
+    camera
+        Intrinsics, as for segment.
+    depth_scale
+        Metres per unit of the depth image. Default: that of the camera file.
+    out
+        Folder for figure2.png to figure5.png.
+
+    """
+    from spigolo import io
+    from spigolo.pipeline import segment
+    from spigolo.presets import OBJECTS
+    from spigolo.view import figures as draw
+
+    frames = read_all(inputs, camera, depth_scale)
+    first = next(iter(frames.values()))
+    pictures = {
+        "figure2": draw.figure2(first),
+        "figure3": draw.figure3(first),
+        "figure4": draw.figure4(first),
+        "figure5": draw.figure5({name: (frame, segment(frame, OBJECTS)) for name, frame in frames.items()}),
+    }
+    for name, picture in pictures.items():
+        io.write_png(out / f"{name}.png", picture)
+        print(out / f"{name}.png")
+    return DONE
+
+
+def read_all(inputs: tuple[str, ...], camera: str | None, depth_scale: float | None) -> dict[str, Frame]:
+    """The frames by name."""
+    from spigolo import io
+
+    words = list(inputs) or [str(Path(__file__).parents[1] / "demo_scene")]
+    return {p.name: io.read_frame(p.color, p.depth, camera or p.camera, depth_scale) for p in find_frames(words)}

@@ -1,0 +1,182 @@
+"""The paper's Figures 2 to 5, drawn from any frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.config import Config
+from spigolo.depth import missing_mask, prepare_depth, smooth
+from spigolo.edges import EdgeMaps, find_edges
+from spigolo.errors import CameraError
+from spigolo.frame import Camera, Color, DepthMap, Frame
+from spigolo.objects import Segmentation
+from spigolo.pipeline import segment
+from spigolo.presets import OBJECTS, SHELF, TABLE
+from spigolo.saliency import fine_grained_saliency, power_law
+from spigolo.view.overlay import depth_picture, overlay, tile
+
+Window = tuple[int, int, int, int]
+"""(y0, x0, y1, x1), the last two exclusive."""
+
+MISSING_BLUE = (0, 0, 110)
+DETAIL_SHARE = 5
+"""A detail is a fifth of the image high and wide."""
+TURN_DEG = 55.0
+"""How far to the side a cloud is looked at from."""
+CURVED = 2
+"""How many objects Figure 4 looks at closely."""
+
+
+def figure2(frame: Frame, config: Config = TABLE) -> Color:
+    """Original smoothing (eq. 5, missing pixels as zeros) left, the paper's (eq. 8) right, where depth is missing.
+
+    Rows: depth; the cloud around the detail, seen from the side; the detail where both differ most.
+    """
+    if frame.camera is None:
+        raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")
+    original = smooth(frame.depth, config.depth.smoothing.model_copy(update={"mean": "plain"}))
+    modified = smooth(frame.depth, config.depth.smoothing.model_copy(update={"mean": "valid"}))
+    spot = _detail(np.abs(original - modified), frame.shape)
+    wide = _around(spot, 2.0, frame.shape)
+    pictures: dict[str, Color] = {}
+    for name, depth, letters in (("eq. 5", original, "ace"), ("eq. 8", modified, "bdf")):
+        pictures[f"({letters[0]}) depth, {name}"] = _blue_where_missing(depth)
+        pictures[f"({letters[1]}) cloud from the side, {name}"] = side_view(depth, frame.color, frame.camera, wide)
+        detail = _within(_cut(depth, spot), _cut(modified, spot))
+        pictures[f"({letters[2]}) detail, {name}"] = _enlarge(_blue_where_missing(detail), frame.shape)
+    return tile({title: pictures[title] for title in sorted(pictures)}, columns=2)
+
+
+def figure3(frame: Frame, config: Config = SHELF) -> Color:
+    """The saliency map as it comes, and after the power law (eq. 10)."""
+    saliency = fine_grained_saliency(frame.color, config.saliency)
+    pictures = {
+        "colour": frame.color,
+        "(a) saliency": _grey(saliency),
+        f"(b) its power law, exponent {config.saliency.power:g}": _grey(power_law(saliency, config.saliency.power)),
+    }
+    return tile(pictures, columns=3)
+
+
+def figure4(frame: Frame, config: Config = TABLE) -> Color:
+    """Final edges with and without internal boundaries, and Canny's edges beside the final ones on two objects.
+
+    The objects are those with the most Canny edges that are no boundary: prints and curved surfaces.
+    """
+    with_internal = config.edges.model_copy(update={"sign_rule": "none"})
+    depth = prepare_depth(frame.depth, config.depth)
+    internal = find_edges(frame.color, depth, frame.camera, with_internal)
+    edges = find_edges(frame.color, depth, frame.camera, config.edges)
+    pictures = {
+        "(a) final edges, internal boundaries too": _lines(internal.final),
+        "(b) final edges (eq. 20)": _lines(edges.final),
+    }
+    for k, window in enumerate(_busiest(segment(frame, OBJECTS), edges)):
+        for letter, title, mask in (("ce"[k], "Canny", edges.canny), ("df"[k], "final edges", edges.final)):
+            pictures[f"({letter}) {title}"] = _enlarge(_lines(_cut(mask, window)), frame.shape)
+    return tile(pictures, columns=2)
+
+
+def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
+    """Segmented objects highlighted, a picture for each frame, by name. All frames have the size of the first."""
+    shape = next(iter(results.values()))[0].shape
+    pictures = {
+        f"{name}: {len(result)} objects": _enlarge(overlay(result, frame.color), shape)
+        for name, (frame, result) in results.items()
+    }
+    return tile(pictures, columns=min(len(pictures), 3))
+
+
+def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> Color:
+    """The points of a window (y0, x0, y1, x1) of a depth map, turned to the side about their middle, on white."""
+    y0, x0, y1, x1 = window
+    inside = np.zeros(depth.shape, bool)
+    inside[y0:y1, x0:x1] = True
+    inside &= depth > 0
+    picture = np.full((*depth.shape, 3), 255, np.uint8)
+    points = camera.back_project(depth, inside).astype(np.float64)
+    if len(points) < 3:
+        return picture
+    middle = np.median(points, axis=0)
+    near = np.abs(points - middle).max(axis=1) < 4 * np.median(np.abs(points - middle).max(axis=1))
+    points, tint = (points - middle)[near], color[inside][near]
+    turn = np.deg2rad(TURN_DEG)
+    across = np.cos(turn) * points[:, 0] - np.sin(turn) * points[:, 2]
+    away = np.sin(turn) * points[:, 0] + np.cos(turn) * points[:, 2]
+    height, width = depth.shape
+    reach = np.percentile(np.abs(np.stack([across / width, points[:, 1] / height])), 99.5, axis=1).max()
+    scale = 0.47 / max(reach, 1e-9)
+    order = np.argsort(-away)
+    u = np.round(width / 2 + scale * across[order]).astype(int)
+    v = np.round(height / 2 + scale * points[order, 1]).astype(int)
+    for dy, dx in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        seen = (u + dx >= 0) & (u + dx < width) & (v + dy >= 0) & (v + dy < height)
+        picture[v[seen] + dy, u[seen] + dx] = tint[order][seen]
+    return picture
+
+
+def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Window:
+    """The window in which a map (H, W) is largest on average."""
+    height, width = shape[0] // DETAIL_SHARE, shape[1] // DETAIL_SHARE
+    means = cv2.blur(np.minimum(difference, 0.05), (width, height))
+    y, x = np.unravel_index(int(means.argmax()), means.shape)
+    y0, x0 = int(np.clip(y - height // 2, 0, shape[0] - height)), int(np.clip(x - width // 2, 0, shape[1] - width))
+    return y0, x0, y0 + height, x0 + width
+
+
+def _around(window: Window, factor: float, shape: tuple[int, int]) -> Window:
+    """The window grown about its middle, cut to the image."""
+    y0, x0, y1, x1 = window
+    grow_y, grow_x = round((factor - 1) * (y1 - y0) / 2), round((factor - 1) * (x1 - x0) / 2)
+    return max(y0 - grow_y, 0), max(x0 - grow_x, 0), min(y1 + grow_y, shape[0]), min(x1 + grow_x, shape[1])
+
+
+def _busiest(result: Segmentation, edges: EdgeMaps) -> list[Window]:
+    """Windows around the objects with the largest share of Canny edges that are no boundary."""
+    removed = edges.canny & ~edges.final
+    ranked = sorted(result, key=lambda o: np.count_nonzero(removed & o.mask) / o.area_px, reverse=True)
+    return [_around(o.box_px, 1.3, removed.shape) for o in ranked[:CURVED]]
+
+
+def _cut(image: npt.NDArray[Any], window: Window) -> npt.NDArray[Any]:
+    y0, x0, y1, x1 = window
+    return np.ascontiguousarray(image[y0:y1, x0:x1])
+
+
+def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
+    """A picture as large as fits into (H, W), on white."""
+    scale = min(shape[0] / picture.shape[0], shape[1] / picture.shape[1])
+    height, width = max(int(scale * picture.shape[0]), 1), max(int(scale * picture.shape[1]), 1)
+    out = np.full((*shape, 3), 255, np.uint8)
+    top, left = (shape[0] - height) // 2, (shape[1] - width) // 2
+    out[top : top + height, left : left + width] = cv2.resize(picture, (width, height), interpolation=cv2.INTER_NEAREST)
+    return out
+
+
+def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
+    """Depth cut to the range of another map, so that both have the same colours; missing stays missing."""
+    if not like.any():
+        return depth
+    low, high = np.percentile(like[like > 0], [1, 99])
+    return np.where(depth > 0, np.clip(depth, low, high), np.float32(0)).astype(np.float32)
+
+
+def _blue_where_missing(depth: DepthMap) -> Color:
+    """Depth in colours, its missing pixels dark blue as the paper has them."""
+    picture = depth_picture(depth)
+    picture[missing_mask(depth)] = MISSING_BLUE
+    return picture
+
+
+def _grey(values: npt.NDArray[np.float32]) -> Color:
+    return np.repeat(np.round(values * 255).astype(np.uint8)[..., None], 3, axis=2)
+
+
+def _lines(mask: npt.NDArray[np.generic]) -> Color:
+    """A mask in white on black."""
+    return np.repeat((np.asarray(mask) > 0).astype(np.uint8)[..., None] * np.uint8(255), 3, axis=2)

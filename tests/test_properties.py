@@ -440,6 +440,8 @@ def models(draw: st.DrawFn, model: type[BaseModel]) -> BaseModel:
     if model is Config:
         gamma = draw(st.floats(0, 1e9)) if isinstance(values["cost"], AutoCost) else None
         values["partition"] = values["partition"].model_copy(update={"gamma_shadows": gamma})
+        if values["rejection"].support is None:
+            values["joining"] = None
     return model(**values)
 
 

@@ -346,12 +346,12 @@ class Smooth(_Stage):
 
 
 class Joining(_Stage):
-    """Which regions are parts of one object (our addition, not in the paper). None switches a rule off."""
+    """Which regions are parts of one object (our addition, not in the paper). None leaves a rule out."""
 
-    vessel: Vessel | None = Vessel()
-    cap: Cap | None = Cap()
-    smooth: Smooth | None = Smooth()
-    enclosed: Share | None = 0.9
+    vessel: Vessel | None = None
+    cap: Cap | None = None
+    smooth: Smooth | None = None
+    enclosed: Share | None = None
     """Least share of its surroundings that belongs to one object for a region on the plane to be part of it."""
     reach_px: Annotated[int, Field(ge=1, le=100)] = 4
     """Where both sides of a border are sampled."""

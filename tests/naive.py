@@ -144,6 +144,18 @@ def boundary_plane(
     return _plane(rgb, depth, boundary, scale, noise, k_dv, k_ds, ends, offset, lambda *cues: eq_23(*cues, *k))
 
 
+def feature_plane(features: Array, k_xy: float, offset: tuple[int, int]) -> Array:
+    """Eq. 1 with the coordinates written out among the features; what is NaN at an end is left out."""
+    _, height, width = features.shape
+    out = np.full((height, width), np.inf)
+    for y, x in pixels(out):
+        v, u = y + offset[0], x + offset[1]
+        if inside(out, v, u):
+            here, there = [np.array([*features[:, a, b], k_xy * a, k_xy * b], np.float64) for a, b in ((y, x), (v, u))]
+            out[y, x] = math.sqrt(np.nansum((here - there) ** 2))
+    return out
+
+
 # --- depth ----------------------------------------------------------------------------------------------------
 
 
@@ -678,6 +690,70 @@ def tell_sides(depth: Array, K: Array, normal: Array, offset: float, least: floa
     return out
 
 
+# --- Potts model ----------------------------------------------------------------------------------------------
+
+
+def interaction_plane(
+    distance: Array,
+    depth: Array,
+    mean: float,
+    repulsion: float,
+    step: float,
+    step_per_m: float,
+    penalty: float,
+    offset: tuple[int, int],
+) -> Array:
+    out = np.zeros(depth.shape)
+    for y, x in pixels(depth):
+        v, u = y + offset[0], x + offset[1]
+        if inside(depth, v, u):
+            z = sorted((float(depth[y, x]), float(depth[v, u])))
+            out[y, x] = max(1 - float(distance[y, x]) / mean, -repulsion)
+            if z[0] > 0 and z[1] - z[0] > max(step, step_per_m * z[0] ** 2):
+                out[y, x] = -penalty
+    return out
+
+
+def draw(seed: int, sweep: int, pixel: int, which: int) -> int:
+    """32 bits, mixed again with each number that comes in."""
+    bits = seed
+    for number in (sweep, pixel, which):
+        bits = (bits * 0x9E3779B1 + number) % 2**32
+        for shift, odd in ((15, 0x85EBCA77), (13, 0xC2B2AE3D), (16, 1)):
+            bits = (bits ^ bits >> shift) * odd % 2**32
+    return bits
+
+
+def neighbours(planes: Array, y: int, x: int) -> list[tuple[tuple[int, int], float]]:
+    """(pixel, interaction) of the 8 neighbours, in raster order."""
+    pairs = {}
+    for plane, (dy, dx) in zip(planes, OFFSETS, strict=True):
+        for at, there in (((y, x), (y + dy, x + dx)), ((y - dy, x - dx), (y - dy, x - dx))):
+            if inside(plane, y, x) and inside(plane, *there):
+                pairs[there] = float(plane[at])
+    return sorted(pairs.items())
+
+
+def sweep(spins: Array, planes: Array, values: int, temperature: float, seed: int, number: int) -> tuple[Array, int]:
+    """Spins after the sweep, and how many changed."""
+    spins, changed = spins.copy(), 0
+    for top, left in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        before = spins.copy()  # pixels of a quarter do not see each other
+        for y, x in ((y, x) for y, x in pixels(spins) if (y % 2, x % 2) == (top, left)):
+            near = [(before[at], force) for at, force in neighbours(planes, y, x)]
+            pixel = y * spins.shape[1] + x
+            energy = Counter[int]()
+            for spin, force in near:
+                energy[int(spin)] -= force
+            offered = [draw(seed, number, pixel, 0) % values, *(int(s) for s, _ in near if s != before[y, x])]
+            other = min(offered, key=lambda spin: energy[spin])  # the first of equals
+            rise = energy[other] - energy[int(before[y, x])]
+            likely = rise <= 0 or draw(seed, number, pixel, 1) / 2**32 < math.exp(-rise / temperature)
+            if other != before[y, x] and likely:
+                spins[y, x], changed = other, changed + 1
+    return spins, changed
+
+
 # --- registration ---------------------------------------------------------------------------------------------
 
 
@@ -729,3 +805,44 @@ def splat_depth(
                         z = 1 / (shares @ (1 / moved[triangle, 2]))
                         out[y, x] = min(z, out[y, x] or z)
     return out
+
+
+def fit_sides(
+    edges: Array, direction: Array, normals: Array, disparity: Array, radius: int, strip: float, weak: float,
+    least: float,
+) -> Array:  # fmt: skip
+    """(H, W, 4): where the line through each half-disc meets the edge, and its slope."""
+    out = np.zeros((*edges.shape, 4))
+    for y, x in zip(*np.nonzero(edges), strict=True):
+        sides: list[list[tuple[float, float, float]]] = [[], []]
+        for v, u in pixels(disparity):
+            away = float(normals[direction[y, x]] @ (v - y, u - x))
+            if disparity[v, u] > 0 and math.hypot(v - y, u - x) <= radius and away != 0:
+                sides[away < 0].append((away, float(disparity[v, u]), weak if abs(away) < strip else 1.0))
+        if min(sum(w for _, _, w in side) for side in sides) >= least:
+            out[y, x] = [number for side in sides for number in _line(side)]
+    return out
+
+
+def _line(points: list[tuple[float, float, float]]) -> tuple[float, float]:
+    away, value, weight = np.array(points).T
+    if np.ptp(away) < 1e-6:
+        return float(np.average(value, weights=weight)), 0.0
+    root = np.sqrt(weight)
+    solution = np.linalg.lstsq(np.stack([root, root * away], axis=1), root * value, rcond=None)[0]
+    return float(solution[0]), float(solution[1])
+
+
+def closed_path(radial: Array, angular: Array, least: int, most: int) -> float:
+    """Cost of the cheapest closed path, tried from every start."""
+    rays = len(radial)
+    before = [[0.0, *itertools.accumulate(row.tolist())] for row in angular]  # of all radii below k
+    radii = range(least, most + 1)
+    lowest = math.inf
+    for start in radii:
+        cost = {k: float(radial[0, k]) if k == start else math.inf for k in radii}
+        for t in range(1, rays + 1):
+            way = {k: min(cost[j] + abs(before[t - 1][k] - before[t - 1][j]) for j in radii) for k in radii}
+            cost = {k: way[k] + float(radial[t % rays, k]) for k in radii}
+        lowest = min(lowest, way[start])
+    return lowest

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.bench import BASELINES, QUICK, Plan, Report, bench, markdown, tables
+from spigolo.bench import QUICK, Plan, Report, bench, markdown, tables
 from spigolo.bench import report as bench_report
 from spigolo.bench.contestants import CONFIGS, Comparison, check_merging, compare, mergings
 from spigolo.bench.figures import fit_power_law, paired_ratio, percentile, summarise
@@ -311,7 +311,7 @@ def test_the_tables_hold_a_cell_for_each_column(report: Report) -> None:
 
 @compiled
 def test_a_method_that_is_registered_takes_part(small: sp.Frame, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(BASELINES, "nothing", lambda frame: None)
+    monkeypatch.setitem(sp.METHODS, "nothing", lambda frame: None)
     monkeypatch.setattr(bench_report, "measure_startup", lambda *_: None)
     done = bench({"small": small}, Plan(rounds=1, sizes=(), frames=1, repeats=1), Path(sys.executable))
     assert "nothing" in done.contests[0].samples

@@ -1,7 +1,4 @@
-"""One example per equation, worked by hand, and the options that a reading of the paper leaves open.
-
-Eq. 1 is the plain weight that the method starts from; it belongs to a baseline and is not in this package yet.
-"""
+"""One example per equation, worked by hand, and the options that a reading of the paper leaves open."""
 
 from __future__ import annotations
 
@@ -18,6 +15,7 @@ from spigolo.depth import missing_count, missing_mask, prepare_depth, smooth
 from spigolo.edges import EdgeMaps, classify, final_boundary, find_edges
 from spigolo.graph import Graph, weigh
 from spigolo.kernels import color, costs, edges, merging
+from spigolo.methods.features import feature_graph
 from spigolo.regions import partition
 from spigolo.saliency import power_law
 
@@ -30,6 +28,33 @@ def approx(value: object) -> object:
 
 def rows(*values: list[float]) -> Array:
     return np.array(values, np.float32)
+
+
+# --- the plain weight ------------------------------------------------------------------------------------------
+
+
+def plain_weights(k_xy: float) -> Array:
+    """Of the edges right, down, down-right and up-right between four pixels, as (4, 2, 2)."""
+    features = np.array([[[10, 13], [10, 10]], [[20, 24], [20, 20]], [[30, 30], [42, 30]]], np.float32)
+    return feature_graph(features, connectivity=8, k_xy=k_xy).weights
+
+
+def test_eq_01_plain_weight_of_colour() -> None:
+    # pixels (10, 20, 30), (13, 24, 30); (10, 20, 42), (10, 20, 30)
+    # right: sqrt(3^2 + 4^2 + 0) = 5, sqrt(12^2) = 12; down: sqrt(12^2) = 12, sqrt(3^2 + 4^2) = 5;
+    # down-right: 0; up-right: sqrt(3^2 + 4^2 + 12^2) = 13
+    right, down, falling, rising = plain_weights(k_xy=0.0)
+    assert right.tolist() == [[5, np.inf], [12, np.inf]]
+    assert down.tolist() == [[12, 5], [np.inf, np.inf]]
+    assert falling[0, 0] == 0
+    assert rising[1, 0] == 13
+
+
+def test_eq_01_as_printed_with_coordinates() -> None:
+    # the coordinates differ by 1 along rows and columns, by 1 and 1 along diagonals:
+    # sqrt(5^2 + 1) = 5.0990195, sqrt(13^2 + 1 + 1) = 13.0766968, sqrt(0 + 1 + 1) = 1.4142136
+    right, _, falling, rising = plain_weights(k_xy=1.0)
+    assert (right[0, 0], falling[0, 0], rising[1, 0]) == (approx(5.0990195), approx(1.4142136), approx(13.0766968))
 
 
 # --- partition ------------------------------------------------------------------------------------------------

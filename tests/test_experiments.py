@@ -43,7 +43,6 @@ from spigolo.experiments import (
     find_references,
     gather,
     make_methods,
-    methods,
     read_contenders,
     remake,
     write_report,
@@ -80,7 +79,7 @@ class Counting:
 @pytest.fixture
 def counting(monkeypatch: pytest.MonkeyPatch) -> Counting:
     method = Counting()
-    monkeypatch.setitem(methods.BASELINES, "counting", lambda: method)
+    monkeypatch.setitem(sp.METHODS, "counting", method)
     return method
 
 

@@ -26,9 +26,12 @@ from spigolo.kernels import (
     contours,
     costs,
     edges,
+    features,
     inpainting,
     merging,
     moments,
+    polar,
+    potts,
     registration,
     saliency,
     smoothing,
@@ -654,6 +657,41 @@ def test_tell_sides(scene: Frame, rng: np.random.Generator) -> None:
         assert np.count_nonzero(out != twin) <= 0.001 * out.size  # within rounding of a tolerance either may hold
 
 
+# --- features and the Potts model ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("k_xy", [0.0, 1.0])
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_feature_plane(scene: Frame, offset: tuple[int, int], k_xy: float) -> None:
+    depth = np.where(scene.depth > 0, scene.depth * 100, np.nan)
+    values = np.concatenate([scene.color.astype(np.float32).transpose(2, 0, 1), depth[None]]).astype(np.float32)
+    out, apart = np.empty(scene.shape, np.float32), np.float32(k_xy**2 * (offset[0] ** 2 + offset[1] ** 2))
+    features.feature_plane(values, apart, *offset, out)
+    np.testing.assert_allclose(out, naive.feature_plane(values, k_xy, offset), **TOLERANCE)
+
+
+@pytest.mark.parametrize("step", [(0.01, 0.05), (0.2, 0.0), (np.inf, 0.0)])
+@pytest.mark.parametrize("offset", OFFSETS)
+def test_interaction_plane(scene: Frame, offset: tuple[int, int], step: tuple[float, float]) -> None:
+    distance, out = np.empty(scene.shape, np.float32), np.empty(scene.shape, np.float32)
+    features.feature_plane(scene.color.astype(np.float32).transpose(2, 0, 1).copy(), np.float32(0), *offset, distance)
+    potts.interaction_plane(distance, scene.depth, 70.0, 1.5, *step, 20.0, *offset, out)
+    twin = naive.interaction_plane(distance, scene.depth, 70.0, 1.5, *step, 20.0, offset)
+    np.testing.assert_allclose(out, twin, **TOLERANCE)
+
+
+@pytest.mark.parametrize("temperature", [0.05, 1.0, 10.0])
+@pytest.mark.parametrize("size", [(1, 1), (1, 6), (7, 1), (9, 12)])
+def test_sweep(size: tuple[int, int], temperature: float) -> None:
+    rng = np.random.default_rng(size[1])
+    forces = (rng.integers(-16, 9, (4, *size)) / 8).astype(np.float32)  # sums of eighths are exact
+    spins = rng.integers(0, 5, size).astype(np.int32)
+    for number in range(3):
+        twin, changed = naive.sweep(spins, forces, 6, temperature, 7, number)
+        assert potts.sweep(spins, forces, 6, temperature, 7, number) == changed
+        np.testing.assert_array_equal(spins, twin)
+
+
 # --- registration ---------------------------------------------------------------------------------------------
 
 
@@ -683,6 +721,45 @@ def test_splat_depth(scene: Frame, T: naive.Array, scale: float) -> None:
     np.testing.assert_allclose(out, twin, **TOLERANCE)
 
 
+# --- boundaries from a point ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("radius", "least"), [(1, 0.5), (3, 2.0), (4, 12.0)])
+def test_fit_sides(scene: Frame, rng: np.random.Generator, radius: int, least: float) -> None:
+    depth = np.ascontiguousarray(scene.depth[:24, :24])
+    disparity = np.divide(40, depth, out=np.zeros_like(depth), where=depth > 0)
+    angle = np.arange(5) * (np.pi / 5)
+    normals = np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    edges_, direction = rng.integers(0, 2, (2, *depth.shape), dtype=np.uint8)
+    direction *= rng.integers(0, 5, depth.shape, dtype=np.uint8)
+    out = np.zeros((*depth.shape, 4), np.float32)
+    polar.fit_sides(edges_, direction, normals, disparity, radius, 0.4 * radius, 0.01, least, out)
+    twin = naive.fit_sides(edges_, direction, normals, disparity, radius, 0.4 * radius, 0.01, least)
+    np.testing.assert_allclose(out, twin, rtol=1e-4, atol=1e-3)
+
+
+@pytest.mark.parametrize("shape", [(1, 3), (2, 7), (9, 12), (24, 9)])
+@pytest.mark.parametrize("kind", ["random", "few values", "constant", "edges and gaps"])
+def test_closed_path(shape: tuple[int, int], kind: str) -> None:
+    rng = np.random.default_rng(shape[0])
+    for _ in range(10):
+        costs = {
+            "random": rng.uniform(0, 1, (2, *shape)),
+            "few values": rng.choice([0.0, 1.0, 2.0], (2, *shape)),
+            "constant": np.ones((2, *shape)),
+            "edges and gaps": rng.choice([0.02, 0.4, 50.0], (2, *shape)),
+        }[kind]
+        radial, angular = costs.astype(np.float32)
+        least, most = int(rng.integers(0, 2)), shape[1] - 1
+        path = np.full(shape[0], -1, np.int32)
+        cost = polar.closed_path(radial, angular, least, most, path)
+        assert cost == pytest.approx(naive.closed_path(radial, angular, least, most), rel=1e-6)
+        assert least <= path.min() and path.max() <= most
+        ends = zip(path, np.roll(path, -1), strict=True)
+        passed = sum(angular[t, min(a, b) : max(a, b)].sum(dtype=float) for t, (a, b) in enumerate(ends))
+        assert radial[np.arange(shape[0]), path].sum(dtype=float) + passed == pytest.approx(cost, rel=1e-6)
+
+
 # --- all of them ----------------------------------------------------------------------------------------------
 
 
@@ -707,8 +784,8 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
     assert [name for name in names if f"naive.{name}" not in called] == []
 
 
-OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth"}
-"""The first is eq. 7 alone, which smoothing counts within eq. 8; the other one makes frames."""
+OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth", "fit_sides", "closed_path"}
+"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; the rest is of other methods."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys
@@ -729,6 +806,8 @@ for height, width in ((60, 80), (97, 53)):
     frames = [sp.Frame(color, depth, camera, depth_scale=0.001), sp.Frame(color, depth / 1000.0, camera)]
     for preset in (sp.TABLE, sp.SHELF, sp.OBJECTS):
         sp.trace(frames[0 if first else 1], preset)
+    for method in sp.METHODS.values():
+        method(frames[0 if first else 1])
 found = {n: len(getattr(importlib.import_module(f"spigolo.kernels.{m}"), n).signatures) for n, m in names.items()}
 print(json.dumps(found))
 """

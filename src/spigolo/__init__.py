@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from spigolo.facts import RegionFacts
     from spigolo.frame import Camera, Frame
     from spigolo.io import read_camera, read_frame
+    from spigolo.methods import METHODS
     from spigolo.objects import ObjectMask, RejectedRegion, Segmentation
     from spigolo.pipeline import Trace, segment, segment_at, trace
     from spigolo.presets import CLUTTER, OBJECTS, OBJECTS_1, OBJECTS_2, PRESETS, SHELF, TABLE, preset
@@ -61,6 +62,7 @@ _HOMES = {
     "io": "read_camera read_frame",
     "boxes": "OrientedBox",
     "facts": "RegionFacts",
+    "methods": "METHODS",
     "objects": "ObjectMask RejectedRegion Segmentation",
     "registration": "register_depth",
     "rejection": "Reason",

@@ -6,14 +6,13 @@ In use::
     report.to_json()                                # with the raw rounds
     print(markdown(report))
 
-What segments a frame joins the rounds once it stands in `BASELINES`.
+The methods that ours is compared with (`spigolo.METHODS`) run in the rounds as well.
 """
 
 from __future__ import annotations
 
-from spigolo.bench.contestants import BASELINES
 from spigolo.bench.report import QUICK, Plan, Report, bench
 from spigolo.bench.scaling import SIZES, Size
 from spigolo.bench.tables import Table, markdown, tables
 
-__all__ = ["BASELINES", "QUICK", "SIZES", "Plan", "Report", "Size", "Table", "bench", "markdown", "tables"]
+__all__ = ["QUICK", "SIZES", "Plan", "Report", "Size", "Table", "bench", "markdown", "tables"]

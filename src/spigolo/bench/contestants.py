@@ -16,6 +16,7 @@ from spigolo.cues import gather_cues
 from spigolo.errors import SpigoloError
 from spigolo.frame import Frame
 from spigolo.graph import Graph, weigh
+from spigolo.methods import METHODS
 from spigolo.presets import PRESETS, SHELF
 from spigolo.regions import partition
 from spigolo.saliency import fine_grained_saliency
@@ -30,8 +31,8 @@ CONFIGS = {
 """The presets, 8- and 4-connected."""
 MERGED = ("TABLE 8c", "SHELF 8c")
 """Whose graphs the merging alone is timed on."""
-BASELINES: dict[str, Callable[[Frame], object]] = {}
-"""Other methods of this package that segment a frame, by name: they run in the rounds as soon as they stand here."""
+OURS = "toscana2016"
+"""The method that CONFIGS stand for; all others in METHODS run in the rounds with their own parameters."""
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
@@ -52,7 +53,7 @@ def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[st
 
 def baselines(frame: Frame) -> dict[str, Run]:
     """The other methods of this package."""
-    return {name: _on(method, frame) for name, method in BASELINES.items()}
+    return {name: _on(METHODS[name], frame) for name in _others()}
 
 
 def saliency(frame: Frame) -> dict[str, Run]:
@@ -93,7 +94,7 @@ def check_merging(graph: Graph, config: Config) -> None:
 
 def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
     """All pairs that do the same task and ran in the same rounds."""
-    rivals = [name for name in (*SEGMENTING_PEERS, *BASELINES) if name in samples]
+    rivals = [name for name in (*SEGMENTING_PEERS, *_others()) if name in samples]
     pairs = [(rival, ours) for ours in CONFIGS for rival in rivals]
     pairs += [(SALIENCY_PEER, SALIENCY), *((textbook_name(name), merging_name(name)) for name in MERGED)]
     return [
@@ -107,6 +108,10 @@ def everybody(frame: Frame, peers: Peers, key: str) -> dict[str, Run]:
     """All contestants on one frame, whose colour image the peers keep as `key` from now on."""
     peers.load(key, frame.color)
     return {**segmenters(frame), **baselines(frame), **saliency(frame), **mergings(frame), **peers.contestants(key)}
+
+
+def _others() -> list[str]:
+    return [name for name in METHODS if name != OURS]
 
 
 def _on(method: Callable[[Frame], object], frame: Frame) -> Run:

@@ -12,6 +12,7 @@ from cyclopts import Parameter
 from spigolo import __version__
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.bench import bench
+from spigolo.cli.compare import compare
 from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.figures import figures
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
@@ -37,6 +38,7 @@ app = cyclopts.App(
 app.command(evaluate)
 app.command(report)
 app.command(figures)
+app.command(compare)
 
 app.command(bench)
 

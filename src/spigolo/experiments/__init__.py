@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from spigolo.experiments.contenders import Contender, find_references, gather, read_contenders
 from spigolo.experiments.labelled import FrameFolder, Truth, find_labelled_frames
-from spigolo.experiments.methods import Method, Toscana2016, make_methods, remake
+from spigolo.experiments.methods import make_methods, remake
 from spigolo.experiments.report import write_report
 from spigolo.experiments.running import evaluate
+from spigolo.methods import Method, Toscana2016
 
 __all__ = [
     "Contender",

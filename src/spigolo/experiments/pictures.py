@@ -13,10 +13,11 @@ from spigolo.evaluation.measures import FOUND_SHARE
 from spigolo.evaluation.rows import Row, RowScore, score_row
 from spigolo.experiments.contenders import Contender
 from spigolo.experiments.labelled import FrameFolder, Truth
-from spigolo.experiments.methods import Method, remake
+from spigolo.experiments.methods import remake
 from spigolo.experiments.page import Picture
 from spigolo.frame import Color
 from spigolo.io import write_bytes
+from spigolo.methods import Method
 from spigolo.objects import Segmentation
 from spigolo.view.overlay import overlay, tile
 from spigolo.view.truth import truth_picture

@@ -25,8 +25,8 @@ from spigolo.evaluation.matching import NEEDS_SCIPY
 from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, score_row
 from spigolo.experiments.labelled import FrameFolder, Truth
 from spigolo.experiments.machine import describe_machine
-from spigolo.experiments.methods import Method
 from spigolo.frame import Frame
+from spigolo.methods import Method
 from spigolo.objects import Segmentation
 
 Tell = Callable[[int, int, Row | None], None]

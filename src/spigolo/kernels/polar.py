@@ -1,0 +1,137 @@
+"""Boundaries as seen from a point: depth on both sides of an edge, and the shortest closed path around the point."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+
+@inlined
+def line_through(n, s, ss, d, sd):
+    """Intercept and slope of the line of least squares from its sums; a level one where all points coincide."""
+    spread = n * ss - s * s
+    if spread <= 1e-9 * n * n:
+        return d / n, 0.0
+    slope = (n * sd - s * d) / spread
+    return (d - slope * s) / n, slope
+
+
+@kernel
+def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, out):
+    """Lines fitted to the disparity on both sides of every edge pixel, along its normal.
+
+    edges (H, W) uint8; direction (H, W) uint8, row of normals (K, 2) float64, unit vectors (n_y, n_x). disparity
+    (H, W) float32, 0 where missing. Pixels within `radius` count, those nearer than `strip` to the edge line `weak`; a
+    side needs the weight `least`. out (H, W, 4) float32: disparity at the edge and its slope per pixel on the side
+    that the normal points to, then on the other one; 0 everywhere where a side knows too little.
+    """
+    height, width = edges.shape
+    sums = np.empty((5, 2))
+    for y in range(height):
+        for x in range(width):
+            if edges[y, x] == 0:
+                continue
+            n_y, n_x = normals[direction[y, x], 0], normals[direction[y, x], 1]
+            sums[:] = 0.0
+            n, s, ss, d, sd = sums[0], sums[1], sums[2], sums[3], sums[4]
+            for v in range(max(y - radius, 0), min(y + radius + 1, height)):
+                for u in range(max(x - radius, 0), min(x + radius + 1, width)):
+                    value = float(disparity[v, u])
+                    if value == 0.0 or (v - y) * (v - y) + (u - x) * (u - x) > radius * radius:
+                        continue
+                    away = (v - y) * n_y + (u - x) * n_x
+                    if away == 0.0:
+                        continue
+                    weight = weak if abs(away) < strip else 1.0
+                    k = 0 if away > 0.0 else 1
+                    n[k] += weight
+                    s[k] += weight * away
+                    ss[k] += weight * away * away
+                    d[k] += weight * value
+                    sd[k] += weight * away * value
+            if min(n[0], n[1]) < least:
+                continue
+            for k in range(2):
+                at_edge, slope = line_through(n[k], s[k], ss[k], d[k], sd[k])
+                out[y, x, 2 * k], out[y, x, 2 * k + 1] = at_edge, slope
+
+
+@inlined
+def advance(total, across, low, high, reached, origin):
+    """Cheapest way to each radius low..high-1 of the next ray from any radius of this one, and which it is from.
+
+    To go from radius k to k + 1, or back, costs across[k]; so two sweeps see all ways.
+    """
+    best, source = np.inf, low
+    for k in range(low, high):
+        if k > low:
+            best += across[k - 1]
+        if total[k] <= best:
+            best, source = total[k], k
+        reached[k], origin[k] = best, source
+    best, source = np.inf, high - 1
+    for k in range(high - 1, low - 1, -1):
+        if k < high - 1:
+            best += across[k]
+        if total[k] <= best:
+            best, source = total[k], k
+        if best < reached[k]:
+            reached[k], origin[k] = best, source
+
+
+@inlined
+def go_around(radial, angular, low, high, total, reached, origin):
+    """Takes what radii of ray 0 cost (total) around all rays within low..high; reached: what it costs to be back."""
+    rays = radial.shape[0]
+    for t in range(1, rays + 1):
+        here, before = t % rays, t - 1
+        a, b = min(low[before], low[here]), max(high[before], high[here]) + 1
+        advance(total, angular[before], a, b, reached, origin[before])
+        for k in range(a, b):
+            total[k] = reached[k] + radial[here, k] if low[here] <= k <= high[here] else np.inf
+
+
+@kernel
+def closed_path(radial, angular, least, most, best):
+    """The cheapest closed path around the origin of a polar map with one radius, least..most, on every ray.
+
+    radial (T, R): cost to cross ray t between radii k - 1 and k. angular (T, R): cost to pass radius k between rays
+    t and t + 1, the last and the first being neighbours. Both float32, not negative. best (T,) int32. Returns the cost.
+    Cheapest paths need not cross each other, so that one through a start leaves two smaller problems; starts that
+    cannot be reached for less than the best path, even from anywhere, are left out.
+    """
+    rays, radii = radial.shape
+    paths = np.empty((radii + 2, rays), np.int32)
+    paths[radii], paths[radii + 1] = least, most
+    total, reached, bound = np.empty(radii), np.zeros(radii), np.zeros(radii)
+    origin = np.empty((rays, radii), np.int32)
+    turned = np.arange(0, -rays, -1) % rays
+    for way in range(2):  # to come back to a start costs at least this, in either direction
+        there, across = (radial, angular) if way == 0 else (radial[turned], angular[(turned - 1) % rays])
+        total[:] = np.inf
+        total[least : most + 1] = there[0, least : most + 1]
+        go_around(there, across, paths[radii], paths[radii + 1], total, reached, origin)
+        bound[:] = np.maximum(bound, reached)
+    todo = [(least, most, radii, radii + 1)]
+    lowest = np.inf
+    while len(todo) > 0:
+        first, last, inner, outer = todo.pop()
+        if first > last:
+            continue
+        start = first + np.argmin(bound[first : last + 1])
+        if bound[start] >= lowest:
+            continue
+        total[:] = np.inf
+        total[start] = radial[0, start]
+        go_around(radial, angular, paths[inner], paths[outer], total, reached, origin)
+        k = start
+        for t in range(rays - 1, -1, -1):
+            k = origin[t, k]
+            paths[start, t] = k
+        if reached[start] < lowest:
+            lowest = reached[start]
+            best[:] = paths[start]
+        todo.append((first, start - 1, inner, start))
+        todo.append((start + 1, last, start, outer))
+    return lowest

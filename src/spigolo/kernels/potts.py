@@ -1,0 +1,135 @@
+"""A Potts model of an image and its Metropolis updates (Abramov et al. 2012).
+
+Every pixel has a spin, one of a few numbers. Neighbours of equal spin lower the energy by their interaction J, which is
+positive where they look alike and negative where they differ: E = -sum of J over all pairs of equal spin.
+Interactions lie in planes as the weights of a graph do (`spigolo.graph`); pairs that leave the image have 0.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+NEIGHBOURS = 8
+LOW_BITS = np.uint64(0xFFFFFFFF)
+ODD_A, ODD_B, ODD_C = np.uint64(0x9E3779B1), np.uint64(0x85EBCA77), np.uint64(0xC2B2AE3D)
+"""Multipliers that spread counters over 32 bits (primes that xxHash and MurmurHash use)."""
+TO_UNIT = 1.0 / (1 << 32)
+
+
+@inlined
+def scatter_bits(value):
+    """Mixes 32 bits, kept in a uint64 so that no product overflows, until counters look random."""
+    value = ((value ^ (value >> np.uint64(15))) * ODD_B) & LOW_BITS
+    value = ((value ^ (value >> np.uint64(13))) * ODD_C) & LOW_BITS
+    return value ^ (value >> np.uint64(16))
+
+
+@inlined
+def draw(seed, sweep, pixel, which):
+    """32 random bits that depend on these four alone: the same in any order of the pixels."""
+    first = scatter_bits((np.uint64(seed) * ODD_A + np.uint64(sweep)) & LOW_BITS)
+    second = scatter_bits((first * ODD_A + np.uint64(pixel)) & LOW_BITS)
+    return scatter_bits((second * ODD_A + np.uint64(which)) & LOW_BITS)
+
+
+@inlined
+def color_interaction(distance, mean, repulsion):
+    """J of two colours: 1 where they are one, 0 at the mean distance, never below `-repulsion`."""
+    return max(np.float32(1.0) - distance / mean, -repulsion)
+
+
+@inlined
+def is_step(z_here, z_there, step, step_per_m):
+    """Whether two depths lie farther apart than noise and a slanted plane explain; missing depth is no step."""
+    near = min(z_here, z_there)
+    return near > 0.0 and abs(z_here - z_there) > max(step, step_per_m * near * near)
+
+
+@kernel
+def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalty, dy, dx, out):
+    """J of every pair of one plane.
+
+    distance (H, W) float32 of the colours of a pair, +inf where there is none; depth (H, W) metres, 0 = missing. mean,
+    repulsion: as `color_interaction` has them. Depth that differs by more than step (m) and step_per_m (1/m) times its
+    square repels by `penalty`. out (H, W) float32.
+    """
+    height, width = depth.shape
+    mean, repulsion, penalty = np.float32(mean), np.float32(repulsion), np.float32(penalty)
+    step, step_per_m = np.float32(step), np.float32(step_per_m)
+    out[:] = 0.0
+    for y in range(max(0, -dy), height - max(0, dy)):
+        for x in range(width - dx):
+            stepped = is_step(depth[y, x], depth[y + dy, x + dx], step, step_per_m)
+            out[y, x] = -penalty if stepped else color_interaction(distance[y, x], mean, repulsion)
+
+
+@inlined
+def look_around(spins, planes, y, x, spin, force):
+    """Spins and interactions of the 8 neighbours of a pixel; -1 and 0 outside the image."""
+    height, width = spins.shape
+    k = 0
+    for dy in range(-1, 2):
+        for dx in range(-1, 2):
+            if dy == 0 and dx == 0:
+                continue
+            v, u = y + dy, x + dx
+            if v < 0 or u < 0 or v >= height or u >= width:
+                spin[k], force[k] = -1, 0.0
+            else:
+                # the pair is kept at the end that the planes look from: right, down, down-right, up-right
+                plane = 0 if dy == 0 else (1 if dx == 0 else (2 if dy == dx else 3))
+                from_here = dx > 0 or (dx == 0 and dy > 0)
+                spin[k] = spins[v, u]
+                force[k] = planes[plane, y, x] if from_here else planes[plane, v, u]
+            k += 1
+
+
+@inlined
+def energy(spin, force, of):
+    """What a pixel adds to the energy if its spin is `of`."""
+    total = np.float32(0.0)
+    for k in range(NEIGHBOURS):
+        if spin[k] == of:
+            total -= force[k]
+    return total
+
+
+@inlined
+def best_other(spin, force, own, stranger):
+    """The spin of least energy that is not the own one: of a neighbour, the first of equals, or a stranger's."""
+    best, least = stranger, energy(spin, force, stranger)
+    for k in range(NEIGHBOURS):
+        if spin[k] >= 0 and spin[k] != own:
+            here = energy(spin, force, spin[k])
+            if here < least:
+                best, least = spin[k], here
+    return best, least
+
+
+@kernel
+def sweep(spins, planes, values, temperature, seed, number):
+    """One Metropolis sweep: every pixel is offered the best other spin, a quarter of the pixels after the other.
+
+    It takes it where that raises the energy by dE <= 0, else with probability exp(-dE / temperature). Pixels of a
+    quarter, every second one of every second row, are no neighbours: their order does not matter.
+    spins (H, W) int32, changed; planes (4, H, W) float32; values: spins are 0..values-1; seed, number of the sweep:
+    what is drawn depends on them. Returns how many spins changed.
+    """
+    height, width = spins.shape
+    spin, force = np.empty(NEIGHBOURS, np.int32), np.empty(NEIGHBOURS, np.float32)
+    changed = 0
+    for quarter in range(4):
+        for y in range(quarter // 2, height, 2):
+            for x in range(quarter % 2, width, 2):
+                own, pixel = spins[y, x], y * width + x
+                look_around(spins, planes, y, x, spin, force)
+                stranger = np.int32(draw(seed, number, pixel, 0) % np.uint64(values))
+                other, least = best_other(spin, force, own, stranger)
+                rise = least - energy(spin, force, own)
+                chance = draw(seed, number, pixel, 1) * TO_UNIT
+                if other != own and (rise <= 0.0 or chance < np.exp(-rise / temperature)):
+                    spins[y, x] = other
+                    changed += 1
+    return changed

@@ -1,0 +1,106 @@
+"""What the methods that ours is compared with have in common: parameters, and how their regions become an answer."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import warnings
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.config import Inpainting, Rejection, _merge, _nest, _plain, _Stage
+from spigolo.depth import inpaint_small_gaps
+from spigolo.frame import Frame
+from spigolo.objects import Evidence, Segmentation, judge_regions
+from spigolo.presets import OBJECTS_2
+from spigolo.regions import Regions
+from spigolo.support import find_support
+
+REJECTION = Rejection(**{**OBJECTS_2.rejection.model_dump(), "min_contour": None})
+"""The rules of OBJECTS_2 but for the one that asks for a boundary map, which no other method has."""
+
+C = TypeVar("C", bound="MethodConfig")
+B = TypeVar("B", bound="Baseline[Any]")
+
+
+class MethodConfig(_Stage):
+    """The parameters of a method. Frozen: `replace` gives a changed copy.
+
+    Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) scale with the number of pixels.
+    """
+
+    rejection: Rejection = REJECTION
+    """Which regions are no objects: the same rules for all methods, so that their regions are what is compared."""
+
+    @property
+    def digest(self) -> str:
+        """Eight hexadecimal digits that change with any value."""
+        values = json.dumps(self.model_dump(mode="json"), sort_keys=True)
+        return hashlib.sha256(values.encode()).hexdigest()[:8]
+
+    def replace(self: C, **changes: Any) -> C:
+        """A validated copy. Names may be dotted, mappings change only what they name, as in `Config.replace`."""
+        values = self.model_dump()
+        for key, value in changes.items():
+            stage, _, rest = key.partition(".")
+            _merge(values, {stage: _nest(rest, _plain(value))})
+        return type(self)(**values)
+
+
+class Division(NamedTuple):
+    """What a method makes of a frame: regions, and how strong the borders are, (H, W) float32 in [0, 1]."""
+
+    regions: Regions
+    contour: npt.NDArray[np.float32]
+
+
+class Baseline(ABC, Generic[C]):
+    """A method that divides a frame into regions; which of them are objects is decided by the rules for all methods."""
+
+    name: ClassVar[str]
+    preset = ""
+
+    def __init__(self, config: C) -> None:
+        self.config = config
+
+    @property
+    def digest(self) -> str:
+        """That of the parameters."""
+        return self.config.digest
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """The values as JSON has them."""
+        return self.config.model_dump(mode="json")
+
+    def replace(self: B, **changes: Any) -> B:
+        """The same method with other parameters, as `MethodConfig.replace` makes them. Raises ConfigError."""
+        return type(self)(self.config.replace(**changes))
+
+    @abstractmethod
+    def divide(self, frame: Frame) -> Division:
+        """Regions of the whole frame, background and objects alike."""
+
+    def __call__(self, frame: Frame) -> Segmentation:
+        """The objects of a frame."""
+        if not frame.depth.any():
+            warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=2)
+        regions, contour = self.divide(frame)
+        rules, camera = self.config.rejection, frame.camera
+        support = rules.support
+        evidence = Evidence(
+            depth=inpaint_small_gaps(frame.depth, Inpainting()),  # as OBJECTS has it when it counts what is missing
+            contour=contour,
+            plane=None if camera is None or support is None else find_support(frame.depth, camera, support),
+            rules=rules,
+            preset=self.name,
+            digest=self.digest,
+        )
+        return judge_regions(regions, frame, evidence)
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.config!r})"

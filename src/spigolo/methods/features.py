@@ -1,0 +1,47 @@
+"""Features of pixels and the graph of their distances, for the methods that weigh edges by eq. 1."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frame import Color, DepthMap
+from spigolo.graph import OFFSETS, Graph
+from spigolo.kernels import features as kernel
+
+Features = npt.NDArray[np.float32]
+
+
+def color_features(image: Color, sigma_px: float) -> Features:
+    """R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`; 0 smooths nothing."""
+    return np.ascontiguousarray(smooth(image.astype(np.float32), sigma_px).transpose(2, 0, 1))
+
+
+def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
+    """Depth (H, W) in levels of a colour channel, NaN where it is missing, smoothed as colour is, over valid pixels."""
+    valid = (depth > 0).astype(np.float32)
+    mean = smooth(depth, sigma_px) / np.maximum(smooth(valid, sigma_px), np.float32(1e-6))
+    return np.where(valid > 0, mean * np.float32(levels_per_m), np.float32(np.nan))
+
+
+def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.float32]:
+    """An image (H, W) or (H, W, C) under a Gaussian that reaches 4 sigma; what lies outside repeats the border."""
+    if sigma_px == 0:
+        return image
+    size = 2 * math.ceil(4 * sigma_px) + 1
+    blurred = cv2.GaussianBlur(image, (size, size), sigma_px, borderType=cv2.BORDER_REPLICATE)
+    return np.asarray(blurred, np.float32)
+
+
+def feature_graph(features: Features, connectivity: int, k_xy: float = 0.0) -> Graph:
+    """The graph whose edges weigh what the features (C, H, W) of their ends differ by (eq. 1).
+
+    k_xy: weight of the pixel coordinates among the features, per pixel.
+    """
+    weights = np.empty((connectivity // 2, *features.shape[1:]), np.float32)
+    for plane, (dy, dx) in zip(weights, OFFSETS, strict=False):
+        kernel.feature_plane(features, np.float32(k_xy**2 * (dy**2 + dx**2)), dy, dx, plane)
+    return Graph(weights)

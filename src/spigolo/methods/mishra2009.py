@@ -1,0 +1,140 @@
+"""Mishra et al. 2009, *Active Segmentation With Fixation*: the object around a given point.
+
+The boundary map is seen from the point in polar coordinates, where the border of a small object is as long as that of a
+large one, and the inside is cut from the outside at least cost.
+
+Costs are as their paper and released code have them. Our reading: the contour crosses each ray once, so that it is
+star-shaped; the least cut of this kind is a shortest closed path and found exactly, by dynamic programming, where a
+general minimum cut may fold back. The polar map is read from a widened boundary map; they splat edge by edge.
+"""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.config import NotNegative, Positive, Share
+from spigolo.frame import Frame, Mask
+from spigolo.kernels import polar as kernel
+from spigolo.methods.baseline import Baseline, Division
+from spigolo.methods.ownership import Boundary, BoundaryConfig, Floats, find_boundary
+from spigolo.objects import ObjectMask
+from spigolo.regions import Regions
+
+Points = npt.NDArray[np.float64]
+
+RAYS = 360
+"""One for each degree (their released code)."""
+LEAST_RADIUS_PX = 4
+"""A contour keeps this far from its fixation point: an edge through the point is no contour around it."""
+
+
+class FixationConfig(BoundaryConfig):
+    """Parameters of `mishra2009`."""
+
+    blur_px: Positive = 1.0
+    """Sigma of the Gaussian that widens edges before rays cross them, which would slip through a thin line."""
+    frame_edge: Share = 20 / 255
+    """Boundary along the border of the image (their released code)."""
+    weakest: Share = 5 / 255
+    """Less is no edge (their released code)."""
+    gap_cost: NotNegative = 50.0
+    """What a ray without an edge costs (their released code)."""
+    sharpness: NotNegative = 5.0
+    """An edge of probability p costs exp(-sharpness p) (2009, as a public re-implementation has it; their released code: 20)."""
+
+
+def segment_around(frame: Frame, point: tuple[int, int], config: FixationConfig | None = None) -> ObjectMask:
+    """The object around a pixel (y, x), `mishra2009`: whatever rule its region breaks, the point says that it is one.
+
+    Raises IndexError for a point outside the image.
+    """
+    height, width = frame.shape
+    y, x = point
+    if not (0 <= y < height and 0 <= x < width):
+        raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {point}")
+    answer = _Around(config or FixationConfig(), point)(frame)
+    found = answer.at(point)
+    kept = found if isinstance(found, ObjectMask) else answer.keep(found).at(point)
+    assert isinstance(kept, ObjectMask)
+    return kept
+
+
+class _Around(Baseline[FixationConfig]):
+    """What lies around a point, and the rest."""
+
+    name = "mishra2009"
+
+    def __init__(self, config: FixationConfig, point: tuple[int, int]) -> None:
+        super().__init__(config)
+        self.point = point
+
+    def divide(self, frame: Frame) -> Division:
+        """The region around the point and the rest."""
+        boundary = find_boundary(frame.color, frame.depth, frame.camera, self.config)
+        contour = contour_around(edge_map(boundary, self.config), self.point, self.config)
+        return Division(paint([inside(contour, frame.shape)], frame.shape), boundary.value)
+
+
+def edge_map(boundary: Boundary, config: FixationConfig) -> Floats:
+    """Boundary map (H, W) in [0, 1] as rays see it: edges widened, the border of the image an edge."""
+    gain = np.float32(math.sqrt(2 * math.pi) * config.blur_px)  # a straight line keeps its height
+    edges = np.minimum(cv2.GaussianBlur(boundary.value, (0, 0), config.blur_px) * gain, np.float32(1))
+    for border in (edges[0], edges[-1], edges[:, 0], edges[:, -1]):
+        np.maximum(border, np.float32(config.frame_edge), out=border)
+    return np.asarray(edges, np.float32)
+
+
+def contour_around(edges: Floats, point: tuple[int, int], config: FixationConfig) -> Points:
+    """The cheapest closed contour around a pixel (y, x): one point (y, x) on each of the 360 rays.
+
+    edges: (H, W) as `edge_map` gives it.
+    """
+    height, width = edges.shape
+    y, x = point
+    reach = math.ceil(math.hypot(max(y, height - 1 - y), max(x, width - 1 - x))) + 1
+    reach = max(reach, LEAST_RADIUS_PX + 1)
+    how = cv2.INTER_LINEAR | cv2.WARP_POLAR_LINEAR | cv2.WARP_FILL_OUTLIERS
+    polar = np.asarray(cv2.warpPolar(edges, (reach, RAYS), (float(x), float(y)), float(reach), how), np.float32)
+    inwards, onwards = np.roll(polar, 1, axis=1), np.roll(polar, -1, axis=0)
+    radius = np.empty(RAYS, np.int32)
+    radial, angular = _cost(polar, inwards, config), _cost(polar, onwards, config)
+    kernel.closed_path(radial, angular, LEAST_RADIUS_PX, reach - 1, radius)
+    angle = np.arange(RAYS) * (2 * math.pi / RAYS)
+    return np.stack([y + (radius - 0.5) * np.sin(angle), x + (radius - 0.5) * np.cos(angle)], axis=1)
+
+
+def _cost(a: Floats, b: Floats, config: FixationConfig) -> Floats:
+    """What it costs to part neighbours with these edge values."""
+    edge = np.float32(0.5) * (a + b)
+    cost = np.exp(np.float32(-config.sharpness) * edge)
+    cost[edge < config.weakest] = config.gap_cost
+    return np.asarray(cost, np.float32)
+
+
+def inside(contour: Points, shape: tuple[int, int]) -> Mask:
+    """The pixels (H, W) of a contour of points (y, x) and within."""
+    mask = np.zeros(shape, np.uint8)
+    cv2.fillPoly(mask, [np.rint(contour[:, ::-1]).astype(np.int32)], 1)
+    return mask.view(bool)
+
+
+def innermost(mask: Mask) -> tuple[int, int]:
+    """The pixel (y, x) of a mask that is farthest from what is outside."""
+    depth = cv2.distanceTransform(np.pad(mask, 1).view(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
+    y, x = np.unravel_index(int(depth.argmax()), mask.shape)
+    return int(y), int(x)
+
+
+def paint(masks: list[Mask], shape: tuple[int, int]) -> Regions:
+    """Regions by their first pixel: the masks (H, W), later ones over earlier ones, and what they leave."""
+    labels = np.zeros(shape, np.int32)
+    for k, mask in enumerate(masks, start=1):
+        labels[mask] = k
+    values, first = np.unique(labels, return_index=True)
+    number = np.zeros(len(masks) + 1, np.int32)
+    number[values[np.argsort(first)]] = np.arange(values.size, dtype=np.int32)
+    return Regions(number[labels], int(values.size))

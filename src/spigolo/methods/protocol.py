@@ -1,0 +1,32 @@
+"""What every method is: a frame in, a segmentation out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from spigolo.frame import Frame
+from spigolo.objects import Segmentation
+
+
+class Method(Protocol):
+    """A method with its parameters: picklable, as worker processes get a copy each.
+
+    name: of the method. preset: of its parameters, "" for those that have no name. digest: changes with any of their
+    values. parameters: the values, as JSON has them.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def preset(self) -> str: ...  # noqa: D102
+    @property
+    def digest(self) -> str: ...  # noqa: D102
+    @property
+    def parameters(self) -> Mapping[str, Any]: ...  # noqa: D102
+
+    def replace(self, **changes: Any) -> Method:
+        """The same method with other parameters; raises ConfigError for one that it does not have."""
+
+    def __call__(self, frame: Frame) -> Segmentation:
+        """The objects of a frame; raises SpigoloError for one that it cannot work with."""

@@ -1,0 +1,24 @@
+"""Methods side by side on one frame."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+
+from test_cli import SCENE, spigolo
+
+
+def test_methods_stand_side_by_side(tmp_path: Path) -> None:
+    out = tmp_path / "compare.png"
+    done = spigolo("compare", SCENE, "--methods", "rao2010", "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["rao2010", "toscana2016", "picture"]
+    assert cv2.imread(str(out)).shape[1] > 3 * 600
+
+
+def test_an_unknown_method_is_named(tmp_path: Path) -> None:
+    done = spigolo("compare", SCENE, "--methods", "rao2011", "--out", tmp_path / "x.png")
+    assert done.returncode == 2
+    assert "unknown method 'rao2011': expected some of toscana2016" in done.stderr
+    assert not (tmp_path / "x.png").exists()

@@ -785,7 +785,7 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
 
 
 OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth", "fit_sides", "closed_path"}
-"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; the rest is of other methods."""
+"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; the others are of methods."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys

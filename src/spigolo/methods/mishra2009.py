@@ -44,7 +44,8 @@ class FixationConfig(BoundaryConfig):
     gap_cost: NotNegative = 50.0
     """What a ray without an edge costs (their released code)."""
     sharpness: NotNegative = 5.0
-    """An edge of probability p costs exp(-sharpness p) (2009, as a public re-implementation has it; their released code: 20)."""
+    """An edge of probability p costs exp(-sharpness p) (2009, as a public re-implementation has it; their released
+    code: 20)."""
 
 
 def segment_around(frame: Frame, point: tuple[int, int], config: FixationConfig | None = None) -> ObjectMask:

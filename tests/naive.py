@@ -674,6 +674,27 @@ def sum_steps(
     return out
 
 
+def sum_normals(labels: Array, depth: Array, wanted: Array, camera: Intrinsics, reach: int) -> Array:
+    """(R, 7): the normal of a pixel is the cross product of the tangents along its row and column, of length 1."""
+    fx, fy, cx, cy = camera
+    out = np.zeros((len(wanted), 7))
+    for y, x in pixels(labels):
+        k, z = labels[y, x], float(depth[y, x])
+        cross = [(y, x - reach), (y, x + reach), (y - reach, x), (y + reach, x)]
+        if not wanted[k] or z <= 0:
+            continue
+        if not all(inside(labels, *at) and labels[at] == k and depth[at] > 0 for at in cross):
+            continue
+        left, right, up, down = (float(depth[at]) for at in cross)
+        sight = np.array([(x - cx) / fx, (y - cy) / fy, 1.0])
+        # derivatives of the point z * sight along x and along y
+        along_row = (right - left) / (2 * reach) * sight + z * np.array([1 / fx, 0, 0])
+        along_column = (down - up) / (2 * reach) * sight + z * np.array([0, 1 / fy, 0])
+        normal = np.cross(along_row, along_column)
+        out[k] += [1, *(normal / np.linalg.norm(normal)), *(sight / np.linalg.norm(sight))]
+    return out
+
+
 def count_near(points: Array, planes: Array, tolerance: Array) -> list[int]:
     """points (N, 3)."""
     heights = [points.astype(np.float64) @ plane[:3].astype(np.float64) + float(plane[3]) for plane in planes]

@@ -11,7 +11,7 @@ import naive
 import spigolo as sp
 from spigolo.config import Cap, Smooth, Vessel
 from spigolo.cues import gather_cues
-from spigolo.facts import measure_hiding
+from spigolo.facts import measure_regions, measure_rim, measure_stance
 from spigolo.joining import join_parts
 from spigolo.regions import Regions
 from spigolo.support import find_support
@@ -210,10 +210,40 @@ def test_what_stands_tall_and_hides_nothing_is_a_wall(width: float, hides_someth
     stretch = (depth == upright) & (abs(x) < 0.125)
     regions = Regions(naive.number_regions(stretch.reshape(-1).tolist()).reshape(stretch.shape), 2)
     region = int(regions.labels[stretch][0])
-    hides = measure_hiding(regions, depth.astype(np.float32), stretch, sp.Wall())
+    hides = measure_stance(regions, depth.astype(np.float32), CAMERA, stretch, sp.Wall()).hides
     assert (hides[region] >= sp.Wall().min_hides) == hides_something
-    low = measure_hiding(regions, depth.astype(np.float32), np.zeros_like(stretch), sp.Wall())
-    assert np.isnan(low[region])
+    low = measure_stance(regions, depth.astype(np.float32), CAMERA, np.zeros_like(stretch), sp.Wall())
+    assert np.isnan(low.hides[region])
+    assert np.isnan(low.lean_deg[region])
+
+
+@pytest.mark.parametrize(("turn_deg", "is_side"), [(20.0, False), (75.0, True)])
+def test_a_face_that_turns_away_is_the_side_of_a_compartment(turn_deg: float, is_side: bool) -> None:
+    """A plane in the middle of the picture, turned about its vertical axis."""
+    camera = sp.Camera(fx=300.0, fy=300.0, cx=79.5, cy=59.5, width=160, height=120)
+    across = (np.arange(160) - 79.5) / 300.0
+    row = 1.0 / (1.0 + across * np.tan(np.radians(turn_deg)))
+    depth = np.broadcast_to(row, (120, 160)).astype(np.float32)
+    labels = np.zeros((120, 160), np.int32)
+    labels[40:80, 60:100] = 1
+    stance = measure_stance(Regions(labels, 2), depth, camera, labels == 1, sp.Wall())
+    assert stance.lean_deg[1] == pytest.approx(turn_deg, abs=1.0)
+    assert (stance.lean_deg[1] > sp.Wall().max_lean_deg) == is_side
+    assert np.isnan(stance.lean_deg[0])
+
+
+@pytest.mark.parametrize("goes_on", [True, False])
+def test_a_level_piece_that_goes_on_is_part_of_a_rim(goes_on: bool) -> None:
+    """A bar across the picture, of which a fifth is a region; or that fifth alone."""
+    color, depth = np.zeros((60, 100, 3), np.uint8), np.ones((60, 100), np.float32)
+    height = np.zeros((60, 100))
+    height[20:30, slice(None) if goes_on else slice(40, 60)] = 0.2
+    labels = np.zeros((60, 100), np.int32)
+    labels[20:30, 40:60] = 1
+    frame = sp.Frame(color, depth, sp.Camera(fx=300.0, fy=300.0, cx=50.0, cy=30.0, width=100, height=60))
+    facts = measure_regions(Regions(labels, 2), depth, frame, np.zeros((60, 100), np.float32))[1]
+    rim = measure_rim(facts, height, labels == 0, sp.Wall().rim_m)
+    assert rim == pytest.approx(4.0 if goes_on else 0.0)
 
 
 def test_a_frame_of_edges_is_no_second_support() -> None:

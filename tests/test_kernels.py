@@ -633,6 +633,18 @@ def test_sum_steps(
     np.testing.assert_array_equal(sums, twin)
 
 
+@pytest.mark.parametrize("reach", [1, 3])
+def test_sum_normals(
+    scene: Frame, rng: np.random.Generator, blocks: tuple[naive.Array, naive.Array], reach: int
+) -> None:
+    labels, count = blocks[0], int(blocks[0].max()) + 1
+    wanted = (rng.uniform(size=count) < 0.8).astype(np.uint8)
+    sums, camera = np.zeros((count, 7)), (300.0, 310.0, 10.0, 12.0)
+    kernel_planes.sum_normals(labels, scene.depth, wanted, camera, reach, sums)
+    assert sums[:, 0].any() or min(scene.shape) < 20
+    np.testing.assert_allclose(sums, naive.sum_normals(labels, scene.depth, wanted, camera, reach), **TOLERANCE)
+
+
 def _planes(rng: np.random.Generator, count: int) -> naive.Array:
     normals = rng.normal(size=(count, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)

@@ -261,12 +261,15 @@ class Support(_Stage):
 
 
 class Wall(_Stage):
-    """Walls of bins and shelves: tall, but nothing lies hidden behind them (our addition, not in the paper)."""
+    """Walls and rims of bins and shelves, which stand as tall as objects do (our addition, not in the paper)."""
 
     min_hides: Share = 0.15
     """Least share of a region's contour beyond which depth steps back; the image border hides nothing."""
+    min_hides_cut: NotNegative = 0.7
+    """More is asked of regions that the image cuts off: plus this times the share of their contour on its border."""
     min_height_m: Positive = 0.06
-    """Regions less than 5 % of which stand so high above the support are not asked: low objects hide little."""
+    """Regions less than 5 % of which stand so high above the support are not asked: low objects hide little. Without a
+    support all are asked."""
     min_measured: Share = 0.4
     """Nor are those of whose contour a smaller share has depth on both sides."""
     reach_px: Annotated[int, Field(ge=1, le=100)] = 4
@@ -275,6 +278,13 @@ class Wall(_Stage):
     """Least step back, beyond what the region's own slope there explains,"""
     step_share: Share = 0.006
     """plus this share of the distance."""
+    max_lean_deg: Annotated[float, Field(ge=0, le=180)] = 48.0
+    """Largest angle between a region's mean normal and the line of sight. The faces of a whole object look towards the
+    camera on average, three faces of a box at a corner straight at it; the side of a compartment is seen at a slant."""
+    rim_m: Positive = 0.01
+    """A level region, 65 % of which lie within this of its median height above the support, may be part of a rim;"""
+    max_rim: NotNegative = 1.5
+    """it is one if at that height there lie more than so many times its pixels that belong to no object."""
 
 
 class Rejection(_Stage):
@@ -283,7 +293,7 @@ class Rejection(_Stage):
     support: Support | None = None
     """Regions that do not stand above the support plane are parts of it, or lie below (our addition)."""
     wall: Wall | None = None
-    """Regions that stand tall and hide nothing behind them are walls; asks for a support (our addition)."""
+    """Tall regions that hide nothing, lean away or lie in a rim are walls; asks for a support (our addition)."""
     min_contour: Share | None = None
     """Least mean of the boundary along a region's border, where the cost reads a boundary (our addition)."""
     max_distance_m: Positive | None = None

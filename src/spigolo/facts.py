@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
 from spigolo.boxes import OrientedBox, fit_box
-from spigolo.camera import kernel_numbers
+from spigolo.camera import Camera, kernel_numbers
 from spigolo.config import Wall
 from spigolo.cues import Cues
 from spigolo.depth import missing_mask
 from spigolo.errors import CameraError
 from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
-from spigolo.kernels import borders, moments
+from spigolo.kernels import borders, moments, planes
 from spigolo.regions import Regions
 
 Labels = npt.NDArray[np.int32]
+Heights = npt.NDArray[np.floating[Any]]
 
 TALL_SHARE = 0.05
+SLOPES_SHARE = 0.1
+"""Least share of a region's measured pixels whose slope must be known for its mean normal to say something."""
+LEVEL_SHARE = 0.65
+RIM_GAP_PX = 7
 REACH_INSIDE = 2.5
 """Where a region's own slope is measured, as a multiple of the reach."""
 SUPPORTED_PX2 = 3000.0
@@ -38,8 +45,9 @@ class RegionFacts:
     depth. unfilled: share still without depth after in-painting. dark: share in the first three of 32 brightness bins.
     above: share of its measured pixels that stand above the support plane, None where there is no plane. inside: share
     in the region of interest, None where none is given. contour: strength of its contour in [0, 1], the mean of
-    `contour_cue` along its border. hides: share of its contour beyond which depth steps back; None where no rule asks,
-    and for a region that is not tall or has too little depth around it (`Wall`).
+    `contour_cue` along its border. cut: share of its contour on the image border; hides: share beyond which depth
+    steps back; lean_deg: angle of its mean surface normal to the line of sight; None where no rule asks, the last two
+    also for a region that is not tall or has too little depth (`Wall`).
     """
 
     region: int
@@ -56,7 +64,9 @@ class RegionFacts:
     above: float | None
     inside: float | None
     contour: float
+    cut: float | None
     hides: float | None
+    lean_deg: float | None
     regions: Labels = field(repr=False)
     frame: Frame = field(repr=False)
 
@@ -88,6 +98,15 @@ class RegionFacts:
         return None if camera is None else fit_box(self.mask, self.frame.depth, camera)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Stance:
+    """How regions stand. cut, hides, lean_deg: (R,) as `RegionFacts` has them, NaN where nothing can be said."""
+
+    cut: npt.NDArray[np.float64]
+    hides: npt.NDArray[np.float64]
+    lean_deg: npt.NDArray[np.float64]
+
+
 def measure_regions(
     regions: Regions,
     depth: DepthMap,
@@ -95,13 +114,12 @@ def measure_regions(
     contour: npt.NDArray[np.float32],
     above: Mask | None = None,
     inside: tuple[Mask, Mask] | None = None,
-    hides: npt.NDArray[np.float64] | None = None,
+    stance: Stance | None = None,
 ) -> list[RegionFacts]:
     """The facts of every region, by number.
 
     depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` gives it. above: (H, W), measured pixels above the
-    support. inside: pixels (H, W) in the region of interest and those that count. hides: (R,) as `measure_hiding` gives
-    it.
+    support. inside: pixels (H, W) in the region of interest and those that count.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)
@@ -133,7 +151,9 @@ def measure_regions(
             above=None if standing is None else float(standing[k]),
             inside=None if wanted is None else float(wanted[k]),
             contour=float(strength[k]),
-            hides=None if hides is None or np.isnan(hides[k]) else float(hides[k]),
+            cut=None if stance is None else float(stance.cut[k]),
+            hides=None if stance is None else _known(stance.hides[k]),
+            lean_deg=None if stance is None else _known(stance.lean_deg[k]),
             regions=regions.labels,
             frame=frame,
         )
@@ -141,17 +161,48 @@ def measure_regions(
     ]
 
 
-def measure_hiding(regions: Regions, depth: DepthMap, tall: Mask, rule: Wall) -> npt.NDArray[np.float64]:
-    """Share of each region's contour beyond which depth (H, W) steps back (R,); NaN where `rule` asks for more depth
-    around it, or for more of its pixels among the tall ones (H, W).
-    """
+def measure_stance(regions: Regions, depth: DepthMap, camera: Camera, tall: Mask, rule: Wall) -> Stance:
+    """How every region stands; only those with enough pixels among the tall ones (H, W) are asked."""
     sums = np.zeros((regions.count, borders.STEPS))
     near = max(round(rule.reach_px * regions.vga_scale**-0.5), 1)
     steps = rule.step_m, rule.step_share
     borders.sum_steps(regions.labels, depth, tall.view(np.uint8), near, round(REACH_INSIDE * near), *steps, sums)
     pairs, known, back, edge, valid, high = sums.T
-    asked = (known + edge >= rule.min_measured * (pairs + edge)) & (high >= TALL_SHARE * valid)
-    return np.where(asked & (known + edge > 0), back / np.maximum(known + edge, 1), np.nan)
+    asked = (high >= TALL_SHARE * valid) & (high > 0)
+    enough = asked & (known + edge >= rule.min_measured * (pairs + edge)) & (known + edge > 0)
+    hides = np.where(enough, back / np.maximum(known + edge, 1), np.nan)
+    return Stance(edge / np.maximum(pairs + edge, 1), hides, _lean_deg(regions, depth, camera, asked, near, valid))
+
+
+def _lean_deg(
+    regions: Regions, depth: DepthMap, camera: Camera, asked: Mask, reach_px: int, valid: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    sums = np.zeros((regions.count, 7))
+    planes.sum_normals(regions.labels, depth, asked.view(np.uint8), kernel_numbers(camera), reach_px, sums)
+    count, normal, sight = sums[:, 0], sums[:, 1:4], sums[:, 4:]
+    lengths = np.linalg.norm(normal, axis=1) * np.linalg.norm(sight, axis=1)
+    known = asked & (count >= SLOPES_SHARE * valid) & (lengths > 0)
+    cosine = np.sum(normal * sight, axis=1) / np.where(known, lengths, 1)
+    return np.where(known, np.degrees(np.arccos(np.clip(cosine, -1, 1))), np.nan)
+
+
+def measure_rim(facts: RegionFacts, height: Heights, no_object: Mask, rim_m: float) -> float:
+    """Pixels outside of any object that go on beside a level region as high as it, as a multiple of its own.
+
+    height (H, W) above the support, NaN where depth is missing; no_object (H, W). 0 for a region that is not level:
+    two thirds of it lie within rim_m of its median height.
+    """
+    y0, x0, y1, x1 = facts.box_px
+    own = facts.regions[y0:y1, x0:x1] == facts.region
+    heights = height[y0:y1, x0:x1][own]
+    level = float(np.nanmedian(heights)) if np.isfinite(heights).any() else np.nan
+    if not np.mean(np.abs(heights - level) <= rim_m) >= LEVEL_SHARE:
+        return 0.0
+    beside = (np.abs(height - level) <= rim_m) & no_object
+    beside[y0:y1, x0:x1] |= own
+    count, pieces = cv2.connectedComponents(cv2.dilate(beside.view(np.uint8), np.ones((RIM_GAP_PX, RIM_GAP_PX))))
+    touching = np.bincount(pieces[y0:y1, x0:x1][own], minlength=count) > 0
+    return float(np.bincount(pieces[beside], minlength=count)[touching].sum() / own.sum()) - 1
 
 
 def region_score(
@@ -215,6 +266,10 @@ def _count(regions: Regions, mask: Mask) -> npt.NDArray[np.int64]:
 
 def _share(regions: Regions, mask: Mask, of: npt.NDArray[np.generic]) -> npt.NDArray[np.float64]:
     return np.asarray(_count(regions, mask) / np.maximum(of, 1))
+
+
+def _known(value: np.float64) -> float | None:
+    return None if np.isnan(value) else float(value)
 
 
 def _mean_point(sums: npt.NDArray[np.float64]) -> tuple[float, float, float] | None:

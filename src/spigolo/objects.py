@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
-from spigolo.facts import Labels, RegionFacts, contour_cue, measure_hiding, measure_regions
+from spigolo.facts import Labels, RegionFacts, Stance, contour_cue, measure_regions, measure_rim, measure_stance
 from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
 from spigolo.regions import Regions
@@ -68,15 +68,17 @@ class Scene:
     def measure(self, regions: Regions) -> list[RegionFacts]:
         """The facts of these regions."""
         depth, contour = self.evidence.depth, self.evidence.contour
-        return measure_regions(regions, depth, self.frame, contour, self.above, self.inside, self._hiding(regions))
+        return measure_regions(regions, depth, self.frame, contour, self.above, self.inside, self._stance(regions))
 
-    def _hiding(self, regions: Regions) -> npt.NDArray[np.float64] | None:
+    def _stance(self, regions: Regions) -> Stance | None:
         plane, camera, rules = self.evidence.plane, self.frame.camera, self.evidence.rules
-        if rules.wall is None or rules.support is None or plane is None or camera is None:
+        if rules.wall is None or rules.support is None or camera is None:
             return None
+        depth = self.evidence.depth
+        if plane is None:  # nothing to be tall above: every region is asked
+            return measure_stance(regions, depth, camera, np.asarray(depth > 0), rules.wall)
         high = rules.support.model_copy(update={"min_height_m": rules.wall.min_height_m})
-        tall = above_mask(plane, self.evidence.depth, camera, high)
-        return measure_hiding(regions, self.evidence.depth, tall, rules.wall)
+        return measure_stance(regions, depth, camera, above_mask(plane, depth, camera, high), rules.wall)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,8 +190,30 @@ def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi |
     scene = Scene(regions, frame, evidence, above, None if roi is None else roi_mask(roi, frame))
     facts = scene.measure(regions)
     if frame.depth.any():
-        return assemble(scene, facts, [judge(f, rules, 1 / regions.vga_scale) for f in facts])
+        verdicts = [judge(f, rules, 1 / regions.vga_scale) for f in facts]
+        return assemble(scene, facts, _reject_rims(scene, facts, verdicts))
     return assemble(scene, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
+
+
+def _reject_rims(
+    scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]
+) -> Sequence[Verdict | None]:
+    """The verdicts, those of level regions that go on in what is no object changed."""
+    plane, camera, rules = scene.evidence.plane, scene.frame.camera, scene.evidence.rules
+    tall = [k for k, (f, v) in enumerate(zip(facts, verdicts, strict=True)) if v is None and f.lean_deg is not None]
+    if rules.wall is None or plane is None or camera is None or not tall:
+        return verdicts
+    depth, out = scene.evidence.depth, list(verdicts)
+    height = np.where(depth > 0, plane.height_map_m(depth, camera), np.nan)
+    no_object = np.array([v is not None for v in verdicts])[scene.regions.labels]
+    for k in tall:
+        rim = measure_rim(facts[k], height, no_object, rules.wall.rim_m)
+        if rim > rules.wall.max_rim:
+            out[k] = (
+                Reason.WALL,
+                f"wall: in a rim {rim:.1f} times as large, limit {rules.wall.max_rim}",
+            )
+    return out
 
 
 def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]) -> Segmentation:

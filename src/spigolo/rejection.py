@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-from spigolo.config import Rejection
+from spigolo.config import Rejection, Wall
 from spigolo.facts import RegionFacts
 from spigolo.roi import LEAST_INSIDE
 
@@ -38,16 +38,26 @@ def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | 
 
 
 def _judge_place(facts: RegionFacts, rules: Rejection) -> Verdict | None:
-    """Where it is: in the region of interest, above the support, before something, in a contour, within reach."""
+    """Where it is and how it stands: wanted there, above the support, no wall, in a contour, within reach."""
     if facts.inside is not None and facts.inside < LEAST_INSIDE:
         return Reason.OUTSIDE, f"outside the region of interest: {facts.inside:.0%} of it inside"
     if rules.support is not None and facts.above is not None and facts.above < rules.support.min_above:
         return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {rules.support.min_above:.0%}"
-    if rules.wall is not None and facts.hides is not None and facts.hides < rules.wall.min_hides:
-        return Reason.WALL, f"wall: hides what is behind along {facts.hides:.0%}, least {rules.wall.min_hides:.0%}"
+    if rules.wall is not None and (why := _lacks_stance(facts, rules.wall)):
+        return Reason.WALL, why
     if rules.min_contour is not None and facts.contour < rules.min_contour:
         return Reason.WEAK_CONTOUR, f"weak contour: mean boundary {facts.contour:.2f}, least {rules.min_contour:.2f}"
     return _above(Reason.OUT_OF_REACH, facts.distance_m, rules.max_distance_m, "centroid at {:.2f} m, limit {:.2f} m")
+
+
+def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
+    """What makes a tall region a wall: it hides little, or turns away."""
+    least = rule.min_hides + rule.min_hides_cut * (facts.cut or 0.0)
+    if facts.hides is not None and facts.hides < least:
+        return f"wall: hides what is behind along {facts.hides:.0%}, least {least:.0%}"
+    if facts.lean_deg is not None and facts.lean_deg > rule.max_lean_deg:
+        return f"wall: leans away by {facts.lean_deg:.0f} deg, limit {rule.max_lean_deg:.0f} deg"
+    return None
 
 
 def _judge_shape(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | None:

@@ -1,4 +1,4 @@
-"""Points near planes."""
+"""Points near planes, and which way surfaces look."""
 
 from __future__ import annotations
 
@@ -39,3 +39,44 @@ def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
             tolerance = tolerance if tolerance > least else least
             known = np.uint8(ABOVE if height > tolerance else (ON if height >= -tolerance else BELOW))
             side[x] = known if d > np.float32(0) else np.uint8(MISSING)
+
+
+@kernel
+def sum_normals(labels, depth, wanted, camera, reach, sums):
+    """Sum of the surface normals of each region, and of the directions that they are seen from.
+
+    labels (H, W) int32; depth (H, W) float32 metres; wanted (R,) uint8: other regions stay as they are; camera (4,)
+    float64: fx, fy, cx, cy. Slopes are taken over `reach` pixels to both sides, within one region. sums (R, 7) float64,
+    zero before: pixels with a normal, the normals' X, Y, Z, the same of unit vectors along the lines of sight; normals
+    point away from the camera, as those do.
+    """
+    fx, fy, cx, cy = camera
+    for y in range(reach, labels.shape[0] - reach):
+        for x in range(reach, labels.shape[1] - reach):
+            k = labels[y, x]
+            if not wanted[k]:
+                continue
+            left, right, up, down = (
+                labels[y, x - reach],
+                labels[y, x + reach],
+                labels[y - reach, x],
+                labels[y + reach, x],
+            )
+            if left != k or right != k or up != k or down != k:
+                continue
+            z = float(depth[y, x])
+            a, b, c, d = depth[y, x - reach], depth[y, x + reach], depth[y - reach, x], depth[y + reach, x]
+            if a <= 0.0 or b <= 0.0 or c <= 0.0 or d <= 0.0 or z <= 0.0:
+                continue
+            across, along = (b - a) / (2.0 * reach), (d - c) / (2.0 * reach)
+            nx, ny = -fx * across, -fy * along
+            nz = z + (x - cx) * across + (y - cy) * along
+            u, v = (x - cx) / fx, (y - cy) / fy
+            normal, sight = np.sqrt(nx * nx + ny * ny + nz * nz), np.sqrt(1.0 + u * u + v * v)
+            sums[k, 0] += 1.0
+            sums[k, 1] += nx / normal
+            sums[k, 2] += ny / normal
+            sums[k, 3] += nz / normal
+            sums[k, 4] += u / sight
+            sums[k, 5] += v / sight
+            sums[k, 6] += 1.0 / sight

@@ -118,8 +118,8 @@ def test_what_is_written_reads_back(layout: str, tmp_path: Path) -> None:
     found = reader(tmp_path / "set")
     assert found.rendered and len(found) == len(samples)
     assert {entry.name for entry in found} == set(samples)
-    for entry in found:
-        wanted, entry = samples[entry.name], pickle.loads(pickle.dumps(entry))
+    for entry in pickle.loads(pickle.dumps(list(found))):
+        wanted = samples[entry.name]
         read = entry.read_sample()
         assert read.frame.name == entry.name and read.frame.camera == CAMERA
         assert np.array_equal(read.frame.color, wanted.frame.color)

@@ -10,27 +10,28 @@
         mask_visib/000000_000000.png              image, then place in the list of scene_gt; 0 and 255
 
 Labels are places in the list plus 1. Where there is no mask_visib it is rendered from models and poses.
-Objects without a model are seldom labelled: `part`. The frames of one scene are near-identical.
+Sets differ in whether every object
+is labelled: `part`, unless `full` names the set. The frames of one scene are near-identical.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from spigolo.camera import Camera
-from spigolo.datasets.entry import MILLIMETRES, DataSet, Entry, Labelling, Truth, read_images
+from spigolo.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, Labelling, Truth
 from spigolo.datasets.jsons import read_mapping
 from spigolo.datasets.meshes import read_model
 from spigolo.datasets.sample import Instance
 from spigolo.datasets.visibility import visible_labels
 from spigolo.errors import FileError, FrameError
 from spigolo.frame import Frame
-from spigolo.io import read_labels
+from spigolo.io import read_color, read_depth, read_labels
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
 """Folders of scenes; the first that is there is read."""
@@ -58,11 +59,8 @@ class BopImage(Entry):
 
     def read(self) -> Frame:
         """The frame; raises FileError, FrameError or CameraError."""
-        from spigolo.io import read_color
-
-        height, width = read_color(self.color).shape[:2]
-        camera = Camera.from_matrix(self.intrinsics, width, height)
-        return read_images(self.name, self.color, self.depth, camera, self.depth_scale)
+        depth = read_depth(self.depth)
+        return Frame(read_color(self.color), depth, self.intrinsics, self.name, depth_scale=self.depth_scale)
 
     def read_truth(self) -> Truth | None:
         """Its visible masks, stored or rendered; raises FileError or FrameError."""
@@ -90,7 +88,7 @@ class BopImage(Entry):
     def _model(self, obj_id: int) -> Path:
         return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
 
-    def _stored_labels(self) -> np.ndarray:
+    def _stored_labels(self) -> npt.NDArray[np.int32]:
         """Where masks meet, the later object."""
         labels = None
         for label, path in enumerate(self._masks, start=1):
@@ -102,7 +100,7 @@ class BopImage(Entry):
         assert labels is not None
         return labels
 
-    def _rendered_labels(self, instances: tuple[Instance, ...]) -> np.ndarray:
+    def _rendered_labels(self, instances: tuple[Instance, ...]) -> npt.NDArray[np.int32]:
         frame = self.read()
         assert frame.camera is not None
         models = [read_model(self._model(obj_id), MILLIMETRES) for obj_id, _, _ in self.poses]
@@ -114,9 +112,9 @@ class Bop(DataSet):
 
     layout = "scenes with scene_camera.json, rgb/ and depth/ (BOP: DATASET/test/000001/)"
 
-    def __init__(self, folder: Path | str, split: str | None = None) -> None:
+    def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS, split: str | None = None) -> None:
         self.split = split
-        super().__init__(folder)
+        super().__init__(folder, full)
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
@@ -147,7 +145,7 @@ class Bop(DataSet):
                     f"expected cam_K, and obj_id, cam_R_m2c and cam_t_m2c of each object, of image {key} in"
                     f" {scene}/scene_camera.json and scene_gt.json: {error!r} is missing or no number"
                 ) from None
-            labelling: Labelling = "part" if poses else "none"
+            labelling: Labelling = self._labelled(data_set) if poses else "none"
             color = colors.get(image, scene / "rgb" / f"{image:06d}.png")
             depth = depths.get(image, scene / "depth" / f"{image:06d}.png")
             name, group = f"{scene.name}/{image:06d}", f"{data_set}/{scene.name}"
@@ -172,7 +170,7 @@ def _pose(fields: Mapping[str, Any]) -> Pose:
     return int(fields["obj_id"]), rotation, translation
 
 
-def _matrix(rotation: tuple[float, ...], translation: tuple[float, ...]) -> np.ndarray:
+def _matrix(rotation: tuple[float, ...], translation: tuple[float, ...]) -> npt.NDArray[np.float64]:
     pose = np.eye(4)
     pose[:3, :3] = np.reshape(rotation, (3, 3))
     pose[:3, 3] = np.multiply(translation, MILLIMETRES)

@@ -1,7 +1,7 @@
 """Boxes of UW RGB-D Scenes v1: MATLAB files (version 5) with a variable `bboxes`.
 
-It is a cell of 1 x N, one a frame from frame 1 on, each empty or a struct array with the fields category (text), instance
-(number), top, bottom, left, right (pixels, counted from 1, both ends within).
+It is a cell of 1 x N, one a frame from frame 1 on, each empty or a struct array with the fields category (text),
+instance (number), top, bottom, left, right (pixels, counted from 1, both ends within).
 """
 
 from __future__ import annotations

@@ -6,8 +6,9 @@ Letters used in shapes: H, W = image.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -23,6 +24,8 @@ from spigolo.io import read_camera, read_color, read_depth
 Labelling = Literal["full", "part", "none"]
 """Which objects of a frame are labelled: every one, some, none."""
 
+FULL_SETS = ("osd-*", "hand-uoc")
+"""Sets on which every object is labelled, where nothing else says it."""
 MILLIMETRES = 0.001
 RENDERED = "rendered.json"
 """Lies in the folder of a set whose frames are rendered rather than photographed."""
@@ -86,17 +89,44 @@ class Entry(ABC):
         return Sample(frame, labels, self.read_instances())
 
 
+@dataclass(frozen=True, slots=True)
+class ImageEntry(Entry):
+    """A colour image with a depth image, depth_scale metres per stored unit; no labels, unless a layout adds them."""
+
+    color: Path
+    depth: Path
+    camera: Camera
+    depth_scale: float
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Colour and depth."""
+        return self.color, self.depth
+
+    def read(self) -> Frame:
+        """The frame; raises FileError, FrameError or CameraError."""
+        return Frame(
+            read_color(self.color), read_depth(self.depth), self.camera, self.name, depth_scale=self.depth_scale
+        )
+
+    def read_truth(self) -> Truth | None:
+        """None."""
+        return None
+
+
 class DataSet(ABC):
     """The entries of a folder, found when it is opened and read when they are asked for.
 
-    Raises FileError where the folder does not hold what `layout` says, or an entry lacks one of its files.
+    full: sets on which every object is labelled, as patterns such as "osd-*", where the layout does not say.
+    Raises FileError where the folder does not hold what `layout` says, or an entry lacks a file.
     """
 
     layout: ClassVar[str]
     """What lies in the folder, for messages."""
 
-    def __init__(self, folder: Path | str) -> None:
+    def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS) -> None:
         self.folder = existing_folder(folder)
+        self._full = full
         self._entries = tuple(self._find())
         if not self._entries:
             raise FileError(f"expected {self.layout} in {folder}, got none")
@@ -129,6 +159,10 @@ class DataSet(ABC):
         """Name of the set; stand-ins have one of their own."""
         return f"{name}-rendered" if self.rendered else name
 
+    def _labelled(self, data_set: str) -> Labelling:
+        """Whether all of its objects are labelled or some, by the patterns."""
+        return "full" if any(fnmatch(data_set, pattern) for pattern in self._full) else "part"
+
     def _camera(self, usual: Camera) -> Camera:
         """The camera of camera.json in the set's folder, and where there is none the one known for the set."""
         path = self.folder / "camera.json"
@@ -140,11 +174,6 @@ def existing_folder(folder: Path | str) -> Path:
     if not Path(folder).is_dir():
         raise FileError(f"expected a folder of frames, but there is no folder {folder}")
     return Path(folder).resolve()
-
-
-def read_images(name: str, color: Path, depth: Path, camera: Camera, depth_scale: float = MILLIMETRES) -> Frame:
-    """The frame of two images, under this name; raises FileError, FrameError or CameraError."""
-    return Frame(read_color(color), read_depth(depth), camera, name, depth_scale=depth_scale)
 
 
 def _require_files(entries: Iterable[Entry]) -> None:

@@ -15,58 +15,20 @@ Labels are places in that file plus 1; visible masks are rendered. The frames of
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from spigolo.camera import Camera
-from spigolo.datasets.entry import DataSet, Entry, Truth, read_images
-from spigolo.datasets.meshes import find_model, read_model
-from spigolo.datasets.sample import Instance
-from spigolo.datasets.visibility import visible_labels
+from spigolo.datasets.entry import MILLIMETRES, DataSet, Entry
+from spigolo.datasets.meshes import find_model
+from spigolo.datasets.posed import Pose, PosedImage
 from spigolo.errors import FileError
-from spigolo.frame import Frame
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
 """BOP's for this set."""
 OBJECTS = ("Coffee_Cup", "Shampoo", "Joystick", "Camera", "Juice", "Milk")
 ANNOTATION, MODELS = "annotation_new_models", ("models", "new_models")
-
-
-@dataclass(frozen=True, slots=True)
-class TejaniImage(Entry):
-    """One image of a scene. poses and model: None where it has none."""
-
-    object_name: str
-    color: Path
-    depth: Path
-    poses: Path | None
-    model: Path | None
-    camera: Camera
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """Colour and depth, poses and model where there are."""
-        return tuple(path for path in (self.color, self.depth, self.poses, self.model) if path is not None)
-
-    def read(self) -> Frame:
-        """The frame; raises FileError, FrameError or CameraError."""
-        return read_images(self.name, self.color, self.depth, self.camera)
-
-    def read_truth(self) -> Truth | None:
-        """The visible masks of its instances, None without poses; raises FileError."""
-        if self.model is None:
-            return None
-        frame, instances = self.read(), self.read_instances()
-        models = [read_model(self.model)] * len(instances)
-        labels = visible_labels(instances, models, frame.depth, self.camera)
-        return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
-
-    def read_instances(self) -> tuple[Instance, ...]:
-        """The instances of its object with their poses; raises FileError."""
-        poses = [] if self.poses is None else read_poses(self.poses)
-        return tuple(Instance(label, self.object_name, pose) for label, pose in enumerate(poses, start=1))
 
 
 class Tejani(DataSet):
@@ -85,17 +47,19 @@ class Tejani(DataSet):
             number, name = _object(scene.name)
             for color in sorted((scene / "RGB").glob("img_*.png")):
                 poses = self._poses(f"scene_{number:02d}", scene.name, color.stem.removeprefix("img_"))
-                yield TejaniImage(
+                yield PosedImage(
                     data_set,
                     f"{scene.name}/{color.stem}",
                     f"{data_set}/{scene.name}",
-                    "none" if poses is None else "part",
-                    name,
+                    "none" if poses is None else self._labelled(data_set),
                     color,
                     scene / "Depth" / color.name,
+                    camera,
+                    MILLIMETRES,
+                    name,
                     poses,
                     None if poses is None else self._model(number, name),
-                    camera,
+                    read_poses,
                 )
 
     def _poses(self, usual: str, scene: str, number: str) -> Path | None:
@@ -110,7 +74,7 @@ class Tejani(DataSet):
         return next((path for path in found if path), self.folder / MODELS[0] / f"obj_{number:02d}.ply")
 
 
-def read_poses(path: Path) -> list[np.ndarray]:
+def read_poses(path: Path) -> list[Pose]:
     """Poses (4, 4) of the instances; raises FileError."""
     try:
         count, *numbers = path.read_text(encoding="utf-8").replace(",", " ").split()
@@ -122,7 +86,7 @@ def read_poses(path: Path) -> list[np.ndarray]:
     return list(poses)
 
 
-def poses_to_text(poses: Sequence[np.ndarray]) -> str:
+def poses_to_text(poses: Sequence[Pose]) -> str:
     """What `read_poses` reads."""
     rows = [",".join(f"{value:.17g}" for value in row) for pose in poses for row in pose]
     return "\n".join([str(len(poses)), *rows, ""])

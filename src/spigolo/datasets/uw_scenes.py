@@ -13,7 +13,7 @@ none of those 22 objects is not labelled: `part`. The frames of one sequence SCE
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,8 +21,8 @@ import numpy as np
 
 from spigolo.camera import Camera
 from spigolo.datasets.boxes import ObjectBox, read_boxes
-from spigolo.datasets.entry import DataSet, Entry, Truth, existing_folder, read_images
-from spigolo.frame import Color, Frame
+from spigolo.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, ImageEntry, Truth, existing_folder
+from spigolo.frame import Color
 from spigolo.io import read_color
 
 CAMERA = Camera(570.3, 570.3, 320.0, 240.0, 640, 480)
@@ -40,24 +40,17 @@ MASK_COLORS = {
 
 
 @dataclass(frozen=True, slots=True)
-class UwFrame(Entry):
+class UwFrame(ImageEntry):
     """One frame of a sequence. mask and boxes: None where there is none."""
 
     number: int
-    color: Path
-    depth: Path
     mask: Path | None
     boxes: Path | None
-    camera: Camera
 
     @property
     def files(self) -> tuple[Path, ...]:
         """Colour and depth, boxes and mask where there are."""
         return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
-
-    def read(self) -> Frame:
-        """The frame; raises FileError, FrameError or CameraError."""
-        return read_images(self.name, self.color, self.depth, self.camera)
 
     def read_truth(self) -> Truth | None:
         """Its hand-traced mask, None where it has none; raises FileError."""
@@ -73,9 +66,9 @@ class UwScenes(DataSet):
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
 
-    def __init__(self, folder: Path | str, masks: Path | str | None = None) -> None:
+    def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS, masks: Path | str | None = None) -> None:
         self.masks = None if masks is None else existing_folder(masks)
-        super().__init__(folder)
+        super().__init__(folder, full)
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
@@ -93,13 +86,14 @@ class UwScenes(DataSet):
                 data_set,
                 color.stem,
                 f"{data_set}/{sequence}",
-                "none" if mask is None else "part",
-                number,
+                "none" if mask is None else self._labelled(data_set),
                 color,
                 color.with_name(f"{color.stem}_depth.png"),
+                camera,
+                MILLIMETRES,
+                number,
                 mask,
                 boxes if boxes.is_file() else None,
-                camera,
             )
 
     def _usual_masks(self) -> tuple[Path, Path]:

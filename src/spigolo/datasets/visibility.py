@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from spigolo.camera import Camera
 from spigolo.datasets.sample import Instance, Model
@@ -21,7 +22,7 @@ TOLERANCE_M = 0.015
 """How far a model may lie behind the measured surface: bop_toolkit's delta."""
 
 
-def render_depth(model: Model, pose: np.ndarray, camera: Camera) -> DepthMap:
+def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
     """Depth (H, W) in metres of a model at a pose (4, 4), model to camera; 0 where it is not. No distortion."""
     x, y, z = (model.vertices_m @ pose[:3, :3].T + pose[:3, 3]).T
     inverse = np.divide(1.0, z, out=np.zeros_like(z), where=z >= NEAREST_M)
@@ -34,13 +35,13 @@ def render_depth(model: Model, pose: np.ndarray, camera: Camera) -> DepthMap:
 def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_m: float = TOLERANCE_M) -> Mask:
     """Where (H, W) a drawn model is visible in the measured depth."""
     behind = (drawn - measured) * ray_lengths(camera)
-    return (drawn > 0) & ((measured == 0) | (behind <= tolerance_m))
+    return np.asarray((drawn > 0) & ((measured == 0) | (behind <= tolerance_m)))
 
 
 def visible_labels(
     instances: Sequence[Instance], models: Sequence[Model], measured: DepthMap, camera: Camera
-) -> np.ndarray:
-    """Labels (H, W) int32 of the instances, models[n] being that of instances[n]; where several are visible the nearest."""
+) -> npt.NDArray[np.int32]:
+    """Labels (H, W) of the instances, models[n] being that of instances[n]; where several are visible the nearest."""
     labels = np.zeros(measured.shape, np.int32)
     nearest = np.full(measured.shape, np.inf, np.float32)
     for instance, model in zip(instances, models, strict=True):

@@ -19,6 +19,7 @@ from spigolo.datasets.bop_writing import SceneFiles, write_description, write_mo
 from spigolo.datasets.boxes import ObjectBox, box_of, boxes_to_mat
 from spigolo.datasets.entry import MILLIMETRES, RENDERED
 from spigolo.datasets.meshes import write_model
+from spigolo.datasets.posed import Pose
 from spigolo.datasets.rutgers import pose_to_yaml
 from spigolo.datasets.sample import Instance, Model, Sample
 from spigolo.datasets.tejani import ANNOTATION, MODELS, poses_to_text
@@ -153,7 +154,7 @@ def _parts(sample: Sample, pattern: str, shape: str) -> tuple[str, str]:
     return found[1], found[2]
 
 
-def _poses_of(sample: Sample, name: str, models: Sequence[Model]) -> list[np.ndarray]:
+def _poses_of(sample: Sample, name: str, models: Sequence[Model]) -> list[Pose]:
     if name not in (model.name for model in models):
         raise FrameError(f"expected a model named {name} for frame {sample.frame.name}, got none")
     poses = [instance.pose for instance in sample.instances if instance.model == name]

@@ -837,7 +837,8 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
 
 
 OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth", "fit_sides", "closed_path", "draw_mesh", "unpack_lzf"}
-"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; two are of methods, two of data sets."""
+"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; two are of methods and the
+last two of data sets."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys

@@ -57,7 +57,7 @@ class Mosd(DataSet):
     @classmethod
     def matches(cls, folder: Path) -> bool:
         """Whether it or a folder learn or test in it has clouds with labels."""
-        return any(b" label" in path.open("rb").read(512) for path in _clouds(folder)[:1])
+        return any(b" label" in _beginning(path) for path in _clouds(folder)[:1])
 
     def _find(self) -> Iterator[Entry]:
         data_set = self._named("mosd")
@@ -67,3 +67,9 @@ class Mosd(DataSet):
 
 def _clouds(folder: Path) -> list[Path]:
     return [p for part in (".", "learn", "test") for p in sorted((folder / part).glob("*.pcd"), key=natural_order)]
+
+
+def _beginning(path: Path) -> bytes:
+    """Enough for the fields."""
+    with path.open("rb") as file:
+        return file.read(512)

@@ -29,6 +29,7 @@ from spigolo.datasets import (
     Tum,
     UwScenes,
     UwScenesV2,
+    find_labelled_frames,
     guess,
     rutgers_name,
     tejani_name,
@@ -43,6 +44,7 @@ from spigolo.datasets.meshes import read_model, write_model
 from spigolo.datasets.uw_scenes import UwFrame, labels_of
 from spigolo.datasets.visibility import render_depth, visible_mask
 from spigolo.errors import CameraError, FileError, FrameError
+from spigolo.experiments import evaluate, make_methods
 
 CAMERA = sp.Camera(60.0, 61.0, 31.2, 23.7, 64, 48)
 ABOUT = "Boxes before a wall."
@@ -527,6 +529,17 @@ def test_writers_refuse_what_a_layout_cannot_hold(tmp_path: Path) -> None:
     for sentence, call in cases:
         with pytest.raises(FrameError, match=sentence):
             call()
+
+
+def test_evaluate_takes_any_layout_and_sends_its_entries_to_workers(tmp_path: Path) -> None:
+    tejani(tmp_path / "set")
+    methods = make_methods(["felzenszwalb2004"], [sp.TABLE])
+    found = find_labelled_frames([tmp_path / "set"])
+    rows = evaluate(found, methods, tmp_path / "rows.jsonl", jobs=2)
+    assert [(row.data_set, row.frame, row.labelling, row.error) for row in rows] == [
+        ("tejani-rendered", name, "part", None) for name in ("scene_06/img_000", "scene_06/img_012")
+    ]
+    assert all(row.score is not None and row.score.n_objects == 3 for row in rows)
 
 
 # --- the originals --------------------------------------------------------------------------------------------

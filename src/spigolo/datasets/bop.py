@@ -10,8 +10,8 @@
         mask_visib/000000_000000.png              image, then place in the list of scene_gt; 0 and 255
 
 Labels are places in the list plus 1. Where there is no mask_visib it is rendered from models and poses.
-Sets differ in whether every object
-is labelled: `part`, unless `full` names the set. The frames of one scene are near-identical.
+Sets differ in whether every object is labelled: `part`, unless `full` names the set. The frames of one scene are
+near-identical.
 """
 
 from __future__ import annotations
@@ -24,13 +24,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.camera import Camera
 from spigolo.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, Labelling, Truth
 from spigolo.datasets.jsons import read_mapping
 from spigolo.datasets.meshes import read_model
 from spigolo.datasets.sample import Instance
 from spigolo.datasets.visibility import visible_labels
 from spigolo.errors import FileError, FrameError
-from spigolo.frame import Frame
+from spigolo.frame import Frame, depth_in_metres
 from spigolo.io import read_color, read_depth, read_labels
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
@@ -101,10 +102,10 @@ class BopImage(Entry):
         return labels
 
     def _rendered_labels(self, instances: tuple[Instance, ...]) -> npt.NDArray[np.int32]:
-        frame = self.read()
-        assert frame.camera is not None
+        depth, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
+        camera = Camera.from_matrix(self.intrinsics, depth.shape[1], depth.shape[0])
         models = [read_model(self._model(obj_id), MILLIMETRES) for obj_id, _, _ in self.poses]
-        return visible_labels(instances, models, frame.depth, frame.camera)
+        return visible_labels(instances, models, depth, camera)
 
 
 class Bop(DataSet):

@@ -37,10 +37,9 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
     if len(inner) > 1:
         raise FileError(f"expected one data set in {path}, got {len(inner)}: give {' or '.join(map(str, inner))}")
     if not inner:
-        layouts = "; ".join(reader.layout for reader in READERS)
         raise FileError(
-            f"expected frames in {path}, got none: give a root of sets, a set or a single frame with one of these"
-            f" layouts: {layouts}"
+            f"expected frames in {path}, got none: give a root of sets, a set or a single frame ({Folders.layout}), or"
+            " a data set as it was published (BOP, UW RGB-D Scenes, Rutgers APC, Tejani, OSD, mOSD, OCID, TUM)"
         )
     ((below, reader),) = inner.items()
     return reader(below, full)

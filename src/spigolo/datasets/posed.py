@@ -13,6 +13,8 @@ from spigolo.datasets.entry import ImageEntry, Truth
 from spigolo.datasets.meshes import read_model
 from spigolo.datasets.sample import Instance
 from spigolo.datasets.visibility import visible_labels
+from spigolo.frame import depth_in_metres
+from spigolo.io import read_depth
 
 Pose = npt.NDArray[np.float64]
 
@@ -38,9 +40,9 @@ class PosedImage(ImageEntry):
         """The visible masks of its objects, None without poses; raises FileError."""
         if self.model is None:
             return None
-        frame, instances = self.read(), self.read_instances()
-        models = [read_model(self.model)] * len(instances)
-        labels = visible_labels(instances, models, frame.depth, self.camera)
+        instances = self.read_instances()
+        depth, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
+        labels = visible_labels(instances, [read_model(self.model)] * len(instances), depth, self.camera)
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
 
     def read_instances(self) -> tuple[Instance, ...]:

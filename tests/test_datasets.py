@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import shutil
 import struct
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -485,7 +486,7 @@ def read_all(folder: Path) -> None:
 def test_guess_takes_the_one_set_in_a_folder_and_says_what_else_it_finds(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="there is no folder"):
         guess(tmp_path / "nowhere")
-    with pytest.raises(FileError, match=r"got none: give a root .* \(Rutgers APC\)"):
+    with pytest.raises(FileError, match=r"got none: give a root .* a data set as it was published"):
         guess(tmp_path)
     bop(tmp_path / "a")
     assert isinstance(guess(tmp_path), Bop)
@@ -529,6 +530,20 @@ def test_writers_refuse_what_a_layout_cannot_hold(tmp_path: Path) -> None:
     for sentence, call in cases:
         with pytest.raises(FrameError, match=sentence):
             call()
+
+
+@pytest.mark.parametrize(
+    ("layout", "library", "read"),
+    [("tejani", "trimesh", lambda entry: entry.read_truth()), ("uw", "scipy.io", lambda entry: entry.read_boxes())],
+)
+def test_a_missing_extra_says_what_mends_it(
+    layout: str, library: str, read: Callable[[Any], object], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    WRITTEN[layout][0](tmp_path)
+    entry = guess(tmp_path)[0]
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(FileError, match=r'but it is missing: pip install "spigolo\[datasets\]"'):
+        read(entry)
 
 
 def test_evaluate_takes_any_layout_and_sends_its_entries_to_workers(tmp_path: Path) -> None:

@@ -135,7 +135,7 @@ class Bop(DataSet):
         truth = read_mapping(scene / "scene_gt.json") if (scene / "scene_gt.json").is_file() else {}
         colors, depths = _images(scene, "rgb", "gray"), _images(scene, "depth")
         data_set = self._named(self.folder.name)
-        for key in sorted(cameras, key=int):
+        for key in sorted(filter(str.isdecimal, cameras), key=int):
             image = int(key)
             try:
                 poses = tuple(_pose(fields) for fields in truth.get(key, ()))

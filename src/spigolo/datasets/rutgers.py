@@ -83,8 +83,8 @@ def read_pose(path: Path) -> list[Pose]:
     try:
         stored = cv2.FileStorage(path.read_text(encoding="utf-8"), cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
         translation = stored.getNode(TRANSLATION)
-        pose[:3, :3] = stored.getNode(ROTATION).mat()
-        pose[:3, 3] = [translation.at(k).real() for k in range(translation.size())]
+        pose[:3, :3] = np.reshape(stored.getNode(ROTATION).mat(), (3, 3))
+        pose[:3, 3] = np.reshape([translation.at(k).real() for k in range(translation.size())], 3)
     except (OSError, ValueError, TypeError, SystemError, cv2.error):
         raise FileError(
             f"expected {ROTATION} as an OpenCV matrix and {TRANSLATION} as three numbers in {path}, got something else"

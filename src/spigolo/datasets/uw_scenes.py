@@ -122,9 +122,8 @@ def category_of(name: str) -> tuple[str, int]:
 
 
 def _colors(folder: Path) -> Iterator[tuple[str, int, Path]]:
-    """Sequence, number and colour image of each frame; folders of one sequence or one scene serve as well."""
-    for pattern in ("*.png", "*/*.png", "*/*/*.png"):
-        for path in folder.glob(pattern):
-            found = NAME.fullmatch(path.name)
-            if found and path.parent.name == found["sequence"]:
-                yield found["sequence"], int(found["number"]), path
+    """Sequence, number and colour image of each frame."""
+    for path in folder.glob("*/*/*.png"):
+        found = NAME.fullmatch(path.name)
+        if found and path.parent.name == found["sequence"]:
+            yield found["sequence"], int(found["number"]), path

@@ -15,6 +15,7 @@ from spigolo.cli.bench import bench
 from spigolo.cli.compare import compare
 from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.figures import figures
+from spigolo.cli.fit import fit
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frame import MAX_PIXELS
@@ -37,6 +38,7 @@ app = cyclopts.App(
 )
 app.command(evaluate)
 app.command(report)
+app.command(fit)
 app.command(figures)
 app.command(compare)
 

@@ -8,9 +8,10 @@ print(pool(hold_out(tried).rows).overlap_f)
 
 from __future__ import annotations
 
-from spigolo.fitting.choosing import HeldOut, best_trial, goodness, hold_out
+from spigolo.fitting.choosing import HeldOut, best_trial, check_folds, goodness, hold_out
 from spigolo.fitting.drawing import draw
-from spigolo.fitting.search import search
+from spigolo.fitting.report import fitted, score_table, write_fit
+from spigolo.fitting.search import only_labelled, search
 from spigolo.fitting.spaces import Choice, Range, Space, Switch, apply, space_of
 from spigolo.fitting.trials import Search, Subject, Trial, read_search
 
@@ -25,10 +26,15 @@ __all__ = [
     "Trial",
     "apply",
     "best_trial",
+    "check_folds",
     "draw",
+    "fitted",
     "goodness",
     "hold_out",
+    "only_labelled",
     "read_search",
+    "score_table",
     "search",
     "space_of",
+    "write_fit",
 ]

@@ -44,6 +44,16 @@ def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> 
     return max(trials, key=lambda trial: goodness(trial.rows if frames is None else [trial.rows[i] for i in frames]))
 
 
+def check_folds(groups: Sequence[str], count: int) -> None:
+    """Raises SpigoloError where there are too few groups, one of each labelled frame, for as many folds."""
+    distinct = len(set(groups))
+    if not 2 <= count <= distinct:
+        raise SpigoloError(
+            f"expected 2 folds or more and no more than distinct labelled frames, of which there are {distinct}, got"
+            f" {count}: give --folds, or label more frames"
+        )
+
+
 def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
     """Every frame scored by the trial that is best on the other folds; near-identical frames share a fold.
 
@@ -51,11 +61,7 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
     SpigoloError where there are fewer distinct frames than folds.
     """
     groups = [place.group for place in search.subject.places]
-    if not 2 <= count <= len(set(groups)):
-        raise SpigoloError(
-            f"expected 2 to {len(set(groups))} folds of {len(set(groups))} distinct labelled frames, got {count}:"
-            " give --folds, or label more frames"
-        )
+    check_folds(groups, count)
     trials = search.trials if with_start else search.trials[1:]
     rows: list[Row | None] = [None] * len(groups)
     chosen = []

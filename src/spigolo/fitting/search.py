@@ -57,9 +57,7 @@ def search(
         raise SpigoloError(NEEDS_SCIPY)
     if trials < 1 or jobs < 1:
         raise SpigoloError(f"expected at least one trial and one job, got {trials} and {jobs}: leave them out")
-    labelled = tuple(frame for frame in frames if frame.labelling != "none")
-    if not labelled:
-        raise FileError(f"expected labelled frames, got {len(frames)} without label.png: draw the labels of some")
+    labelled = only_labelled(frames)
     settings: list[Setting] = [{}, *draw(space_of(start), trials, seed)]
     with TrialFile(out, _subject(labelled, start, seed)) as file:
         there = len(file.trials)
@@ -73,6 +71,14 @@ def search(
                 if tell is not None:
                     tell(count, len(attempts), trial)
         return Search(_subject(labelled, start, seed), tuple(file.trials[: len(settings)]))
+
+
+def only_labelled(frames: Sequence[FrameFolder]) -> tuple[FrameFolder, ...]:
+    """Those with labels; raises FileError where there are none."""
+    labelled = tuple(frame for frame in frames if frame.labelling != "none")
+    if not labelled:
+        raise FileError(f"expected labelled frames, got {len(frames)} without label.png: draw the labels of some")
+    return labelled
 
 
 def _subject(frames: Sequence[FrameFolder], start: Method, seed: int) -> Subject:

@@ -135,24 +135,33 @@ def space_of(method: Method) -> Space:
     if isinstance(method, Toscana2016):
         return _ours(method.config)
     if method.name not in OTHERS:
-        raise ConfigError(f"expected a method that can be fitted, got {method.name!r}: choose from {', '.join(METHODS)}")
+        raise ConfigError(
+            f"expected a method that can be fitted, got {method.name!r}: choose from {', '.join(METHODS)}"
+        )
     return {**OTHERS[method.name], **REJECTED}
 
 
 def _ours(config: Config) -> Space:
     there = {SUPPORT: config.rejection.support, CONTOURS: config.edges.depth_contours, JOINING: config.joining}
-    space = {name: switch for name, switch in ADDED.items() if there[name] is None} | {**DEPTH, **JOINED, **REJECTED}
+    added = {name: switch for name, switch in ADDED.items() if there[name] is None}
+    space: Space = {**added, **DEPTH, **JOINED, **REJECTED}
     match config.cost:
         case BoundaryCost(k_b=k_b):
             unit = k_b or 1.0  # k_b stays: only its ratios to k_x and gamma decide
-            weights = {"cost.k_x": Range(1.5 * unit, 12 * unit, log=True)}
-            gamma = Range(0.002 * unit, 0.02 * unit, log=True)
-            return space | BOUNDARIES | weights | {"partition.gamma": gamma}
+            return {
+                **space,
+                **BOUNDARIES,
+                "cost.k_x": Range(1.5 * unit, 12 * unit, log=True),
+                "partition.gamma": Range(0.002 * unit, 0.02 * unit, log=True),
+            }
         case SaliencyCost(k_x=k_x):
             unit = k_x or 1.0
-            weights = {f"cost.{k}": Range(0.3 * unit, 3 * unit, log=True) for k in ("k_y", "k_s")}
-            del space[CONTOURS]  # this cost reads no boundary
-            return space | weights | {"partition.gamma": Range(unit, 20 * unit, log=True)}
+            return {
+                **{name: way for name, way in space.items() if name != CONTOURS},  # this cost reads no boundary
+                "cost.k_y": Range(0.3 * unit, 3 * unit, log=True),
+                "cost.k_s": Range(0.3 * unit, 3 * unit, log=True),
+                "partition.gamma": Range(unit, 20 * unit, log=True),
+            }
     raise ConfigError(
         f"expected a preset with one cost function, got {config.name} with kind 'auto': fit one for frames with large"
         " shadows and one for the others"

@@ -2,21 +2,31 @@
 
     python scripts/compare_methods.py search --trials 40
     python scripts/compare_methods.py table
+    python scripts/compare_methods.py depth
 
 `search` adds trials to docs/data/trials-METHOD.jsonl, the same number for every method, on the same fully labelled
-frames. `table` reads these files alone. Frames: SPIGOLO_DATA, or ../shared/data.
+frames. `table` reads these files, and times the fitted methods in turn, frame by frame. `depth` runs them without
+depth. Frames: SPIGOLO_DATA, or ../shared/data.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
+import time
+from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
 
 import spigolo as sp
-from spigolo.experiments import find_labelled_frames
+from spigolo.evaluation import Row, compare, pool
+from spigolo.experiments import Method, find_labelled_frames
 from spigolo.experiments.labelled import FrameFolder
-from spigolo.fitting import goodness, search
+from spigolo.experiments.running import Task, Worker
+from spigolo.fitting import Search, apply, best_trial, hold_out, read_search, search
 from spigolo.fitting.trials import Trial
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -24,20 +34,103 @@ LOG = ROOT / "docs" / "data"
 DATA = Path(os.environ.get("SPIGOLO_DATA", ROOT.parent / "shared" / "data")) / "frames"
 SETS = ("osd-mosd", "hand-uoc")
 """Every object of them is labelled."""
+SEED, FOLDS, EVERY = 0, 5, 7
+"""Draws and folds; every seventh frame is timed."""
+OFF: dict[str, dict[str, Any]] = {
+    "rao2010": {"levels_per_m": 0},
+    "abramov2012": {"step_m": None},
+    "mishra2012": {"depth": False},
+}
+"""What leaves depth out of the regions; the rules of what is an object still read it."""
 
 
 def frames() -> list[FrameFolder]:
     return find_labelled_frames([DATA / name for name in SETS])
 
 
+def log(name: str) -> Path:
+    return LOG / f"trials-{name}.jsonl"
+
+
 def search_all(trials: int, jobs: int) -> None:
     for name, method in sp.METHODS.items():
 
-        def tell(done: int, total: int, trial: Trial | None, name: str = name) -> None:
-            if trial is not None:
-                print(f"{name} {done}/{total}: {goodness(trial.rows):.3f}", flush=True)
+        def tell(done: int, total: int, _: Trial | None, name: str = name) -> None:
+            print(f"{name}: {done} of {total} trials", flush=True)
 
-        search(frames(), method, LOG / f"trials-{name}.jsonl", trials, 0, jobs, tell)
+        search(frames(), method, log(name), trials, SEED, jobs, tell)
+
+
+def fitted(held: Search) -> Method:
+    """The method with the best setting over all frames; the start is none, as it was made on these frames."""
+    return apply(best_trial(held.trials[1:]).setting, sp.METHODS[held.subject.method])
+
+
+def time_all(methods: dict[str, Method]) -> dict[str, float]:
+    """CPU time as a ratio to ours: median over frames, one thread, methods in turn on each frame."""
+    cv2.setNumThreads(1)
+    chosen = frames()[::EVERY]
+    taken: dict[str, list[float]] = {name: [] for name in methods}
+    for frame in (chosen[0], *(folder for folder in chosen)):
+        image = frame.read()
+        for name, method in methods.items():
+            start = time.process_time()
+            method(image)
+            taken[name].append(time.process_time() - start)
+    ours = np.array(taken["toscana2016"][1:])  # the first one may compile
+    return {name: float(np.median(np.array(times[1:]) / ours)) for name, times in taken.items()}
+
+
+HEAD = ("overlap P", "R", "F", "boundary F", "F@.75", "70 %", "70 %, precise", "best region", "pieces", "leaks", "time")
+
+
+def table() -> None:
+    searches = {name: read_search(log(name)) for name in sp.METHODS}
+    times = time_all({name: fitted(held) for name, held in searches.items()})
+    rows = {name: hold_out(held, FOLDS, SEED, with_start=False).rows for name, held in searches.items()}
+    counts = {len(held.trials) - 1 for held in searches.values()}
+    print(f"{counts} trials, {FOLDS} folds, {len(rows['toscana2016'])} frames; best over all frames, time: × ours")
+    print(line("", *HEAD, "F to ours"), line("---", *["---:"] * (len(HEAD) + 1)), sep="\n")
+    for name, held_out in rows.items():
+        change = compare(rows["toscana2016"], held_out).overlap_f
+        told = "" if name == "toscana2016" else "{:+.3f} ({:+.3f} to {:+.3f})".format(*change)
+        print(line(f"`{name}`", *figures(held_out), f"{times[name]:.1f}", told), flush=True)
+    print()
+    for data_set in SETS:
+        print(data_set, *(f"{name} {pool(of_set(held, data_set)).overlap_f.value:.3f}" for name, held in rows.items()))
+    for name, held in searches.items():
+        start, best = pool(held.start.rows).overlap_f.value, pool(best_trial(held.trials[1:]).rows).overlap_f.value
+        print(f"{name}: F as it is {start:.3f}, fitted to all frames {best:.3f}, held out above")
+
+
+def figures(rows: Iterable[Row]) -> list[str]:
+    p = pool(list(rows))
+    shares = (p.overlap_precision, p.overlap_recall, p.overlap_f.value, p.boundary_f, p.f75)
+    found = f"{p.found_70_recall:.0%}", f"{p.found_70_both:.0%}"
+    return [*(f"{v:.3f}" for v in shares), *found, f"{p.best_iou_of_regions:.2f}", f"{p.pieces:.2f}", f"{p.leaks:.2f}"]
+
+
+def of_set(rows: Iterable[Row], data_set: str) -> list[Row]:
+    return [row for row in rows if row.data_set == data_set]
+
+
+def without_depth() -> None:
+    print(line("", *HEAD[:-1]), line("---", *["---:"] * (len(HEAD) - 1)), sep="\n")
+    for name, off in OFF.items():
+        held = read_search(log(name))
+        print(line(f"`{name}`, fitted", *figures(best_trial(held.trials[1:]).rows)))
+        blind = fitted(held).replace(**off)
+        print(line(f"`{name}`, depth off", *figures(run(blind))), flush=True)
+
+
+def run(method: Method) -> Iterator[Row]:
+    cv2.setNumThreads(1)
+    work = Worker([method])
+    return (work(Task(frame, method.name, method.digest)) for frame in frames())
+
+
+def line(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
 
 
 def main() -> None:
@@ -46,8 +139,15 @@ def main() -> None:
     searching = verbs.add_parser("search")
     searching.add_argument("--trials", type=int, default=40)
     searching.add_argument("--jobs", type=int, default=1)
+    verbs.add_parser("table")
+    verbs.add_parser("depth")
     given = parser.parse_args()
-    search_all(given.trials, given.jobs)
+    if given.verb == "search":
+        search_all(given.trials, given.jobs)
+    elif given.verb == "table":
+        table()
+    else:
+        without_depth()
 
 
 if __name__ == "__main__":

@@ -87,7 +87,9 @@ def _subject(frames: Sequence[FrameFolder], start: Method, seed: int) -> Subject
 
 
 def _check(trial: Trial) -> None:
-    """A frame that cannot be read has no score, whatever the parameters are."""
+    """Without a score of every frame trials cannot be compared."""
     unread: Row | None = next((row for row in trial.rows if row.score is None), None)
     if unread is not None:
-        raise FileError(f"expected frames that can be read, got {unread.data_set}/{unread.frame}: {unread.error}")
+        raise FileError(
+            f"expected frames that can be worked with, got {unread.data_set}/{unread.frame}: {unread.error}"
+        )

@@ -108,6 +108,9 @@ def make_files(folder: Path) -> None:
     (folder / "range.toml").write_text('base = "TABLE"\n[edges]\ncanny_low = 1.5\n', encoding="utf-8")
     (folder / "broken.toml").write_text("gamma 0.004\n", encoding="utf-8")
     (folder / "no-frames").mkdir()
+    (folder / "unlabelled").mkdir()
+    for name in ("rgb.png", "depth.png", "camera.json"):
+        shutil.copy(SCENE / name, folder / "unlabelled" / name)
     (folder / "file").write_text("", encoding="utf-8")
 
 
@@ -160,6 +163,8 @@ def command_line() -> list[tuple[str, Words]]:
         ("a folder without frames", ["segment", "no-frames"]),
         ("no such folder", ["segment", "nowhere"]),
         ("no input", ["segment"]),
+        ("nothing to fit to", ["fit", "no-frames"]),
+        ("frames without labels to fit to", ["fit", "unlabelled"]),
         ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
         (
             "millimetres as metres: a warning",

@@ -1,17 +1,19 @@
 """All methods at equal chances: each fitted by the same search, scored on frames that had no say in its parameters.
 
-    python scripts/compare_methods.py search --trials 40
+    python scripts/compare_methods.py search --trials 30
     python scripts/compare_methods.py table
     python scripts/compare_methods.py depth
+    python scripts/compare_methods.py pictures --out pictures
 
-`search` adds trials to docs/data/trials-METHOD.jsonl, the same number for every method, on the same fully labelled
-frames. `table` reads these files, and times the fitted methods in turn, frame by frame. `depth` runs them without
-depth. Frames: SPIGOLO_DATA, or ../shared/data.
+`search` keeps trials in --out, the same number for every method, on the same fully labelled frames, and packs them into
+docs/data/trials-METHOD.jsonl.gz. `table` reads these files, and times the fitted methods in turn, frame by frame.
+`depth` runs them without depth, `pictures` draws their regions on ten frames. Frames: SPIGOLO_DATA, or ../shared/data.
 """
 
 from __future__ import annotations
 
 import argparse
+import gzip
 import os
 import time
 from collections.abc import Iterable, Iterator
@@ -22,20 +24,22 @@ import cv2
 import numpy as np
 
 import spigolo as sp
+from spigolo import io
 from spigolo.evaluation import Row, compare, pool
 from spigolo.experiments import Method, find_labelled_frames
 from spigolo.experiments.labelled import FrameFolder
 from spigolo.experiments.running import Task, Worker
 from spigolo.fitting import Search, apply, best_trial, hold_out, read_search, search
 from spigolo.fitting.trials import Trial
+from spigolo.view.comparison import comparison
 
 ROOT = Path(__file__).resolve().parents[1]
 LOG = ROOT / "docs" / "data"
 DATA = Path(os.environ.get("SPIGOLO_DATA", ROOT.parent / "shared" / "data")) / "frames"
 SETS = ("osd-mosd", "hand-uoc")
 """Every object of them is labelled."""
-SEED, FOLDS, EVERY = 0, 5, 7
-"""Draws and folds; every seventh frame is timed."""
+SEED, FOLDS, EVERY = 0, 5, 5
+"""Draws and folds; every fifth frame is timed and drawn."""
 OFF: dict[str, dict[str, Any]] = {
     "rao2010": {"levels_per_m": 0},
     "abramov2012": {"step_m": None},
@@ -49,16 +53,20 @@ def frames() -> list[FrameFolder]:
 
 
 def log(name: str) -> Path:
-    return LOG / f"trials-{name}.jsonl"
+    return LOG / f"trials-{name}.jsonl.gz"
 
 
-def search_all(trials: int, jobs: int) -> None:
+def search_all(trials: int, jobs: int, out: Path) -> None:
+    LOG.mkdir(exist_ok=True)
     for name, method in sp.METHODS.items():
 
         def tell(done: int, total: int, _: Trial | None, name: str = name) -> None:
             print(f"{name}: {done} of {total} trials", flush=True)
 
-        search(frames(), method, log(name), trials, SEED, jobs, tell)
+        path = out / f"trials-{name}.jsonl"
+        search(frames(), method, path, trials, SEED, jobs, tell)
+        lines = path.read_bytes().splitlines(keepends=True)[: trials + 2]  # the subject and the start come first
+        log(name).write_bytes(gzip.compress(b"".join(lines), mtime=0))
 
 
 def fitted(held: Search) -> Method:
@@ -71,7 +79,7 @@ def time_all(methods: dict[str, Method]) -> dict[str, float]:
     cv2.setNumThreads(1)
     chosen = frames()[::EVERY]
     taken: dict[str, list[float]] = {name: [] for name in methods}
-    for frame in (chosen[0], *(folder for folder in chosen)):
+    for frame in (chosen[0], *chosen):
         image = frame.read()
         for name, method in methods.items():
             start = time.process_time()
@@ -129,6 +137,17 @@ def run(method: Method) -> Iterator[Row]:
     return (work(Task(frame, method.name, method.digest)) for frame in frames())
 
 
+def draw_all(out: Path) -> None:
+    methods = {name: fitted(read_search(log(name))) for name in reversed(sp.METHODS)}
+    for folder in frames()[::EVERY]:
+        frame, answers = folder.read(), {}
+        for name, method in methods.items():
+            start = time.perf_counter()
+            answers[name] = method(frame), time.perf_counter() - start
+        io.write_png(out / f"{folder.data_set}-{folder.name}.png", comparison(frame, answers, "toscana2016"))
+    print(out)
+
+
 def line(*cells: str) -> str:
     return f"| {' | '.join(cells)} |"
 
@@ -137,17 +156,23 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     verbs = parser.add_subparsers(dest="verb", required=True)
     searching = verbs.add_parser("search")
-    searching.add_argument("--trials", type=int, default=40)
+    searching.add_argument("--trials", type=int, default=30)
     searching.add_argument("--jobs", type=int, default=1)
+    searching.add_argument("--out", type=Path, default=Path("measured-methods"))
     verbs.add_parser("table")
     verbs.add_parser("depth")
+    drawing = verbs.add_parser("pictures")
+    drawing.add_argument("--out", type=Path, required=True)
     given = parser.parse_args()
-    if given.verb == "search":
-        search_all(given.trials, given.jobs)
-    elif given.verb == "table":
-        table()
-    else:
-        without_depth()
+    match given.verb:
+        case "search":
+            search_all(given.trials, given.jobs, given.out)
+        case "table":
+            table()
+        case "depth":
+            without_depth()
+        case "pictures":
+            draw_all(given.out)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import sys
 from dataclasses import replace
@@ -181,6 +182,8 @@ def test_a_search_goes_on_where_it_stopped(root: Path, tmp_path: Path) -> None:
     told.clear()
     more = search(frames, start, out, 3, tell=lambda done, total, _: told.append((done, total)))
     assert told == [(0, 1), (1, 1)] and out.read_bytes().startswith(before)
+    (tmp_path / "packed.gz").write_bytes(gzip.compress(out.read_bytes()))
+    assert read_search(tmp_path / "packed.gz") == read_search(out)
     assert more.trials[:3] == first.trials == read_search(out).trials[:3] and len(read_search(out).trials) == 4
     assert search(frames, start, out, 1).trials == first.trials[:2]
     for others, seed in ((frames, 1), (frames[1:], 0)):

@@ -7,6 +7,7 @@ one and with any region in thousandths, and the CPU time in milliseconds (null a
 
 from __future__ import annotations
 
+import gzip
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -20,6 +21,9 @@ from spigolo.fitting.spaces import Setting
 
 SHARES = ("overlap_precision", "overlap_recall", "boundary_precision", "boundary_recall", "f75", "leaks")
 COUNTS = ("n_segments", "true_positives", "found_70_recall", "found_70_both", "pieces")
+
+GZIP = b"\x1f\x8b"
+"""What a packed file begins with."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,13 +71,14 @@ class Search:
 
 
 def read_search(path: Path | str) -> Search:
-    """The trials of a file; a last line without its end is what a crash left, and is dropped.
+    """The trials of a file, packed by gzip or not; a last line without its end is what a crash left, and is dropped.
 
     Raises FileError where the file cannot be read or holds something else.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
+        data = Path(path).read_bytes()
+        text = (gzip.decompress(data) if data.startswith(GZIP) else data).decode()
+    except (OSError, EOFError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise FileError(f"expected trials in {path}, but it cannot be read: {reason}") from None
     lines = text[: text.rfind("\n") + 1].splitlines()

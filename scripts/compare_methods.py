@@ -3,11 +3,13 @@
     python scripts/compare_methods.py search --trials 30
     python scripts/compare_methods.py table
     python scripts/compare_methods.py depth
+    python scripts/compare_methods.py points
     python scripts/compare_methods.py pictures --out pictures
 
 `search` keeps trials in --out, the same number for every method, on the same fully labelled frames, and packs them into
 docs/data/trials-METHOD.jsonl.gz. `table` reads these files, and times the fitted methods in turn, frame by frame.
-`depth` runs them without depth, `pictures` draws their regions on ten frames. Frames: SPIGOLO_DATA, or ../shared/data.
+`depth` runs them without depth, `pictures` draws their regions on ten frames, `points` fixates `mishra2009` at the
+innermost pixel of each true mask. Frames: SPIGOLO_DATA, or ../shared/data.
 """
 
 from __future__ import annotations
@@ -26,11 +28,13 @@ import numpy as np
 import spigolo as sp
 from spigolo import io
 from spigolo.evaluation import Row, compare, pool
+from spigolo.evaluation.measures import FOUND_SHARE
 from spigolo.experiments import Method, find_labelled_frames
 from spigolo.experiments.labelled import FrameFolder
 from spigolo.experiments.running import Task, Worker
 from spigolo.fitting import Search, apply, best_trial, hold_out, read_search, search
 from spigolo.fitting.trials import Trial
+from spigolo.methods.mishra2009 import innermost
 from spigolo.view.comparison import comparison
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -40,6 +44,7 @@ SETS = ("osd-mosd", "hand-uoc")
 """Every object of them is labelled."""
 SEED, FOLDS, EVERY = 0, 5, 5
 """Draws and folds; every fifth frame is timed and drawn."""
+DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (11, 11))
 OFF: dict[str, dict[str, Any]] = {
     "rao2010": {"levels_per_m": 0},
     "abramov2012": {"step_m": None},
@@ -148,6 +153,25 @@ def draw_all(out: Path) -> None:
     print(out)
 
 
+def fixate() -> None:
+    """An object is apart if it touches no other when dilated by 5 px."""
+    for data_set in SETS:
+        found: list[tuple[bool, float]] = []
+        for folder in find_labelled_frames([DATA / data_set]):
+            frame, truth = folder.read_both()
+            masks = [truth.labels == k for k in np.unique(truth.labels) if k] if truth is not None else []
+            for mask in masks:
+                around = sp.methods.segment_around(frame, innermost(mask)).mask
+                near = cv2.dilate(mask.view(np.uint8), DISC) > 0
+                apart = not any((near & other).any() for other in masks if other is not mask)
+                found.append((apart, np.count_nonzero(around & mask) / np.count_nonzero(around | mask)))
+        for name, ious in (("all", [i for _, i in found]), ("apart", [i for apart, i in found if apart])):
+            share = np.mean(np.array(ious) > FOUND_SHARE)
+            print(
+                f"{data_set}, {name}: {share:.0%} of {len(ious)} with IoU > 0.7, mean {np.mean(ious):.2f}", flush=True
+            )
+
+
 def line(*cells: str) -> str:
     return f"| {' | '.join(cells)} |"
 
@@ -161,6 +185,7 @@ def main() -> None:
     searching.add_argument("--out", type=Path, default=Path("measured-methods"))
     verbs.add_parser("table")
     verbs.add_parser("depth")
+    verbs.add_parser("points")
     drawing = verbs.add_parser("pictures")
     drawing.add_argument("--out", type=Path, required=True)
     given = parser.parse_args()
@@ -171,6 +196,8 @@ def main() -> None:
             table()
         case "depth":
             without_depth()
+        case "points":
+            fixate()
         case "pictures":
             draw_all(given.out)
 

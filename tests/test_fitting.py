@@ -38,6 +38,7 @@ from spigolo.fitting.spaces import CONTOURS, JOINING, SUPPORT
 from spigolo.fitting.trials import Place
 from test_experiments import BOXES, Counting, row, spigolo, write_frame
 
+ROOT = Path(__file__).resolve().parents[1]
 SCENE = Path(sp.__file__).parent / "demo_scene"
 STARTS: list[Method] = [*map(Toscana2016, (sp.TABLE, sp.SHELF, sp.CLUTTER, sp.OBJECTS)), *list(sp.METHODS.values())[1:]]
 
@@ -293,6 +294,19 @@ def test_wrong_input_ends_with_2_and_one_sentence(root: Path, tmp_path: Path, wo
     assert done.returncode == FAILED
     assert sentence in done.stderr and "Traceback" not in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+# --- the comparison -----------------------------------------------------------------------------------------
+
+
+def test_the_page_of_methods_says_what_the_log_says() -> None:
+    text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    logs = {name: read_search(ROOT / "docs" / "data" / f"trials-{name}.jsonl.gz") for name in sp.METHODS}
+    assert len({(len(log.trials), log.subject.seed, log.subject.places) for log in logs.values()}) == 1
+    for name, log in logs.items():
+        held = pool(hold_out(log).rows)
+        figures = held.overlap_precision, held.overlap_recall, held.overlap_f.value, held.boundary_f, held.f75
+        assert f"| `{name}` | {' | '.join(f'{value:.3f}' for value in figures)} |" in text
 
 
 # --- real frames --------------------------------------------------------------------------------------------

@@ -112,6 +112,9 @@ def make_files(folder: Path) -> None:
     scene.mkdir(parents=True)
     intrinsics = {"cam_K": [525.0, 0.0, 319.5, 0.0, 525.0, 239.5, 0.0, 0.0, 1.0], "depth_scale": 1.0}
     (scene / "scene_camera.json").write_text(json.dumps({"0": intrinsics}), encoding="utf-8")
+    (folder / "unlabelled").mkdir()
+    for name in ("rgb.png", "depth.png", "camera.json"):
+        shutil.copy(SCENE / name, folder / "unlabelled" / name)
     (folder / "file").write_text("", encoding="utf-8")
 
 
@@ -168,6 +171,8 @@ def command_line() -> list[tuple[str, Words]]:
         ("a data set that was half downloaded", ["evaluate", "half-a-set"]),
         ("a data set nobody knows", ["fetch", "imagenet"]),
         ("a data set without a known hash", ["fetch", "tejani"]),
+        ("nothing to fit to", ["fit", "no-frames"]),
+        ("frames without labels to fit to", ["fit", "unlabelled"]),
         ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
         (
             "millimetres as metres: a warning",

@@ -118,7 +118,7 @@ def row(frame: str = "a", **changes: Any) -> Row:
     score = RowScore(
         overlap_precision=0.5, overlap_recall=0.6, overlap_f=0.55, boundary_precision=0.3, boundary_recall=0.4,
         boundary_f=0.35, f75=0.5, n_objects=2, n_segments=3, best_iou=(0.9, 0.2), best_iou_of_regions=(0.9, 0.8),
-        true_positives=1, false_positives=2, false_negatives=1,
+        true_positives=1, false_positives=2, false_negatives=1, found_70_recall=2, found_70_both=1, pieces=3, leaks=0.5,
     )  # fmt: skip
     values: dict[str, Any] = {
         "data_set": "s", "frame": frame, "group": f"s/{frame}", "labelling": "full", "method": "m", "preset": "P",

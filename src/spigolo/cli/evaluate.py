@@ -67,7 +67,7 @@ def evaluate(
     chosen = make_methods(methods, configs)
     found = find_labelled_frames([Path(word) for word in words], full)
     new: list[Row] = []
-    with _bar() as bar:
+    with progress() as bar:
         task = bar.add_task("evaluating", total=None)
 
         def tell(done: int, total: int, row: Row | None) -> None:
@@ -115,7 +115,7 @@ def report(
     contenders = read_contenders(rows)
     find_references(contenders, against)  # before anything is drawn
     folders = find_labelled_frames(frames) if frames else []
-    with _bar() as bar:
+    with progress() as bar:
         task = bar.add_task("drawing", total=None)
 
         def tell(done: int, total: int) -> None:
@@ -128,7 +128,7 @@ def report(
 
 
 @contextmanager
-def _bar() -> Iterator[Progress]:
+def progress() -> Iterator[Progress]:
     """A bar on the error stream, nothing where that is a file."""
     from rich.console import Console
     from rich.progress import Progress

@@ -16,6 +16,7 @@ from spigolo.cli.compare import compare
 from spigolo.cli.datasets import datasets, fetch
 from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.figures import figures
+from spigolo.cli.fit import fit
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frame import MAX_PIXELS
@@ -38,6 +39,7 @@ app = cyclopts.App(
 )
 app.command(evaluate)
 app.command(report)
+app.command(fit)
 app.command(figures)
 app.command(compare)
 app.command(datasets)

@@ -64,6 +64,21 @@ class Pooled:
     best_iou: float
     """Mean over the labelled objects."""
 
+    best_iou_of_regions: float
+    """The same among all regions."""
+
+    found_70_recall: float
+    """Share of labelled objects that one predicted one covers by more than 70 %, whatever else it covers."""
+
+    found_70_both: float
+    """Share of labelled objects that one predicted one covers so and lies on by more than 70 %."""
+
+    pieces: float
+    """Regions that hold 5 % of an object or more, per labelled object."""
+
+    leaks: float
+    """Under-segmentation error of the regions, mean over the labelled objects."""
+
     cpu_median_s: float
     cpu_mean_s: float
     wall_median_s: float
@@ -118,6 +133,11 @@ def pool(rows: Sequence[Row]) -> Pooled:
         found=Estimate(hits / objects, *wilson_interval(hits, objects)) if objects else UNKNOWN,
         found_in_regions=_share(scored, lambda s: sum(iou > FOUND_SHARE for iou in s.best_iou_of_regions)),
         best_iou=_share(scored, lambda s: sum(s.best_iou)),
+        best_iou_of_regions=_share(scored, lambda s: sum(s.best_iou_of_regions)),
+        found_70_recall=_share(scored, lambda s: s.found_70_recall),
+        found_70_both=_share(scored, lambda s: s.found_70_both),
+        pieces=_share(scored, lambda s: s.pieces),
+        leaks=_share(scored, lambda s: s.leaks),
         cpu_median_s=float(np.median(cpu)) if cpu else math.nan,
         cpu_mean_s=float(np.mean(cpu)) if cpu else math.nan,
         wall_median_s=float(np.median(wall)) if wall else math.nan,

@@ -17,8 +17,11 @@ from pydantic import TypeAdapter, ValidationError
 
 from spigolo.errors import FileError
 from spigolo.evaluation.checks import checked_pair
-from spigolo.evaluation.matching import overlap_table
+from spigolo.evaluation.matching import OverlapTable, overlap_table
 from spigolo.evaluation.measures import score_frame
+
+PIECE = 0.05
+"""A region with a smaller share of an object is no piece of it."""
 
 Labelling = Literal["full", "part", "none"]
 """Which objects of a frame are labelled: every one, some, none. Precision means something with `full` alone."""
@@ -65,6 +68,19 @@ class RowScore:
 
     false_negatives: int
     """Labelled objects that are met by none."""
+
+    found_70_recall: int
+    """Labelled objects that one predicted one covers by more than 70 %, whatever else it covers."""
+
+    found_70_both: int
+    """Of these, the ones that such a predicted one lies on by more than 70 %."""
+
+    pieces: int
+    """Regions that hold 5 % of a labelled object or more, added up over the objects."""
+
+    leaks: float
+    """Under-segmentation (Neubert & Protzel 2012): what the regions that meet an object add to it, or lack if that is
+    less, as a share of it, added up over the objects."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +156,16 @@ def score_row(
         true_positives=hits,
         false_positives=score.n_segments - hits,
         false_negatives=score.n_objects - hits,
+        found_70_recall=int(np.count_nonzero(score.found_70_recall)),
+        found_70_both=int(np.count_nonzero(score.found_70_both)),
+        pieces=int(np.count_nonzero(table.recall() >= PIECE)),
+        leaks=_leaks(table),
     )
+
+
+def _leaks(table: OverlapTable) -> float:
+    beside = table.segment_px[None, :] - table.shared_px
+    return float((np.minimum(table.shared_px, beside) / table.object_px[:, None]).sum())
 
 
 @cache

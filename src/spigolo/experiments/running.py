@@ -15,6 +15,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from pathlib import Path
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -28,6 +29,9 @@ from spigolo.experiments.machine import describe_machine
 from spigolo.frame import Frame
 from spigolo.methods import Method
 from spigolo.objects import Segmentation
+
+T = TypeVar("T")
+R = TypeVar("R")
 
 Tell = Callable[[int, int, Row | None], None]
 """Called with the number of rows done, of rows to do and the row just done."""
@@ -114,17 +118,28 @@ def evaluate(
 def _run(tasks: Sequence[Task], methods: Sequence[Method], jobs: int) -> Generator[Row]:
     """The rows in the order of the tasks."""
     if jobs == 1 or len(tasks) < 2:
+        yield from spread(Worker(methods), tasks, 1)
+    else:
+        yield from spread(_do, tasks, jobs, methods)
+
+
+def spread(do: Callable[[T], R], items: Sequence[T], jobs: int, methods: Sequence[Method] = ()) -> Generator[R]:
+    """What `do` makes of each item, in their order, in this process or in several, each with one thread.
+
+    methods: those of the worker that waits in each of several processes. Raises SpigoloError where one dies.
+    """
+    if jobs == 1 or len(items) < 2:
         with _one_thread():
-            yield from map(Worker(methods), tasks)
+            yield from map(do, items)
         return
     # spawn: OpenCV's threads do not survive a fork
     pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_prepare, initargs=(methods,))
     try:
-        yield from pool.map(_do, tasks)
+        yield from pool.map(do, items)
     except BrokenProcessPool:
         raise SpigoloError(
             "expected the worker processes to live, but one died, probably for want of memory: take fewer with -j;"
-            " the rows so far are kept"
+            " what is done so far is kept"
         ) from None
     finally:
         pool.shutdown(cancel_futures=True)

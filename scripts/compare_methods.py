@@ -1,0 +1,213 @@
+"""All methods at equal chances: each fitted by the same search, scored on frames that had no say in its parameters.
+
+    python scripts/compare_methods.py search --trials 30
+    python scripts/compare_methods.py table
+    python scripts/compare_methods.py depth
+    python scripts/compare_methods.py points
+    python scripts/compare_methods.py pictures --out pictures
+
+`search` keeps trials in --out, the same number for every method, on the same fully labelled frames, and packs them into
+docs/data/trials-METHOD.jsonl.gz. `table` reads these files, and times the fitted methods in turn, frame by frame.
+`depth` runs them without depth, `pictures` draws their regions on ten frames, `points` fixates `mishra2009` at the
+innermost pixel of each true mask. Frames: SPIGOLO_DATA, or ../shared/data.
+"""
+
+from __future__ import annotations
+
+import argparse
+import gzip
+import os
+import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+import spigolo as sp
+from spigolo import io
+from spigolo.datasets import Entry
+from spigolo.evaluation import Row, compare, pool
+from spigolo.evaluation.measures import FOUND_SHARE
+from spigolo.experiments import Method, find_labelled_frames
+from spigolo.experiments.running import Task, Worker
+from spigolo.fitting import Search, apply, best_trial, hold_out, read_search, search
+from spigolo.fitting.trials import Trial
+from spigolo.methods.mishra2009 import innermost
+from spigolo.view.comparison import comparison
+
+ROOT = Path(__file__).resolve().parents[1]
+LOG = ROOT / "docs" / "data"
+DATA = Path(os.environ.get("SPIGOLO_DATA", ROOT.parent / "shared" / "data")) / "frames"
+SETS = ("osd-mosd", "hand-uoc")
+"""Every object of them is labelled."""
+SEED, FOLDS, EVERY = 0, 5, 5
+"""Draws and folds; every fifth frame is timed and drawn."""
+DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (11, 11))
+OFF: dict[str, dict[str, Any]] = {
+    "rao2010": {"levels_per_m": 0},
+    "abramov2012": {"step_m": None},
+    "mishra2012": {"depth": False},
+}
+"""What leaves depth out of the regions; the rules of what is an object still read it."""
+
+
+def frames() -> list[Entry]:
+    return find_labelled_frames([DATA / name for name in SETS])
+
+
+def log(name: str) -> Path:
+    return LOG / f"trials-{name}.jsonl.gz"
+
+
+def search_all(trials: int, jobs: int, out: Path) -> None:
+    LOG.mkdir(exist_ok=True)
+    for name, method in sp.METHODS.items():
+
+        def tell(done: int, total: int, _: Trial | None, name: str = name) -> None:
+            print(f"{name}: {done} of {total} trials", flush=True)
+
+        path = out / f"trials-{name}.jsonl"
+        search(frames(), method, path, trials, SEED, jobs, tell)
+        lines = path.read_bytes().splitlines(keepends=True)[: trials + 2]  # the subject and the start come first
+        log(name).write_bytes(gzip.compress(b"".join(lines), mtime=0))
+
+
+def fitted(held: Search) -> Method:
+    """The method with the best setting over all frames."""
+    return apply(best_trial(held.trials).setting, sp.METHODS[held.subject.method])
+
+
+def time_all(methods: dict[str, Method]) -> dict[str, float]:
+    """CPU time as a ratio to ours: median over frames, one thread, methods in turn on each frame."""
+    cv2.setNumThreads(1)
+    chosen = frames()[::EVERY]
+    taken: dict[str, list[float]] = {name: [] for name in methods}
+    for frame in (chosen[0], *chosen):
+        image = frame.read()
+        for name, method in methods.items():
+            start = time.process_time()
+            method(image)
+            taken[name].append(time.process_time() - start)
+    ours = np.array(taken["toscana2016"][1:])  # the first one may compile
+    return {name: float(np.median(np.array(times[1:]) / ours)) for name, times in taken.items()}
+
+
+BESIDE = ("F, defaults", "F, best on all frames", "F, drawn alone", "best region, drawn alone", "pieces", "leaks")
+HEAD = ("overlap P", "R", "F", "boundary F", "F@.75", "70 %", "70 %, precise", "best region", "pieces", "leaks", "time")
+
+
+def table() -> None:
+    searches = {name: read_search(log(name)) for name in sp.METHODS}
+    times = time_all({name: fitted(held) for name, held in searches.items()})
+    rows = {name: hold_out(held, FOLDS, SEED).rows for name, held in searches.items()}
+    counts = ", ".join(str(len(held.trials) - 1) for held in searches.values())
+    print(f"{counts} trials, {FOLDS} folds, {len(rows['toscana2016'])} frames; time: how many times ours\n")
+    print(line("", *HEAD, "F to ours"), line("---", *["---:"] * (len(HEAD) + 1)), sep="\n")
+    for name, held_out in rows.items():
+        change = compare(rows["toscana2016"], held_out).overlap_f
+        told = "" if name == "toscana2016" else "{:+.3f} ({:+.3f} to {:+.3f})".format(*change)
+        print(line(f"`{name}`", *figures(held_out), f"{times[name]:.1f}", told), flush=True)
+    print()
+    for data_set in SETS:
+        print(data_set, *(f"{name} {pool(of_set(held, data_set)).overlap_f.value:.3f}" for name, held in rows.items()))
+    print("\nPieces and leaks are those of the defaults on the first set:\n")
+    print(line("", "folds that chose the defaults", *BESIDE), line("---", *["---:"] * (len(BESIDE) + 1)), sep="\n")
+    for name, held in searches.items():
+        kept = sum(trial is held.start for trial in hold_out(held, FOLDS, SEED).chosen)
+        drawn = hold_out(held, FOLDS, SEED, with_start=False).rows
+        values = (pool(r).overlap_f.value for r in (held.start.rows, best_trial(held.trials).rows, drawn))
+        best, regions = pool(drawn).best_iou_of_regions, pool(of_set(held.start.rows, SETS[0]))
+        ends = f"{best:.3f}", f"{regions.pieces:.2f}", f"{regions.leaks:.2f}"
+        print(line(f"`{name}`", f"{kept} of {FOLDS}", *(f"{v:.3f}" for v in values), *ends))
+
+
+def figures(rows: Iterable[Row]) -> list[str]:
+    p = pool(list(rows))
+    shares = (p.overlap_precision, p.overlap_recall, p.overlap_f.value, p.boundary_f, p.f75)
+    found = f"{p.found_70_recall:.0%}", f"{p.found_70_both:.0%}"
+    return [*(f"{v:.3f}" for v in shares), *found, f"{p.best_iou_of_regions:.2f}", f"{p.pieces:.2f}", f"{p.leaks:.2f}"]
+
+
+def of_set(rows: Iterable[Row], data_set: str) -> list[Row]:
+    return [row for row in rows if row.data_set == data_set]
+
+
+def without_depth() -> None:
+    print(line("", *HEAD[:-1]), line("---", *["---:"] * (len(HEAD) - 1)), sep="\n")
+    for name, off in OFF.items():
+        held = read_search(log(name))
+        print(line(f"`{name}`, fitted", *figures(best_trial(held.trials).rows)))
+        blind = fitted(held).replace(**off)
+        print(line(f"`{name}`, depth off", *figures(run(blind))), flush=True)
+
+
+def run(method: Method) -> Iterator[Row]:
+    cv2.setNumThreads(1)
+    work = Worker([method])
+    return (work(Task(frame, method.name, method.digest)) for frame in frames())
+
+
+def draw_all(out: Path) -> None:
+    methods = {name: fitted(read_search(log(name))) for name in reversed(sp.METHODS)}
+    for folder in frames()[::EVERY]:
+        frame, answers = folder.read(), {}
+        for name, method in methods.items():
+            start = time.perf_counter()
+            answers[name] = method(frame), time.perf_counter() - start
+        io.write_png(out / f"{folder.data_set}-{folder.name}.png", comparison(frame, answers, "toscana2016"))
+    print(out)
+
+
+def fixate() -> None:
+    """An object is apart if it touches no other when dilated by 5 px."""
+    for data_set in SETS:
+        found: list[tuple[bool, float]] = []
+        for folder in find_labelled_frames([DATA / data_set]):
+            frame, truth = folder.read_both()
+            masks = [truth.labels == k for k in np.unique(truth.labels) if k] if truth is not None else []
+            for mask in masks:
+                around = sp.methods.segment_around(frame, innermost(mask)).mask
+                near = cv2.dilate(mask.view(np.uint8), DISC) > 0
+                apart = not any((near & other).any() for other in masks if other is not mask)
+                found.append((apart, np.count_nonzero(around & mask) / np.count_nonzero(around | mask)))
+        for name, ious in (("all", [i for _, i in found]), ("apart", [i for apart, i in found if apart])):
+            share = np.mean(np.array(ious) > FOUND_SHARE)
+            print(
+                f"{data_set}, {name}: {share:.0%} of {len(ious)} with IoU > 0.7, mean {np.mean(ious):.2f}", flush=True
+            )
+
+
+def line(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    verbs = parser.add_subparsers(dest="verb", required=True)
+    searching = verbs.add_parser("search")
+    searching.add_argument("--trials", type=int, default=30)
+    searching.add_argument("--jobs", type=int, default=1)
+    searching.add_argument("--out", type=Path, default=Path("measured-methods"))
+    verbs.add_parser("table")
+    verbs.add_parser("depth")
+    verbs.add_parser("points")
+    drawing = verbs.add_parser("pictures")
+    drawing.add_argument("--out", type=Path, required=True)
+    given = parser.parse_args()
+    match given.verb:
+        case "search":
+            search_all(given.trials, given.jobs, given.out)
+        case "table":
+            table()
+        case "depth":
+            without_depth()
+        case "points":
+            fixate()
+        case "pictures":
+            draw_all(given.out)
+
+
+if __name__ == "__main__":
+    main()

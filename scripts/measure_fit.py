@@ -1,0 +1,47 @@
+"""How far `spigolo fit` gets from TABLE towards OBJECTS on frames left out: `python scripts/measure_fit.py`.
+
+For each seed the frames of `osd-mosd` are cut in two halves at random; settings drawn with that seed are chosen on one
+half and scored on the other, both ways. Frames: SPIGOLO_DATA, or ../shared/data. Trials are kept in --out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+import spigolo as sp
+from spigolo.evaluation import Row, pool
+from spigolo.experiments import Toscana2016, evaluate, find_labelled_frames
+from spigolo.fitting import hold_out, search
+
+DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "frames"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trials", type=int, default=60)
+    parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1, 2])
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("measured-fit"))
+    given = parser.parse_args()
+    frames = find_labelled_frames([DATA / "osd-mosd"])
+    goal = overlap(evaluate(frames, [Toscana2016(sp.OBJECTS)], given.out / "objects.jsonl", given.jobs))
+    for seed in given.seeds:
+        out = given.out / f"table-{seed}.jsonl"
+        made = search(frames, Toscana2016(sp.TABLE), out, given.trials, seed, given.jobs)
+        start, held = overlap(made.start.rows), hold_out(made, 2, seed)
+        reached = overlap(held.rows)
+        print(
+            f"seed {seed}: overlap F of TABLE {start:.3f}, OBJECTS {goal:.3f}, fitted and held out {reached:.3f}:"
+            f" {(reached - start) / (goal - start):.0%} of the distance; trials {[t.number for t in held.chosen]}",
+            flush=True,
+        )
+
+
+def overlap(rows: list[Row] | tuple[Row, ...]) -> float:
+    return pool(rows).overlap_f.value
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,73 @@
+"""Which trial is best, and what it is worth on frames that had no say in that."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from spigolo.errors import SpigoloError
+from spigolo.evaluation.resampling import folds
+from spigolo.evaluation.rows import Row
+from spigolo.fitting.trials import Search, Trial
+
+
+@dataclass(frozen=True, slots=True)
+class HeldOut:
+    """Rows of every frame by a trial chosen without the frame's fold. chosen: the trial of each fold."""
+
+    rows: tuple[Row, ...]
+    chosen: tuple[Trial, ...]
+
+
+def goodness(rows: Sequence[Row]) -> float:
+    """What is fitted: the share of labelled objects with IoU > 0.7, plus mean overlap F where every object is labelled.
+
+    Near-identical frames count once together.
+    """
+    size = Counter(row.group for row in rows)
+    found = objects = overlap = whole = 0.0
+    for row in rows:
+        if row.score is None:
+            continue
+        weight = 1 / size[row.group]
+        found += weight * row.score.true_positives
+        objects += weight * row.score.n_objects
+        if row.labelling == "full":
+            overlap += weight * row.score.overlap_f
+            whole += weight
+    return (found / objects if objects else 0.0) + (overlap / whole if whole else 0.0)
+
+
+def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> Trial:
+    """The best by its rows, those with these numbers if given; of equally good ones the first."""
+    return max(trials, key=lambda trial: goodness(trial.rows if frames is None else [trial.rows[i] for i in frames]))
+
+
+def check_folds(groups: Sequence[str], count: int) -> None:
+    """Raises SpigoloError where there are too few groups, one of each labelled frame, for as many folds."""
+    distinct = len(set(groups))
+    if not 2 <= count <= distinct:
+        raise SpigoloError(
+            f"expected 2 folds or more and no more than distinct labelled frames, of which there are {distinct}, got"
+            f" {count}: give --folds, or label more frames"
+        )
+
+
+def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
+    """Every frame scored by the trial that is best on the other folds; near-identical frames share a fold.
+
+    with_start: the start may be chosen as well, which is honest only if it was not made on these frames. Raises
+    SpigoloError where there are fewer distinct frames than folds.
+    """
+    groups = [place.group for place in search.subject.places]
+    check_folds(groups, count)
+    trials = search.trials if with_start else search.trials[1:]
+    rows: list[Row | None] = [None] * len(groups)
+    chosen = []
+    for split in folds(groups, count, seed):
+        best = best_trial(trials, split.inside.tolist())
+        chosen.append(best)
+        for i in split.outside:
+            rows[i] = best.rows[i]
+    return HeldOut(tuple(row for row in rows if row is not None), tuple(chosen))

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.synthetic.scene import CAMERA, SUPERSAMPLING
+from spigolo.synthetic.scene import SUPERSAMPLING
 
 __all__ = ["Lighting", "developed", "render_depth", "render_geoms", "render_light", "render_quickly"]
 
@@ -70,8 +70,9 @@ def render_light(model: Any, lighting: Lighting) -> FloatArray:
     MuJoCo's own shadows are hard; the mean of many renderings, each with the one light elsewhere, has the
     penumbras of a broad lamp and the soft contact shadows of a room's light.
     """
-    shape = (CAMERA.height, SUPERSAMPLING, CAMERA.width, SUPERSAMPLING, 3)
-    light = np.zeros((CAMERA.height, CAMERA.width, 3))
+    height, width = _size(model)
+    shape = (height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
+    light = np.zeros((height, width, 3))
     with _renderer(model, samples=4, supersampling=SUPERSAMPLING) as renderer:
         for colour in _lit(renderer, model, lighting):
             light += colour * (renderer.render() / 255.0).reshape(shape).mean(axis=(1, 3))
@@ -83,7 +84,7 @@ def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap
 
     Each light's image is moved by a part of a pixel, so that their mean is anti-aliased.
     """
-    light = np.zeros((CAMERA.height, CAMERA.width, 3))
+    light = np.zeros((*_size(model), 3))
     with _renderer(model, samples=0) as renderer:
         for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
             _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads them evenly
@@ -95,7 +96,14 @@ def _renderer(model: Any, samples: int, supersampling: int = 1) -> Any:
     import mujoco
 
     model.vis.quality.offsamples = samples
-    return mujoco.Renderer(model, supersampling * CAMERA.height, supersampling * CAMERA.width)
+    height, width = _size(model)
+    return mujoco.Renderer(model, supersampling * height, supersampling * width)
+
+
+def _size(model: Any) -> tuple[int, int]:
+    """Height and width of the camera's image."""
+    width, height = model.cam_resolution[0]
+    return int(height), int(width)
 
 
 def _at_rest(model: Any) -> Any:
@@ -125,10 +133,10 @@ def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
 def _move_image(renderer: Any, right_px: float, up_px: float) -> None:
     """Shift what the next rendering shows by less than a pixel."""
     for camera in renderer.scene.camera:
-        pixel_m = camera.frustum_near / CAMERA.fx
-        camera.frustum_center += right_px * pixel_m
-        camera.frustum_top += up_px * pixel_m
-        camera.frustum_bottom += up_px * pixel_m
+        camera.frustum_center += right_px * 2 * camera.frustum_width / renderer.width
+        up_m = up_px * (camera.frustum_top - camera.frustum_bottom) / renderer.height
+        camera.frustum_top += up_m
+        camera.frustum_bottom += up_m
 
 
 def developed(light: FloatArray) -> npt.NDArray[np.uint8]:

@@ -1,0 +1,113 @@
+"""The family of shelves: a few products in a bin seen from the front, in little light."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.frame import Camera
+from spigolo.synthetic.household import Product, Rest, household
+from spigolo.synthetic.meshes import Mesh, joined
+from spigolo.synthetic.placing import Plot, settled
+from spigolo.synthetic.prints import brushed_metal
+from spigolo.synthetic.rooms import aisle_light, block, room
+from spigolo.synthetic.scene import Part, SceneObject, View
+from spigolo.synthetic.staging import Stage
+from spigolo.synthetic.structured_light import StructuredLight
+from spigolo.synthetic.textures import plaster
+
+__all__ = ["PRODUCTS", "RUNS", "shelf_stage"]
+
+Rng = np.random.Generator
+
+PRODUCTS = (
+    "cereal_3", "box_1", "box_3", "box_4", "carton_2", "carton_3", "book_1", "book_2", "pouch_1", "pouch_2", "glue_1",
+    "soda_can_3",
+)  # fmt: skip
+RUNS = {"run_1": (0.0, 14.0), "run_2": (-16.0, 8.0), "run_3": (17.0, 26.0)}
+"""Where the camera is in each run: turned to the side and pitched down, degrees."""
+SHELF_CAMERA = Camera(575.8157, 575.8157, 319.5, 239.5, 640, 480)
+_WALL_M, _BOARD_M = 0.006, 0.02
+
+
+def shelf_stage(run: str, rng: Rng) -> Stage:
+    """One to three products in the middle one of three by three bins."""
+    width_m, height_m, deep_m = rng.uniform(0.27, 0.32), rng.uniform(0.22, 0.27), rng.uniform(0.38, 0.43)
+    inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
+    plot = Plot(inner)
+    names = rng.choice(PRODUCTS, int(rng.integers(1, 4)), replace=False)
+    things = [_placed(household(str(name)), plot, width_m, deep_m, height_m, rng) for name in names]
+    yaw_deg, pitch_deg = np.array(RUNS[run]) + rng.normal(0, 3, 2)
+    look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * height_m
+    view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), SHELF_CAMERA)
+    return Stage(
+        tuple(thing for thing in things if thing is not None),
+        tuple(_shelf(width_m, height_m, deep_m, rng)),
+        view,
+        aisle_light(rng, look_at_m),
+        _sensor(rng),
+        exposure=rng.uniform(0.25, 0.9),
+        noise_levels=rng.uniform(2.0, 4.5),
+        blur_px=rng.uniform(0.5, 0.8),
+    )
+
+
+def _placed(
+    product: Product, plot: Plot, width_m: float, deep_m: float, height_m: float, rng: Rng
+) -> SceneObject | None:
+    """Most of them stand or lie, flat things also lean on a wall."""
+    if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
+        side = int(rng.choice([-1, 1]))
+        leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
+        across_m = product.points_m @ leaning.rotation[0]
+        wall_m = side * width_m / 2 - (across_m.max() if side > 0 else across_m.min()) - side * 0.002
+        for _ in range(20):
+            spot_m = float(wall_m), float(rng.uniform(0.1, deep_m - 0.1))
+            thing = settled(product, Rest(leaning.tilt_deg, 90.0), 0.0, 0.0, spot_m)
+            if plot.take(thing):
+                return thing
+    fitting = tuple(rest for rest in product.rests if _height_m(product, rest) < height_m - 0.02)
+
+    def spot() -> tuple[float, float]:
+        return float(rng.uniform(-0.4, 0.4) * width_m), float(rng.uniform(0.05, 0.75) * deep_m)
+
+    return plot.place(product, fitting, spot, rng)
+
+
+def _height_m(product: Product, rest: Rest) -> float:
+    thing = settled(product, rest, 0.0, 0.0, (0.0, 0.0))
+    return float(np.ptp(product.points_m @ thing.rotation[2]))
+
+
+def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Part]:
+    """Walls and backs of cardboard, boards and lips of galvanised steel."""
+    pitch_x, pitch_z = width_m + _WALL_M, height_m + _BOARD_M
+    span_m, middle_m = 3 * pitch_x, 0.5 * height_m
+    tone = rng.uniform(0.8, 1.1)
+    cardboard = plaster((round(150 * tone), round(112 * tone), round(78 * tone)), rng)
+    steel = brushed_metal(rng, rng.uniform(120, 175))
+    uprights = [block(((k - 1.5) * pitch_x, deep_m / 2, middle_m), (_WALL_M, deep_m, 3 * pitch_z)) for k in range(4)]
+    back = block((0.0, deep_m + 0.016, middle_m), (span_m, 0.006, 3 * pitch_z))
+    boards = [block((0.0, deep_m / 2, k * pitch_z - _BOARD_M / 2), (span_m, deep_m, _BOARD_M)) for k in range(-1, 3)]
+    lips: list[Mesh] = [
+        block((0.0, -0.003, k * pitch_z - 0.012), (span_m, 0.004, rng.uniform(0.035, 0.05))) for k in range(-1, 3)
+    ]
+    return [
+        Part(joined([*uprights, back]), cardboard, 0.0, 0.1),
+        Part(joined(boards), steel, 0.85, 0.5),
+        Part(joined(lips), steel, 0.7, 0.5),
+        *room(rng, -1.1, deep_m + 0.6),
+    ]
+
+
+def _sensor(rng: Rng) -> StructuredLight:
+    """A camera on a wrist, near its least distance."""
+    left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
+    return StructuredLight(
+        noise_px=0.03 * rng.uniform(0.7, 1.5),
+        noise_radius_px=2.5,
+        dark_brightness=0.13,
+        steepest_angle_deg=70.0,
+        rim_loss=0.5,
+        edge_jitter_px=0.9,
+        margin_px=(top, right, bottom, left),
+    )

@@ -1,0 +1,111 @@
+"""A scene with objects, and what an RGB-D camera records of it beside the exact truth.
+
+World axes: x to the right, y away from the camera, z up; what objects stand on is z = 0. Lengths are in metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.datasets.sample import Instance, Sample
+from spigolo.frame import Frame
+from spigolo.synthetic.rendering import Lighting, developed, render_geoms, render_quickly
+from spigolo.synthetic.scene import Part, SceneObject, View, compile_scene
+from spigolo.synthetic.structured_light import StructuredLight, simulate_structured_light
+
+__all__ = ["Stage", "record"]
+
+FloatArray = npt.NDArray[np.float64]
+
+LEAST_VISIBLE_PX = 150
+"""Of an object with fewer pixels in view nobody would draw a mask: it is background."""
+_SHADOW_PX = 1024
+_STEPS_PER_M = 1000  # depth as files hold it
+
+
+@dataclass(frozen=True)
+class Stage:
+    """objects: what is labelled, 1..N; surroundings and bystanders: what is not. exposure: how bright the picture is.
+
+    noise_levels: of colour, of 255; blur_px: of the lens and the demosaicing, one standard deviation.
+    """
+
+    objects: tuple[SceneObject, ...]
+    surroundings: tuple[Part, ...]
+    view: View
+    lighting: Lighting
+    sensor: StructuredLight
+    bystanders: tuple[SceneObject, ...] = ()
+    exposure: float = 1.0
+    noise_levels: float = 1.5
+    blur_px: float = 0.6
+
+
+def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
+    """The frame of that name and its truth: labels of what is visible, poses from each object's axes to the camera's.
+
+    Depth is in whole millimetres, as files hold it.
+    """
+    bodies = {"surroundings": SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, stage.surroundings)}
+    bodies |= {f"bystander {k}": _renamed(thing, f"bystander {k}") for k, thing in enumerate(stage.bystanders)}
+    bodies |= {f"object {k}": _renamed(thing, f"object {k}") for k, thing in enumerate(stage.objects)}
+    model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
+    light, ideal_m = render_quickly(model, stage.lighting)
+    geoms = render_geoms(model)
+    # The depth camera brings its own light: what reflects well is measured in the dark as well.
+    depth_m = simulate_structured_light(
+        ideal_m, developed(light), stage.view.camera.fx, rng, stage.sensor, _gloss(model, geoms)
+    )
+    whole_mm = (np.round(_STEPS_PER_M * depth_m) / _STEPS_PER_M).astype(np.float32)
+    frame = Frame(_photographed(light, stage, rng), whole_mm, stage.view.camera, name=name)
+    return _labelled(frame, _objects(model, geoms, len(stage.objects)), stage)
+
+
+def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
+    """Numbers the objects that are visible."""
+    labels, instances = np.zeros(indices.shape, np.int32), []
+    for k, thing in enumerate(stage.objects):
+        seen = indices == k
+        if seen.sum() >= LEAST_VISIBLE_PX:
+            labels[seen] = len(instances) + 1
+            instances.append(Instance(len(instances) + 1, thing.name, _pose(thing, stage.view)))
+    return Sample(frame, labels, tuple(instances))
+
+
+def _pose(thing: SceneObject, view: View) -> FloatArray:
+    to_world = np.eye(4)
+    to_world[:3, :3], to_world[:3, 3] = thing.rotation, thing.position_m
+    return view.world_to_camera @ to_world
+
+
+def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArray[np.int32]:
+    """The index of the object at each pixel (H, W), -1 where there is none."""
+    of_geom = np.full(model.ngeom + 1, -1, np.int32)  # the last, for geom -1, is the void
+    for k in range(count):
+        of_geom[:-1][model.geom_bodyid == model.body(f"object {k}").id] = k
+    return of_geom[geoms]
+
+
+def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
+    """(H, W), 0 = matt or glazed, 1 = a mirror: what is specular beyond glaze."""
+    specular = np.append(model.mat_specular[model.geom_matid], 0.0)
+    return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)
+
+
+def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
+    """Exposed, a little blurred, with noise whose grains are larger than a pixel, as demosaicing makes them."""
+    sharp = developed(stage.exposure * light).astype(np.float32)
+    soft = cv2.GaussianBlur(sharp, (0, 0), stage.blur_px)
+    grain = cv2.GaussianBlur(rng.standard_normal(soft.shape).astype(np.float32), (0, 0), 0.6)
+    noisy = soft + stage.noise_levels / grain.std() * grain
+    return np.clip(np.round(noisy), 0, 255).astype(np.uint8)
+
+
+def _renamed(thing: SceneObject, name: str) -> SceneObject:
+    """Bodies have names of their own, also where they are several instances of one product."""
+    return SceneObject(name, thing.position_m, thing.yaw_deg, thing.parts, thing.tilt_deg, thing.roll_deg)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from spigolo.frame import Camera
@@ -9,11 +11,12 @@ from spigolo.synthetic.household import Product, Rest, household
 from spigolo.synthetic.meshes import Mesh, joined
 from spigolo.synthetic.placing import Plot, settled
 from spigolo.synthetic.prints import brushed_metal
+from spigolo.synthetic.rendering import Lighting
 from spigolo.synthetic.rooms import aisle_light, block, room
 from spigolo.synthetic.scene import Part, SceneObject, View
 from spigolo.synthetic.staging import Stage
 from spigolo.synthetic.structured_light import StructuredLight
-from spigolo.synthetic.textures import plaster
+from spigolo.synthetic.textures import plain_card, plaster
 
 __all__ = ["PRODUCTS", "RUNS", "shelf_stage"]
 
@@ -34,20 +37,24 @@ def shelf_stage(run: str, rng: Rng) -> Stage:
     width_m, height_m, deep_m = rng.uniform(0.27, 0.32), rng.uniform(0.22, 0.27), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
     plot = Plot(inner)
-    names = rng.choice(PRODUCTS, int(rng.integers(1, 4)), replace=False)
-    things = [_placed(household(str(name)), plot, width_m, deep_m, height_m, rng) for name in names]
+    names = [*rng.choice(PRODUCTS[2:], int(rng.integers(1, 4)), replace=False), "box_1"]
+    placed = [_placed(household(str(name)), plot, width_m, deep_m, height_m, rng) for name in names]
+    things = tuple(thing for thing in placed if thing is not None)
+    things = things[: max(1, len(names) - 1)]
     yaw_deg, pitch_deg = np.array(RUNS[run]) + rng.normal(0, 3, 2)
     look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * height_m
     view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), SHELF_CAMERA)
     return Stage(
-        tuple(thing for thing in things if thing is not None),
+        things,
         tuple(_shelf(width_m, height_m, deep_m, rng)),
         view,
-        aisle_light(rng, look_at_m),
+        _light(view, rng),
         _sensor(rng),
-        exposure=rng.uniform(0.25, 0.9),
-        noise_levels=rng.uniform(2.0, 4.5),
-        blur_px=rng.uniform(0.5, 0.8),
+        (_tool(view, rng),),
+        grey=rng.uniform(25, 85),
+        noise_levels=rng.uniform(3.0, 6.0),
+        blur_px=rng.uniform(0.4, 0.6),
+        sharpening=rng.uniform(0.6, 1.6),
     )
 
 
@@ -99,15 +106,41 @@ def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Par
     ]
 
 
+def _light(view: View, rng: Rng) -> Lighting:
+    """Little of the aisle's light, and that of a lamp near the camera, which casts large shadows."""
+    aisle = aisle_light(rng, view.look_at_m)
+    side_m, up_m = rng.choice([-1, 1]) * rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.5)
+    lamp_m = view.position_m + side_m * view.axes[0] + up_m * view.axes[1]
+    x, y, z = map(float, lamp_m)
+    share = rng.uniform(0.3, 0.9)
+    return replace(
+        aisle, lamp_m=(x, y, z), lamp_radius_m=rng.uniform(0.02, 0.15), lamp_rgb=1.6 * share * np.ones(3),
+        sky_rgb=1.6 * (1 - share) * np.ones(3), lamp_samples=8, sky_samples=20,
+    )  # fmt: skip
+
+
+def _tool(view: View, rng: Rng) -> SceneObject:
+    """The robot's own gripper, black, at an edge of the picture and too near to be measured."""
+    up, side = rng.choice([-1, 1]) * rng.uniform(0.115, 0.15), rng.uniform(-0.12, 0.12)
+    forward = np.array(view.look_at_m) - view.position_m
+    middle = view.position_m + 0.3 * forward / np.linalg.norm(forward) + side * view.axes[0] + up * view.axes[1]
+    x, y, z = map(float, middle)
+    black = plain_card((24, 24, 26))
+    return SceneObject(
+        "tool", (x, y, z), view.yaw_deg, (Part(block((0.0, 0.0, 0.0), (0.14, 0.08, 0.07)), black, 0.1, 0.2),)
+    )
+
+
 def _sensor(rng: Rng) -> StructuredLight:
     """A camera on a wrist, near its least distance."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
     return StructuredLight(
         noise_px=0.03 * rng.uniform(0.7, 1.5),
         noise_radius_px=2.5,
-        dark_brightness=0.13,
+        dark_brightness=0.11,
+        patch_px=3.0,
         steepest_angle_deg=70.0,
-        rim_loss=0.5,
+        rim_loss=0.35,
         edge_jitter_px=0.9,
         margin_px=(top, right, bottom, left),
     )

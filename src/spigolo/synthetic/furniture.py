@@ -60,12 +60,36 @@ def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[
 
 
 def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
-    """On a wall, `at_m` in its middle."""
+    """On a wall, `at_m` in its middle: print, a page, a shelf of books, a window with its blinds down."""
     wide, tall = rng.uniform(0.3, 0.8), rng.uniform(0.3, 0.9)
     size = round(500 * tall), round(500 * wide)
-    image = cover(size, palette(rng), rng) if rng.uniform() < 0.6 else page(size, rng)
+    makes = (_spines, _blinds, page, lambda size, rng: cover(size, palette(rng), rng))
+    image = makes[int(rng.integers(len(makes)))](size, rng)
     panel = moved(box((wide, 0.01, tall)), np.eye(3), (at_m[0], at_m[1], at_m[2] - tall / 2))
     return [Part(panel, cv2.hconcat([image, image, image]), 0.05, 0.2)]
+
+
+def _spines(size: tuple[int, int], rng: np.random.Generator) -> Image:
+    """Rows of books."""
+    height, width = size
+    image = np.full((height, width, 3), 40, np.uint8)
+    for low in range(height, 60, -150):
+        x = 4
+        while x < width - 30:
+            thick, tall = int(rng.integers(8, 26)), int(rng.integers(90, 135))
+            ground, second, _, _ = palette(rng, dark=0.5)
+            image[max(0, low - 8 - tall) : low - 8, x : x + thick] = ground
+            image[max(0, low + 12 - tall) : max(0, low + 40 - tall), x + 2 : x + thick - 2] = second
+            x += thick + 1
+        image[low - 8 : low] = (140, 120, 96)
+    return image
+
+
+def _blinds(size: tuple[int, int], rng: np.random.Generator) -> Image:
+    """Slats, bright in between."""
+    rows = np.arange(size[0]) % int(rng.integers(9, 16))
+    tone = np.where(rows < 2, rng.uniform(60, 120), rng.uniform(170, 230) - 4.0 * rows)
+    return np.ascontiguousarray(np.broadcast_to(tone[:, None, None], (*size, 3))).astype(np.uint8)
 
 
 def sheet_of_paper(spot_m: tuple[float, float], yaw_deg: float, rng: np.random.Generator) -> Part:

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from spigolo.synthetic.meshes import Mesh, prism, rounded_rectangle
+from spigolo.synthetic.meshes import Mesh, joined, prism, rounded_rectangle
 from spigolo.synthetic.rendering import Lighting
 from spigolo.synthetic.scene import Part
 from spigolo.synthetic.surfaces import SURFACES, surface
 from spigolo.synthetic.textures import Image
 
-__all__ = ["aisle_light", "any_kind", "block", "finish", "floor", "room", "room_light", "shelf_kind"]
+__all__ = ["aisle_light", "any_kind", "block", "finish", "floor", "hall", "room", "room_light", "shelf_kind"]
 
 LAMP_SAMPLES, SKY_SAMPLES = 5, 13
 
@@ -36,6 +36,16 @@ def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part
         side_m = rng.choice([-1, 1]) * rng.uniform(1.0, 1.6)
         parts.append(Part(block((side_m, 0.0, floor_m + 1.25), (0.1, 5.0, 2.5)), paint, 0.0, 0.0))
     return parts
+
+
+def hall(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
+    """A large room in quiet colours: floor, wall behind, walls at both sides."""
+    below = str(rng.choice(["carpet", "carpet", "wood", "terrazzo", "paint"]))
+    paint = surface("paint", rng)
+    middle_m = floor_m + 1.5
+    sides = [block((side * rng.uniform(1.6, 3.0), 0.0, middle_m), (0.1, 9.0, 3.0)) for side in (-1, 1)]
+    behind = block((0.0, wall_y_m + 0.05, middle_m), (9.0, 0.1, 3.0))
+    return [floor(surface(below, rng), floor_m), Part(joined([behind, *sides]), paint, 0.0, 0.0)]
 
 
 def floor(texture: Image, floor_m: float) -> Part:

@@ -25,14 +25,16 @@ FloatArray = npt.NDArray[np.float64]
 LEAST_VISIBLE_PX = 150
 """Of an object with fewer pixels in view nobody would draw a mask: it is background."""
 _SHADOW_PX = 1024
+_WINDOW_PX = 2.0
 _STEPS_PER_M = 1000  # depth as files hold it
 
 
 @dataclass(frozen=True)
 class Stage:
-    """objects: what is labelled, 1..N; surroundings and bystanders: what is not. exposure: how bright the picture is.
+    """objects: what is labelled, 1..N; surroundings and bystanders: what is not.
 
-    noise_levels: of colour, of 255; blur_px: of the lens and the demosaicing, one standard deviation.
+    grey: what the exposure makes of the median of the picture, of 255; noise_levels: of colour, of 255; blur_px: of
+    lens and demosaicing, one standard deviation; sharpening: what the camera does about it.
     """
 
     objects: tuple[SceneObject, ...]
@@ -41,9 +43,10 @@ class Stage:
     lighting: Lighting
     sensor: StructuredLight
     bystanders: tuple[SceneObject, ...] = ()
-    exposure: float = 1.0
+    grey: float = 110.0
     noise_levels: float = 1.5
     blur_px: float = 0.6
+    sharpening: float = 0.5
 
 
 def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
@@ -57,13 +60,20 @@ def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
     model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
     light, ideal_m = render_quickly(model, stage.lighting)
     geoms = render_geoms(model)
-    # The depth camera brings its own light: what reflects well is measured in the dark as well.
+    # The depth camera brings its own light: what reflects well is measured in the dark as well. It compares windows.
+    own_light, _ = render_quickly(model, _projector(stage.view))
+    seen = cv2.GaussianBlur(developed(own_light), (0, 0), _WINDOW_PX)
     depth_m = simulate_structured_light(
-        ideal_m, developed(light), stage.view.camera.fx, rng, stage.sensor, _gloss(model, geoms)
+        ideal_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, geoms)
     )
     whole_mm = (np.round(_STEPS_PER_M * depth_m) / _STEPS_PER_M).astype(np.float32)
     frame = Frame(_photographed(light, stage, rng), whole_mm, stage.view.camera, name=name)
     return _labelled(frame, _objects(model, geoms, len(stage.objects)), stage)
+
+
+def _projector(view: View) -> Lighting:
+    """Light from where the camera is."""
+    return Lighting(view.look_at_m, tuple(view.position_m), 0.0, np.ones(3), np.zeros(3), lamp_samples=1, sky_samples=0)
 
 
 def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
@@ -99,10 +109,11 @@ def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
 
 def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
     """Exposed, a little blurred, with noise whose grains are larger than a pixel, as demosaicing makes them."""
-    sharp = developed(stage.exposure * light).astype(np.float32)
-    soft = cv2.GaussianBlur(sharp, (0, 0), stage.blur_px)
+    exposure = (stage.grey / 255) ** 2.2 / max(float(np.median(light)), 1e-4)
+    soft = cv2.GaussianBlur(developed(exposure * light).astype(np.float32), (0, 0), stage.blur_px)
     grain = cv2.GaussianBlur(rng.standard_normal(soft.shape).astype(np.float32), (0, 0), 0.6)
-    noisy = soft + stage.noise_levels / grain.std() * grain
+    crisp = soft + stage.sharpening * (soft - cv2.GaussianBlur(soft, (0, 0), 1.5))
+    noisy = crisp + stage.noise_levels / grain.std() * grain
     return np.clip(np.round(noisy), 0, 255).astype(np.uint8)
 
 

@@ -32,7 +32,8 @@ class StructuredLight:
     """What the depth camera is like.
 
     Brightness is the mean of red, green and blue on a scale of 0 to 1. edge_jitter_px: how far the outlines in depth
-    stray from those in colour, one standard deviation. margin_px: what the depth camera does not see of the colour
+    stray from those in colour, one standard deviation. patch_px: how large are the patches in which what is barely
+    measured comes and goes. margin_px: what the depth camera does not see of the colour
     image, at its top, right, bottom and left.
     """
 
@@ -48,6 +49,7 @@ class StructuredLight:
     nearest_m: float = 0.40
     furthest_m: float = 4.5
     edge_jitter_px: float = 0.0
+    patch_px: float = 1.5
     margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
 
 
@@ -77,7 +79,7 @@ def simulate_structured_light(
 
     # Drawn even where nothing uses them: the random stream then does not depend on the scene.
     raggedness, rim_noise, measuring_noise = (
-        correlated_noise(ideal.shape, radius, rng) for radius in (1.5, 1.8, sensor.noise_radius_px)
+        correlated_noise(ideal.shape, radius, rng) for radius in (sensor.patch_px, 1.8, sensor.noise_radius_px)
     )
     lost = ~valid | projector_shadow(disparity_px)
     lost |= _unlit(rgb, raggedness, sensor)

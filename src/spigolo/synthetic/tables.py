@@ -12,7 +12,7 @@ from spigolo.synthetic import furniture
 from spigolo.synthetic.household import Product, Rest, household
 from spigolo.synthetic.meshes import joined, prism, rounded_rectangle
 from spigolo.synthetic.placing import Plot
-from spigolo.synthetic.rooms import block, finish, room, room_light
+from spigolo.synthetic.rooms import block, finish, hall, room_light
 from spigolo.synthetic.scene import Part, SceneObject, View
 from spigolo.synthetic.staging import Stage
 from spigolo.synthetic.structured_light import StructuredLight
@@ -65,7 +65,8 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     sensor = _sensor(rng, 0.03)
     return Stage(
         tuple(things), tuple(parts), view, room_light(rng, look_at_m), sensor,
-        exposure=rng.uniform(0.45, 0.95), noise_levels=rng.uniform(1.5, 4.0), blur_px=rng.uniform(0.5, 0.8),
+        grey=rng.uniform(80, 140), noise_levels=rng.uniform(2.0, 6.0), blur_px=rng.uniform(0.4, 0.6),
+        sharpening=rng.uniform(0.4, 1.2),
     )  # fmt: skip
 
 
@@ -78,14 +79,15 @@ def multi_stage(name: str, rng: Rng) -> Stage:
     things = _strewn([household(name)] * 3, plot, middle, (0.11, 0.09), rng, lying=0.4)
     others = rng.choice(CLUTTER, int(rng.integers(4, 8)), replace=False)
     bystanders = _strewn([household(str(other)) for other in others], plot, middle, (0.2, 0.15), rng, lying=0.5)
-    parts += _desk_things(plot, size_m, rng) + _background(size_m, wall_y_m, rng)
+    parts += _paper(size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.03), middle[1] + rng.normal(0, 0.03), 0.03
     view = View(
-        look_at_m, rng.uniform(0.7, 1.05), rng.uniform(28, 65), rng.uniform(-180, 180), rng.normal(0, 3), MULTI_CAMERA
+        look_at_m, rng.uniform(0.7, 1.05), rng.uniform(28, 65), rng.uniform(-45, 45), rng.normal(0, 3), MULTI_CAMERA
     )
     return Stage(
         tuple(things), tuple(parts), view, room_light(rng, look_at_m), _sensor(rng, 0.02), tuple(bystanders),
-        exposure=rng.uniform(0.6, 1.05), noise_levels=rng.uniform(1.0, 2.5), blur_px=rng.uniform(0.6, 1.0),
+        grey=rng.uniform(90, 150), noise_levels=rng.uniform(1.0, 4.0), blur_px=rng.uniform(0.4, 0.7),
+        sharpening=rng.uniform(0.3, 1.0),
     )  # fmt: skip
 
 
@@ -98,11 +100,11 @@ def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float6
         for x in (0.06 - size_m[0] / 2, size_m[0] / 2 - 0.06)
         for y in (0.06 - size_m[1] / 2, size_m[1] / 2 - 0.06)
     ]
-    kind = str(rng.choice(["wood", "wood", "plain", "plain", "terrazzo", "cloth", "checker"]))
+    kind = str(rng.choice(["wood", "wood", "wood", "paint", "paint", "terrazzo", "cloth", "plain"]))
     parts = [
         Part(prism(top, -0.03, 0.0), surface(kind, rng), *finish(rng)),
         Part(joined(legs), surface("plain", rng)),
-        *room(rng, -height_m, wall_y_m),
+        *hall(rng, -height_m, wall_y_m),
     ]
     return top, parts, wall_y_m
 
@@ -130,13 +132,9 @@ def _rests(product: Product, lying: float, rng: Rng) -> tuple[Rest, ...]:
 
 def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part]:
     """Paper, and at the back of the table a screen or a keyboard where there is room."""
-    reach = np.array(size_m) / 2 - 0.15
-    parts = [
-        furniture.sheet_of_paper((float(x), float(y)), rng.uniform(-180, 180), rng)
-        for x, y in rng.uniform(-reach, reach, (int(rng.integers(0, 4)), 2))
-    ]
+    parts = _paper(size_m, rng)
     back_m = size_m[1] / 2 - 0.12
-    x_m = float(rng.uniform(-reach[0], reach[0]))
+    x_m = float(rng.uniform(-0.6, 0.6) * (size_m[0] / 2))
     corners = np.array([(x_m - 0.3, back_m - 0.1), (x_m + 0.3, back_m + 0.1)])
     free = all(np.any(f.min(axis=0) > corners[1]) or np.any(f.max(axis=0) < corners[0]) for f in plot.footprints)
     if free and rng.uniform() < 0.6:
@@ -151,11 +149,18 @@ def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part
     return parts
 
 
+def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
+    """A few sheets on the table."""
+    reach = np.array(size_m) / 2 - 0.15
+    spots = rng.uniform(-reach, reach, (int(rng.integers(0, 4)), 2))
+    return [furniture.sheet_of_paper((float(x), float(y)), rng.uniform(-180, 180), rng) for x, y in spots]
+
+
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
     """Posters on the wall, chairs and cartons on the floor."""
     parts: list[Part] = []
-    for _ in range(int(rng.integers(0, 3))):
-        parts += furniture.poster((rng.uniform(-1.5, 1.5), wall_y_m - 0.01, rng.uniform(0.1, 0.9)), rng)
+    for _ in range(int(rng.integers(1, 5))):
+        parts += furniture.poster((rng.uniform(-1.3, 1.3), wall_y_m - 0.01, rng.uniform(0.1, 0.9)), rng)
     if wall_y_m - size_m[1] / 2 > 0.55:
         x_m = rng.uniform(-0.8, 0.8)
         parts += furniture.chair((x_m, size_m[1] / 2 + 0.27, -0.27), rng.uniform(-25, 25), rng)
@@ -172,7 +177,8 @@ def _sensor(rng: Rng, noise_px: float) -> StructuredLight:
     return StructuredLight(
         noise_px=noise_px * rng.uniform(0.7, 1.5),
         noise_radius_px=2.5,
-        rim_loss=0.45,
+        rim_loss=0.3,
+        patch_px=3.0,
         edge_jitter_px=0.8,
         margin_px=(top, right, bottom, left),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 
 from spigolo.frame import Camera
@@ -16,7 +17,7 @@ from spigolo.synthetic.rooms import aisle_light, block, room
 from spigolo.synthetic.scene import Part, SceneObject, View
 from spigolo.synthetic.staging import Stage
 from spigolo.synthetic.structured_light import StructuredLight
-from spigolo.synthetic.textures import plain_card, plaster
+from spigolo.synthetic.textures import Image, plain_card, plaster, write
 
 __all__ = ["PRODUCTS", "RUNS", "shelf_stage"]
 
@@ -52,7 +53,7 @@ def shelf_stage(run: str, rng: Rng) -> Stage:
         _sensor(rng),
         (_tool(view, rng),),
         grey=rng.uniform(25, 85),
-        noise_levels=rng.uniform(3.0, 6.0),
+        noise_levels=rng.uniform(5.0, 11.0),
         blur_px=rng.uniform(0.4, 0.6),
         sharpening=rng.uniform(0.6, 1.6),
     )
@@ -75,7 +76,7 @@ def _placed(
     fitting = tuple(rest for rest in product.rests if _height_m(product, rest) < height_m - 0.02)
 
     def spot() -> tuple[float, float]:
-        return float(rng.uniform(-0.4, 0.4) * width_m), float(rng.uniform(0.05, 0.75) * deep_m)
+        return float(rng.uniform(-0.4, 0.4) * width_m), float(rng.uniform(0.05, 0.55) * deep_m)
 
     return plot.place(product, fitting, spot, rng)
 
@@ -91,6 +92,7 @@ def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Par
     span_m, middle_m = 3 * pitch_x, 0.5 * height_m
     tone = rng.uniform(0.8, 1.1)
     cardboard = plaster((round(150 * tone), round(112 * tone), round(78 * tone)), rng)
+    printed = _printed(cardboard, rng)
     steel = brushed_metal(rng, rng.uniform(120, 175))
     uprights = [block(((k - 1.5) * pitch_x, deep_m / 2, middle_m), (_WALL_M, deep_m, 3 * pitch_z)) for k in range(4)]
     back = block((0.0, deep_m + 0.016, middle_m), (span_m, 0.006, 3 * pitch_z))
@@ -99,11 +101,41 @@ def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Par
         block((0.0, -0.003, k * pitch_z - 0.012), (span_m, 0.004, rng.uniform(0.035, 0.05))) for k in range(-1, 3)
     ]
     return [
-        Part(joined([*uprights, back]), cardboard, 0.0, 0.1),
+        Part(joined([*uprights, back]), printed, 0.0, 0.1),
         Part(joined(boards), steel, 0.85, 0.5),
-        Part(joined(lips), steel, 0.7, 0.5),
+        Part(joined(lips), _perforated(steel), 0.7, 0.5),
         *room(rng, -1.1, deep_m + 0.6),
     ]
+
+
+def _printed(cardboard: Image, rng: Rng) -> Image:
+    """What is left of the cartons that the walls were cut from: words, marks, tape."""
+    image = cv2.resize(cardboard, (1024, 1024))
+    for _ in range(int(rng.integers(3, 9))):
+        x, y = (int(at) for at in rng.integers(60, 964, 2))
+        if rng.uniform() < 0.5:
+            write(
+                image,
+                str(rng.choice(["THIS SIDE UP", "RECYCLE", "PB2400", "KEEP DRY"])),
+                (x, y),
+                (150, 3),
+                (62, 46, 36),
+            )
+        else:
+            image[y : y + 14, x - 60 : x + 200] = np.clip(image[y : y + 14, x - 60 : x + 200] * 1.2, 0, 255)
+    fluted = 1 + 0.05 * np.sin(np.arange(1024) / 2.2)[:, None]
+    return np.clip(image * fluted[..., None], 0, 255).astype(np.uint8)
+
+
+def _perforated(steel: Image) -> Image:
+    """Holes in a row, as in the beams of such shelves, and stickers that name the bins."""
+    image = cv2.resize(steel, (1024, 1024))
+    for x in range(16, 1024, 32):
+        cv2.rectangle(image, (x, 1008), (x + 9, 1012), (30, 30, 32), -1)
+    for x in (160, 480, 800):
+        cv2.rectangle(image, (x, 990), (x + 60, 1020), (236, 232, 214), -1)
+        write(image, "B", (x + 30, 1005), (12, 3), (20, 20, 22))
+    return image
 
 
 def _light(view: View, rng: Rng) -> Lighting:
@@ -115,7 +147,7 @@ def _light(view: View, rng: Rng) -> Lighting:
     share = rng.uniform(0.3, 0.9)
     return replace(
         aisle, lamp_m=(x, y, z), lamp_radius_m=rng.uniform(0.02, 0.15), lamp_rgb=1.6 * share * np.ones(3),
-        sky_rgb=1.6 * (1 - share) * np.ones(3), lamp_samples=8, sky_samples=20,
+        sky_rgb=1.6 * (1 - share) * np.ones(3), lamp_samples=8, sky_samples=16,
     )  # fmt: skip
 
 
@@ -137,9 +169,9 @@ def _sensor(rng: Rng) -> StructuredLight:
     return StructuredLight(
         noise_px=0.03 * rng.uniform(0.7, 1.5),
         noise_radius_px=2.5,
-        dark_brightness=0.11,
+        dark_brightness=0.13,
         patch_px=3.0,
-        steepest_angle_deg=70.0,
+        steepest_angle_deg=rng.uniform(56, 68),
         rim_loss=0.35,
         edge_jitter_px=0.9,
         margin_px=(top, right, bottom, left),

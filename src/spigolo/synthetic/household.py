@@ -66,7 +66,7 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
     "box": (packages.small_box, _BOX),
     "carton": (packages.bottle_carton, _BOX),
     "book": (packages.book, (Rest(90.0, 90.0), Rest(0.0, 0.0))),
-    "pouch": (packages.pouch, (Rest(90.0, 90.0), Rest(0.0, 0.0))),
+    "pouch": (packages.pouch, (Rest(90.0, 90.0),)),
     "glue": (turned.glue_bottle, (Rest(0.0, 0.0), Rest(90.0, 90.0))),
 }
 """How each kind is made, and how it rests."""

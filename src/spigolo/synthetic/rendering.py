@@ -11,7 +11,16 @@ import numpy.typing as npt
 
 from spigolo.synthetic.scene import SUPERSAMPLING
 
-__all__ = ["Lighting", "developed", "render_depth", "render_geoms", "render_light", "render_quickly"]
+__all__ = [
+    "Lighting",
+    "Rendering",
+    "developed",
+    "render_all",
+    "render_depth",
+    "render_geoms",
+    "render_light",
+    "render_quickly",
+]
 
 FloatArray = npt.NDArray[np.float64]
 FloatMap = npt.NDArray[np.float32]
@@ -59,9 +68,7 @@ def render_depth(model: Any) -> FloatMap:
 def render_geoms(model: Any) -> npt.NDArray[np.int32]:
     """The geom of each pixel (H, W), -1 for the void."""
     with _renderer(model, samples=0) as renderer:
-        renderer.update_scene(_at_rest(model), camera="robot")
-        renderer.enable_segmentation_rendering()
-        return np.array(renderer.render(), np.int32)[..., 0]
+        return _geoms(renderer, _at_rest(model))
 
 
 def render_light(model: Any, lighting: Lighting) -> FloatArray:
@@ -79,17 +86,40 @@ def render_light(model: Any, lighting: Lighting) -> FloatArray:
     return light
 
 
+@dataclass(frozen=True)
+class Rendering:
+    """light: linear (H, W, 3); lamp_light: that of the second lighting; depth_m (H, W); geoms (H, W), -1 the void."""
+
+    light: FloatArray
+    lamp_light: FloatArray
+    depth_m: FloatMap
+    geoms: npt.NDArray[np.int32]
+
+
+def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
+    """Everything at once, the light of two lightings as `render_quickly` makes it."""
+    with _renderer(model, samples=0) as renderer:
+        light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))
+        depth_m = _depth(renderer, _at_rest(model))
+        renderer.disable_depth_rendering()
+        return Rendering(light, lamp_light, depth_m, _geoms(renderer, _at_rest(model)))
+
+
 def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap]:
     """`render_light` and `render_depth` in a tenth of the time, at the camera's own size.
 
     Each light's image is moved by a part of a pixel, so that their mean is anti-aliased.
     """
-    light = np.zeros((*_size(model), 3))
     with _renderer(model, samples=0) as renderer:
-        for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
-            _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads them evenly
-            light += colour / 255.0 * renderer.render()
-        return light, _depth(renderer, _at_rest(model))
+        return _quick_light(renderer, model, lighting), _depth(renderer, _at_rest(model))
+
+
+def _quick_light(renderer: Any, model: Any, lighting: Lighting) -> FloatArray:
+    light = np.zeros((*_size(model), 3))
+    for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
+        _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads them evenly
+        light += colour / 255.0 * renderer.render()
+    return light
 
 
 def _renderer(model: Any, samples: int, supersampling: int = 1) -> Any:
@@ -118,6 +148,12 @@ def _depth(renderer: Any, data: Any) -> FloatMap:
     renderer.update_scene(data, camera="robot")
     renderer.enable_depth_rendering()
     return np.array(renderer.render(), dtype=np.float32)
+
+
+def _geoms(renderer: Any, data: Any) -> npt.NDArray[np.int32]:
+    renderer.update_scene(data, camera="robot")
+    renderer.enable_segmentation_rendering()
+    return np.array(renderer.render(), np.int32)[..., 0]
 
 
 def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:

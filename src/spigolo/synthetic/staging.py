@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from spigolo.datasets.sample import Instance, Sample
 from spigolo.frame import Frame
-from spigolo.synthetic.rendering import Lighting, developed, render_geoms, render_quickly
+from spigolo.synthetic.rendering import Lighting, developed, render_all
 from spigolo.synthetic.scene import Part, SceneObject, View, compile_scene
 from spigolo.synthetic.structured_light import StructuredLight, simulate_structured_light
 
@@ -58,17 +58,15 @@ def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
     bodies |= {f"bystander {k}": _renamed(thing, f"bystander {k}") for k, thing in enumerate(stage.bystanders)}
     bodies |= {f"object {k}": _renamed(thing, f"object {k}") for k, thing in enumerate(stage.objects)}
     model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
-    light, ideal_m = render_quickly(model, stage.lighting)
-    geoms = render_geoms(model)
+    drawn = render_all(model, stage.lighting, _projector(stage.view))
     # The depth camera brings its own light: what reflects well is measured in the dark as well. It compares windows.
-    own_light, _ = render_quickly(model, _projector(stage.view))
-    seen = cv2.GaussianBlur(developed(own_light), (0, 0), _WINDOW_PX)
+    seen = cv2.GaussianBlur(developed(drawn.lamp_light), (0, 0), _WINDOW_PX)
     depth_m = simulate_structured_light(
-        ideal_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, geoms)
+        drawn.depth_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, drawn.geoms)
     )
     whole_mm = (np.round(_STEPS_PER_M * depth_m) / _STEPS_PER_M).astype(np.float32)
-    frame = Frame(_photographed(light, stage, rng), whole_mm, stage.view.camera, name=name)
-    return _labelled(frame, _objects(model, geoms, len(stage.objects)), stage)
+    frame = Frame(_photographed(drawn.light, stage, rng), whole_mm, stage.view.camera, name=name)
+    return _labelled(frame, _objects(model, drawn.geoms, len(stage.objects)), stage)
 
 
 def _projector(view: View) -> Lighting:

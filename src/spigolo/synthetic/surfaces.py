@@ -68,7 +68,8 @@ def _stripes(rng: np.random.Generator) -> Image:
 
 def _paint(rng: np.random.Generator) -> Image:
     """Quiet colours of walls and desks: white, cream, beige, grey."""
-    return plaster(_colour(rng, rng.uniform(0.0, 0.16), rng.uniform(0.5, 0.95)), rng)[:, :256]
+    red, green, blue = colorsys.hsv_to_rgb(rng.uniform(0.05, 0.18), rng.uniform(0.0, 0.22), rng.uniform(0.6, 0.97))
+    return plaster((round(255 * red), round(255 * green), round(255 * blue)), rng)[:, :256]
 
 
 def _carpet(rng: np.random.Generator) -> Image:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ from spigolo.synthetic import furniture
 from spigolo.synthetic.household import Product, Rest, household
 from spigolo.synthetic.meshes import joined, prism, rounded_rectangle
 from spigolo.synthetic.placing import Plot
+from spigolo.synthetic.rendering import Lighting
 from spigolo.synthetic.rooms import block, finish, hall, room_light
 from spigolo.synthetic.scene import Part, SceneObject, View
 from spigolo.synthetic.staging import Stage
@@ -64,8 +66,8 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     )
     sensor = _sensor(rng, 0.03)
     return Stage(
-        tuple(things), tuple(parts), view, room_light(rng, look_at_m), sensor,
-        grey=rng.uniform(80, 140), noise_levels=rng.uniform(2.0, 6.0), blur_px=rng.uniform(0.4, 0.6),
+        tuple(things), tuple(parts), view, _light(rng, look_at_m), sensor,
+        grey=rng.uniform(80, 140), noise_levels=rng.uniform(2.5, 8.0), blur_px=rng.uniform(0.4, 0.6),
         sharpening=rng.uniform(0.4, 1.2),
     )  # fmt: skip
 
@@ -85,7 +87,7 @@ def multi_stage(name: str, rng: Rng) -> Stage:
         look_at_m, rng.uniform(0.7, 1.05), rng.uniform(28, 65), rng.uniform(-45, 45), rng.normal(0, 3), MULTI_CAMERA
     )
     return Stage(
-        tuple(things), tuple(parts), view, room_light(rng, look_at_m), _sensor(rng, 0.02), tuple(bystanders),
+        tuple(things), tuple(parts), view, _light(rng, look_at_m), _sensor(rng, 0.02), tuple(bystanders),
         grey=rng.uniform(90, 150), noise_levels=rng.uniform(1.0, 4.0), blur_px=rng.uniform(0.4, 0.7),
         sharpening=rng.uniform(0.3, 1.0),
     )  # fmt: skip
@@ -137,7 +139,7 @@ def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part
     x_m = float(rng.uniform(-0.6, 0.6) * (size_m[0] / 2))
     corners = np.array([(x_m - 0.3, back_m - 0.1), (x_m + 0.3, back_m + 0.1)])
     free = all(np.any(f.min(axis=0) > corners[1]) or np.any(f.max(axis=0) < corners[0]) for f in plot.footprints)
-    if free and rng.uniform() < 0.6:
+    if free and rng.uniform() < 0.8:
         yaw_deg = rng.uniform(-15, 15)
         make = int(rng.integers(3))
         if make == 0:
@@ -159,7 +161,7 @@ def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
     """Posters on the wall, chairs and cartons on the floor."""
     parts: list[Part] = []
-    for _ in range(int(rng.integers(1, 5))):
+    for _ in range(int(rng.integers(2, 7))):
         parts += furniture.poster((rng.uniform(-1.3, 1.3), wall_y_m - 0.01, rng.uniform(0.1, 0.9)), rng)
     if wall_y_m - size_m[1] / 2 > 0.55:
         x_m = rng.uniform(-0.8, 0.8)
@@ -171,12 +173,18 @@ def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[
     return parts
 
 
+def _light(rng: Rng, aim_m: tuple[float, float, float]) -> Lighting:
+    """A room's, of so many samples that walls show no steps of shadow."""
+    return replace(room_light(rng, aim_m), lamp_samples=6, sky_samples=20)
+
+
 def _sensor(rng: Rng, noise_px: float) -> StructuredLight:
     """Like the first Kinect and its kin, whose depth stops short of the colour image's border."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(2, 16, 4))
     return StructuredLight(
         noise_px=noise_px * rng.uniform(0.7, 1.5),
         noise_radius_px=2.5,
+        dark_brightness=0.07,
         rim_loss=0.3,
         patch_px=3.0,
         edge_jitter_px=0.8,

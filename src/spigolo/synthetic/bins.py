@@ -35,7 +35,7 @@ _WALL_M, _BOARD_M = 0.006, 0.02
 
 def shelf_stage(run: str, rng: Rng) -> Stage:
     """One to three products in the middle one of three by three bins."""
-    width_m, height_m, deep_m = rng.uniform(0.27, 0.32), rng.uniform(0.22, 0.27), rng.uniform(0.38, 0.43)
+    width_m, height_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
     plot = Plot(inner)
     names = [*rng.choice(PRODUCTS[2:], int(rng.integers(1, 4)), replace=False), "box_1"]
@@ -53,9 +53,10 @@ def shelf_stage(run: str, rng: Rng) -> Stage:
         _sensor(rng),
         (_tool(view, rng),),
         grey=rng.uniform(25, 85),
-        noise_levels=rng.uniform(5.0, 11.0),
+        noise_levels=rng.uniform(0.8, 2.2),
         blur_px=rng.uniform(0.4, 0.6),
-        sharpening=rng.uniform(0.6, 1.6),
+        sharpening=rng.uniform(1.0, 2.5),
+        contrast=1.35,
     )
 
 
@@ -93,7 +94,7 @@ def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Par
     tone = rng.uniform(0.8, 1.1)
     cardboard = plaster((round(150 * tone), round(112 * tone), round(78 * tone)), rng)
     printed = _printed(cardboard, rng)
-    steel = brushed_metal(rng, rng.uniform(120, 175))
+    steel = brushed_metal(rng, rng.uniform(150, 210))
     uprights = [block(((k - 1.5) * pitch_x, deep_m / 2, middle_m), (_WALL_M, deep_m, 3 * pitch_z)) for k in range(4)]
     back = block((0.0, deep_m + 0.016, middle_m), (span_m, 0.006, 3 * pitch_z))
     boards = [block((0.0, deep_m / 2, k * pitch_z - _BOARD_M / 2), (span_m, deep_m, _BOARD_M)) for k in range(-1, 3)]
@@ -144,7 +145,7 @@ def _light(view: View, rng: Rng) -> Lighting:
     side_m, up_m = rng.choice([-1, 1]) * rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.5)
     lamp_m = view.position_m + side_m * view.axes[0] + up_m * view.axes[1]
     x, y, z = map(float, lamp_m)
-    share = rng.uniform(0.3, 0.9)
+    share = rng.uniform(0.3, 0.8)
     return replace(
         aisle, lamp_m=(x, y, z), lamp_radius_m=rng.uniform(0.02, 0.15), lamp_rgb=1.6 * share * np.ones(3),
         sky_rgb=1.6 * (1 - share) * np.ones(3), lamp_samples=8, sky_samples=16,

@@ -34,7 +34,7 @@ class Stage:
     """objects: what is labelled, 1..N; surroundings and bystanders: what is not.
 
     grey: what the exposure makes of the median of the picture, of 255; noise_levels: of colour, of 255; blur_px: of
-    lens and demosaicing, one standard deviation; sharpening: what the camera does about it.
+    lens and demosaicing, one standard deviation; sharpening: what the camera does about it; contrast: exponent.
     """
 
     objects: tuple[SceneObject, ...]
@@ -47,6 +47,7 @@ class Stage:
     noise_levels: float = 1.5
     blur_px: float = 0.6
     sharpening: float = 0.5
+    contrast: float = 1.2
 
 
 def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
@@ -107,8 +108,8 @@ def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
 
 def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
     """Exposed, a little blurred, with noise whose grains are larger than a pixel, as demosaicing makes them."""
-    exposure = (stage.grey / 255) ** 2.2 / max(float(np.median(light)), 1e-4)
-    soft = cv2.GaussianBlur(developed(exposure * light).astype(np.float32), (0, 0), stage.blur_px)
+    toned = (light / max(float(np.median(light)), 1e-4)) ** stage.contrast
+    soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * toned).astype(np.float32), (0, 0), stage.blur_px)
     grain = cv2.GaussianBlur(rng.standard_normal(soft.shape).astype(np.float32), (0, 0), 0.6)
     crisp = soft + stage.sharpening * (soft - cv2.GaussianBlur(soft, (0, 0), 1.5))
     noisy = crisp + stage.noise_levels / grain.std() * grain

@@ -62,13 +62,13 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     parts += _desk_things(plot, size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.06), middle[1] + rng.normal(0, 0.05), 0.03
     view = View(
-        look_at_m, rng.uniform(0.85, 1.35), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), TABLE_CAMERA
+        look_at_m, rng.uniform(0.75, 1.2), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), TABLE_CAMERA
     )
     sensor = _sensor(rng, 0.03)
     return Stage(
         tuple(things), tuple(parts), view, _light(rng, look_at_m), sensor,
-        grey=rng.uniform(80, 140), noise_levels=rng.uniform(2.5, 8.0), blur_px=rng.uniform(0.4, 0.6),
-        sharpening=rng.uniform(0.4, 1.2),
+        grey=rng.uniform(80, 140), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
+        sharpening=rng.uniform(0.8, 2.0), contrast=1.3,
     )  # fmt: skip
 
 
@@ -88,8 +88,8 @@ def multi_stage(name: str, rng: Rng) -> Stage:
     )
     return Stage(
         tuple(things), tuple(parts), view, _light(rng, look_at_m), _sensor(rng, 0.02), tuple(bystanders),
-        grey=rng.uniform(90, 150), noise_levels=rng.uniform(1.0, 4.0), blur_px=rng.uniform(0.4, 0.7),
-        sharpening=rng.uniform(0.3, 1.0),
+        grey=rng.uniform(90, 150), noise_levels=rng.uniform(0.8, 3.0), blur_px=rng.uniform(0.4, 0.7),
+        sharpening=rng.uniform(0.5, 1.5),
     )  # fmt: skip
 
 

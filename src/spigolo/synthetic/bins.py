@@ -103,7 +103,7 @@ def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Par
     ]
     return [
         Part(joined([*uprights, back]), printed, 0.0, 0.1),
-        Part(joined(boards), steel, 0.85, 0.5),
+        Part(joined(boards), brushed_metal(rng, rng.uniform(85, 135)), 0.85, 0.5),
         Part(joined(lips), _perforated(steel), 0.7, 0.5),
         *room(rng, -1.1, deep_m + 0.6),
     ]

@@ -108,6 +108,10 @@ def make_files(folder: Path) -> None:
     (folder / "range.toml").write_text('base = "TABLE"\n[edges]\ncanny_low = 1.5\n', encoding="utf-8")
     (folder / "broken.toml").write_text("gamma 0.004\n", encoding="utf-8")
     (folder / "no-frames").mkdir()
+    scene = folder / "half-a-set" / "test" / "000001"
+    scene.mkdir(parents=True)
+    intrinsics = {"cam_K": [525.0, 0.0, 319.5, 0.0, 525.0, 239.5, 0.0, 0.0, 1.0], "depth_scale": 1.0}
+    (scene / "scene_camera.json").write_text(json.dumps({"0": intrinsics}), encoding="utf-8")
     (folder / "file").write_text("", encoding="utf-8")
 
 
@@ -160,6 +164,10 @@ def command_line() -> list[tuple[str, Words]]:
         ("a folder without frames", ["segment", "no-frames"]),
         ("no such folder", ["segment", "nowhere"]),
         ("no input", ["segment"]),
+        ("a folder in no known layout", ["evaluate", "no-frames"]),
+        ("a data set that was half downloaded", ["evaluate", "half-a-set"]),
+        ("a data set nobody knows", ["fetch", "imagenet"]),
+        ("a data set without a known hash", ["fetch", "tejani"]),
         ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
         (
             "millimetres as metres: a warning",
@@ -198,7 +206,7 @@ def library(folder: Path) -> list[tuple[str, Call]]:
 
 def run_command(words: Words, folder: Path) -> str:
     """What the command line says on its error stream; it must end with 2, or with 0 after a warning."""
-    out = [] if "--out" in words or words[-1].startswith("--") else ["--out", "out"]
+    out = [] if "--out" in words or words[-1].startswith("--") or words[0] == "fetch" else ["--out", "out"]
     done = subprocess.run(
         [sys.executable, "-c", "from spigolo.cli import main; main()", *words, *out],
         cwd=folder,

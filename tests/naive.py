@@ -846,3 +846,43 @@ def closed_path(radial: Array, angular: Array, least: int, most: int) -> float:
             cost = {k: way[k] + float(radial[t % rays, k]) for k in radii}
         lowest = min(lowest, way[start])
     return lowest
+
+
+# --- data sets ------------------------------------------------------------------------------------------------
+
+
+def draw_mesh(points: Array, triangles: Array, shape: tuple[int, int]) -> Array:
+    """Depth of the nearest triangle at each pixel centre, 0 beside all; by the signs of three areas."""
+    out = np.zeros(shape)
+    for y, x in pixels(out):
+        for corners in points[triangles]:
+            (a_x, a_y, a_w), (b_x, b_y, b_w), (c_x, c_y, c_w) = corners
+            shares = np.array([
+                (b_x - x) * (c_y - y) - (b_y - y) * (c_x - x),
+                (c_x - x) * (a_y - y) - (c_y - y) * (a_x - x),
+                (a_x - x) * (b_y - y) - (a_y - y) * (b_x - x),
+            ])  # fmt: skip
+            if min(a_w, b_w, c_w) <= 0 or not ((shares > 0).all() or (shares < 0).all()):
+                continue
+            depth = shares.sum() / float(shares @ np.array([a_w, b_w, c_w]))
+            if out[y, x] == 0 or depth < out[y, x]:
+                out[y, x] = depth
+    return out
+
+
+def unpack_lzf(packed: bytes) -> bytes:
+    """What an LZF stream holds; raises IndexError where it is cut off."""
+    out, rest = bytearray(), iter(packed)
+    for control in rest:
+        if control < 32:
+            literal = bytes(itertools.islice(rest, control + 1))
+            if len(literal) <= control:
+                raise IndexError("cut off")
+            out += literal
+            continue
+        length = control >> 5
+        length += 2 + (next(rest) if length == 7 else 0)
+        back = ((control & 31) << 8) + next(rest) + 1
+        for _ in range(length):
+            out.append(out[-back])
+    return bytes(out)

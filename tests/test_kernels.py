@@ -28,10 +28,12 @@ from spigolo.kernels import (
     edges,
     features,
     inpainting,
+    lzf,
     merging,
     moments,
     polar,
     potts,
+    rasterising,
     registration,
     saliency,
     smoothing,
@@ -760,6 +762,56 @@ def test_closed_path(shape: tuple[int, int], kind: str) -> None:
         assert radial[np.arange(shape[0]), path].sum(dtype=float) + passed == pytest.approx(cost, rel=1e-6)
 
 
+# --- data sets ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (7, 11), (19, 16)])
+def test_draw_mesh(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(shape[1])
+    for _ in range(10):
+        corners = rng.uniform(-4, max(shape) + 4, (12, 2))
+        inverse = np.where(rng.random(12) < 0.1, 0, rng.uniform(0.3, 2, 12))
+        points = np.column_stack([corners, inverse])
+        triangles = rng.integers(0, 12, (9, 3), dtype=np.int32)
+        out = np.zeros(shape, np.float32)
+        rasterising.draw_mesh(points, triangles, out)
+        np.testing.assert_allclose(out, naive.draw_mesh(points, triangles, shape), rtol=1e-5)
+
+
+def test_draw_mesh_leaves_no_gap_between_triangles_that_meet_on_pixel_centres() -> None:
+    points = np.array([[1, 1, 1], [5, 1, 1], [5, 5, 1], [1, 5, 1.0]])
+    out = np.zeros((7, 7), np.float32)
+    rasterising.draw_mesh(points, np.array([[0, 1, 2], [0, 2, 3]], np.int32), out)
+    assert (out[1:6, 1:6] == 1).all() and out.sum() == 25
+
+
+def lzf_stream(rng: np.random.Generator, parts: int) -> bytes:
+    """Literals and copies drawn at random; every copy begins in what is there."""
+    out, size = bytearray(), 0
+    for _ in range(parts):
+        if size == 0 or rng.random() < 0.4:
+            length = int(rng.integers(1, 33))
+            out += bytes([length - 1, *rng.integers(0, 256, length).tolist()])
+        else:
+            length, back = int(rng.integers(3, 60)), int(rng.integers(1, min(size, 8192) + 1)) - 1
+            code = min(length - 2, 7)
+            out += bytes([code << 5 | back >> 8, *([length - 9] if code == 7 else []), back & 255])
+        size += length
+    return bytes(out)
+
+
+def test_unpack_lzf() -> None:
+    rng = np.random.default_rng(8)
+    for parts in (1, 2, 30, 300):
+        packed = lzf_stream(rng, parts)
+        wanted = naive.unpack_lzf(packed)
+        out = np.zeros(len(wanted), np.uint8)
+        assert lzf.unpack_lzf(np.frombuffer(packed, np.uint8).copy(), out)
+        assert out.tobytes() == wanted
+        assert not lzf.unpack_lzf(np.frombuffer(packed[:-1], np.uint8).copy(), out), "cut off"
+        assert not lzf.unpack_lzf(np.frombuffer(packed, np.uint8).copy(), out[:-1]), "longer than was said"
+
+
 # --- all of them ----------------------------------------------------------------------------------------------
 
 
@@ -784,8 +836,9 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
     assert [name for name in names if f"naive.{name}" not in called] == []
 
 
-OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth", "fit_sides", "closed_path"}
-"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; the others are of methods."""
+OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth", "fit_sides", "closed_path", "draw_mesh", "unpack_lzf"}
+"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; two are of methods and the
+last two of data sets."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys

@@ -41,15 +41,16 @@ def evaluate(
     Parameters
     ----------
     frames
-        Folders, before any flag: roots of data sets, data sets or single frames, as SET/FRAME/ with rgb.png, depth.png,
-        camera.json and label.png (0 = background, 1..N = objects, 255 = ignore; absent: time and counts alone). Any
-        field of the presets is a flag as well: `--partition.gamma 0.004`.
+        Folders, before any flag: data sets as they are published (`spigolo datasets` lists them), or your own: roots of
+        sets, sets or single frames, as SET/FRAME/ with rgb.png, depth.png, camera.json and label.png (0 = background,
+        1..N = objects, 255 = ignore; absent: time and counts alone). Any field of the presets is a flag as well:
+        `--partition.gamma 0.004`.
     methods
         Methods by name; toscana2016 is this one, felzenszwalb2004, rao2010, abramov2012 are others.
     presets
         Presets of toscana2016, by name or as TOML files.
     full
-        Sets on which every object is labelled, as patterns: on others precision means nothing.
+        Sets on which every object is labelled, as patterns: on others precision means nothing. Some say it themselves.
     jobs
         Worker processes.
     out

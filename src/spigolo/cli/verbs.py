@@ -13,6 +13,7 @@ from spigolo import __version__
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.bench import bench
 from spigolo.cli.compare import compare
+from spigolo.cli.datasets import datasets, fetch
 from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.figures import figures
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
@@ -39,6 +40,8 @@ app.command(evaluate)
 app.command(report)
 app.command(figures)
 app.command(compare)
+app.command(datasets)
+app.command(fetch)
 
 app.command(bench)
 

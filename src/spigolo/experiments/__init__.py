@@ -7,8 +7,8 @@ write_report(read_contenders([Path("rows.jsonl")]), Path("report"), frames)
 
 from __future__ import annotations
 
+from spigolo.datasets import Entry, Truth, find_labelled_frames
 from spigolo.experiments.contenders import Contender, find_references, gather, read_contenders
-from spigolo.experiments.labelled import FrameFolder, Truth, find_labelled_frames
 from spigolo.experiments.methods import make_methods, remake
 from spigolo.experiments.report import write_report
 from spigolo.experiments.running import evaluate
@@ -16,7 +16,7 @@ from spigolo.methods import Method, Toscana2016
 
 __all__ = [
     "Contender",
-    "FrameFolder",
+    "Entry",
     "Method",
     "Toscana2016",
     "Truth",

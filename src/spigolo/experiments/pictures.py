@@ -8,11 +8,11 @@ from pathlib import Path
 
 import cv2
 
+from spigolo.datasets import Entry, Truth
 from spigolo.errors import FileError, SpigoloError
 from spigolo.evaluation.measures import FOUND_SHARE
 from spigolo.evaluation.rows import Row, RowScore, score_row
 from spigolo.experiments.contenders import Contender
-from spigolo.experiments.labelled import FrameFolder, Truth
 from spigolo.experiments.methods import remake
 from spigolo.experiments.page import Picture
 from spigolo.frame import Color
@@ -47,7 +47,7 @@ def worst_rows(rows: Sequence[Row], count: int = WORST) -> list[Row]:
 
 
 def draw_worst(
-    contender: Contender, folders: Mapping[tuple[str, str], FrameFolder], out: Path, tell: Tell | None = None
+    contender: Contender, folders: Mapping[tuple[str, str], Entry], out: Path, tell: Tell | None = None
 ) -> list[Picture]:
     """Draws the worst frames of a contender into `out`/pictures, run anew with the parameters of the rows.
 
@@ -65,7 +65,7 @@ def draw_worst(
     return pictures
 
 
-def _draw(number: int, row: Row, method: Method, folder: FrameFolder, label: str, out: Path) -> list[Picture]:
+def _draw(number: int, row: Row, method: Method, folder: Entry, label: str, out: Path) -> list[Picture]:
     try:
         frame, truth = folder.read_both()
         result = method(frame)

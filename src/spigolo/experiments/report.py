@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from spigolo.datasets import Entry
 from spigolo.evaluation.resampling import DRAWS, SEED
 from spigolo.evaluation.rows import Row
 from spigolo.experiments.contenders import Contender, find_references, pair_up
-from spigolo.experiments.labelled import FrameFolder
 from spigolo.experiments.limitations import limitations
 from spigolo.experiments.page import Block, Gallery, Heading, Items, Page, Paragraph, to_html, to_markdown
 from spigolo.experiments.pictures import Tell, draw_worst
@@ -21,7 +21,7 @@ HTML, MARKDOWN = "index.html", "report.md"
 def write_report(
     contenders: Sequence[Contender],
     out: Path,
-    frames: Sequence[FrameFolder] = (),
+    frames: Sequence[Entry] = (),
     against: str | None = None,
     tell: Tell | None = None,
 ) -> None:
@@ -85,7 +85,7 @@ def _rejections(contenders: Sequence[Contender]) -> list[Block]:
     return [Heading("Rejected regions per frame, by reason"), table] if len(table.head) > 1 else []
 
 
-def _worst(contenders: Sequence[Contender], frames: Sequence[FrameFolder], out: Path, tell: Tell | None) -> list[Block]:
+def _worst(contenders: Sequence[Contender], frames: Sequence[Entry], out: Path, tell: Tell | None) -> list[Block]:
     if not frames:
         return []
     folders = {(frame.data_set, frame.name): frame for frame in frames}
@@ -108,7 +108,7 @@ def _worst(contenders: Sequence[Contender], frames: Sequence[FrameFolder], out: 
     ]
 
 
-def _why_none(contender: Contender, folders: dict[tuple[str, str], FrameFolder]) -> str:
+def _why_none(contender: Contender, folders: dict[tuple[str, str], Entry]) -> str:
     if any((row.data_set, row.frame) in folders and row.score is not None for row in contender.rows):
         return "this version of spigolo no longer makes a method with the digest of its rows"
     return "the folders given hold none of its labelled frames"

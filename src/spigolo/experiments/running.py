@@ -20,10 +20,10 @@ import cv2
 import numpy as np
 
 from spigolo import __version__
+from spigolo.datasets import Entry, Truth
 from spigolo.errors import SpigoloError
 from spigolo.evaluation.matching import NEEDS_SCIPY
 from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, score_row
-from spigolo.experiments.labelled import FrameFolder, Truth
 from spigolo.experiments.machine import describe_machine
 from spigolo.frame import Frame
 from spigolo.methods import Method
@@ -37,7 +37,7 @@ Tell = Callable[[int, int, Row | None], None]
 class Task:
     """One method on one frame."""
 
-    frame: FrameFolder
+    frame: Entry
     method: str
     digest: str
 
@@ -85,7 +85,7 @@ class Worker:
 
 
 def evaluate(
-    frames: Sequence[FrameFolder], methods: Sequence[Method], out: Path, jobs: int = 1, tell: Tell | None = None
+    frames: Sequence[Entry], methods: Sequence[Method], out: Path, jobs: int = 1, tell: Tell | None = None
 ) -> list[Row]:
     """Runs every method on every frame and appends a row each to the file `out`, but for those that it holds.
 
@@ -177,7 +177,7 @@ def _score_of_nothing(truth: Truth | None) -> RowScore | None:
     return score_row(truth.labels, np.zeros_like(truth.labels), None, truth.ignore)
 
 
-def _row(frame: FrameFolder, method: Method, run: Run | None, score: RowScore | None, error: str | None = None) -> Row:
+def _row(frame: Entry, method: Method, run: Run | None, score: RowScore | None, error: str | None = None) -> Row:
     rejected = Counter(region.reason.value for region in run.result.rejected) if run is not None else {}
     return Row(
         data_set=frame.data_set,

@@ -1,0 +1,99 @@
+"""One folder a frame, the layout of `spigolo evaluate` for frames of your own.
+
+    FOLDER/splits.json                  optional: {"near_duplicate_groups": [["SET/FRAME", ...], ...]}
+    FOLDER/SET/FRAME/rgb.png            8 bits
+    FOLDER/SET/FRAME/depth.png          16 bits, 0 = missing
+    FOLDER/SET/FRAME/camera.json        intrinsics and depth_scale
+    FOLDER/SET/FRAME/label.png          0 = background, 1..N = objects, 255 = ignore; absent where nothing is labelled
+    FOLDER/SET/FRAME/info.json          optional: {"fully_labelled": true, "ignore_label": 255}, both optional too
+
+A SET or a FRAME alone serves as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spigolo.datasets.entry import DataSet, Entry, Labelling, Truth
+from spigolo.datasets.jsons import read_mapping
+from spigolo.frame import Frame
+from spigolo.io import read_frame, read_labels
+
+IGNORE_LABEL = 255
+
+
+@dataclass(frozen=True, slots=True)
+class FrameFolder(Entry):
+    """A frame in a folder of its own. ignore_label: what is neither right nor wrong."""
+
+    folder: Path
+    ignore_label: int = IGNORE_LABEL
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Colour, depth, camera, labels."""
+        names = ("rgb.png", "depth.png", "camera.json", *(() if self.labelling == "none" else ("label.png",)))
+        return tuple(self.folder / name for name in names)
+
+    def read(self) -> Frame:
+        """The frame; raises FileError, FrameError or CameraError."""
+        return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self.folder / "camera.json")
+
+    def read_truth(self) -> Truth | None:
+        """Its labels, None where it has none; raises FileError or FrameError."""
+        if self.labelling == "none":
+            return None
+        labels = read_labels(self.folder / "label.png")
+        ignore = labels == self.ignore_label
+        return Truth(np.where(ignore, 0, labels), ignore)
+
+
+class Folders(DataSet):
+    """Sets of frames, each in a folder of its own."""
+
+    layout = "SET/FRAME/ with rgb.png, depth.png and camera.json"
+
+    @classmethod
+    def matches(cls, folder: Path) -> bool:
+        """Whether it or a folder up to two below has a rgb.png."""
+        return next(_places(folder), None) is not None
+
+    def _find(self) -> Iterator[Entry]:
+        groups: dict[Path, dict[str, str]] = {}
+        for place in _places(self.folder):
+            root = place.parents[1]
+            if root not in groups:
+                groups[root] = _groups(root)
+            yield self._describe(place, groups[root])
+
+    def _describe(self, place: Path, groups: Mapping[str, str]) -> FrameFolder:
+        data_set, name = place.parent.name, place.name
+        info = _mapping(place / "info.json")
+        labelling: Labelling = "none"
+        if (place / "label.png").is_file():
+            whole = info.get("fully_labelled", self._labelled(data_set) == "full")
+            labelling = "full" if whole else "part"
+        key = f"{data_set}/{name}"
+        return FrameFolder(
+            data_set, name, groups.get(key, key), labelling, place, int(info.get("ignore_label") or IGNORE_LABEL)
+        )
+
+
+def _places(folder: Path) -> Iterator[Path]:
+    return (path.parent for pattern in ("", "*/", "*/*/") for path in sorted(folder.glob(f"{pattern}rgb.png")))
+
+
+def _groups(root: Path) -> dict[str, str]:
+    """Group of each frame that is like others: the name of the first of them."""
+    groups = _mapping(root / "splits.json").get("near_duplicate_groups", [])
+    return {name: members[0] for members in groups for name in members}
+
+
+def _mapping(path: Path) -> Mapping[str, Any]:
+    """What a JSON file holds, nothing where there is none."""
+    return read_mapping(path) if path.is_file() else {}

@@ -1,0 +1,21 @@
+"""JSON files that hold fields."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from spigolo.errors import FileError
+
+
+def read_mapping(path: Path) -> Mapping[str, Any]:
+    """The fields of a JSON file; raises FileError."""
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise FileError(f"expected JSON in {path}, but it cannot be read: {error}") from None
+    if not isinstance(values, Mapping):
+        raise FileError(f"expected an object with fields in {path}, got {type(values).__name__}")
+    return values

@@ -7,7 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 
-from spigolo.frame import Camera
+from spigolo.datasets import rutgers
 from spigolo.synthetic.household import Product, Rest, household
 from spigolo.synthetic.meshes import Mesh, joined
 from spigolo.synthetic.placing import Plot, settled
@@ -29,7 +29,6 @@ PRODUCTS = (
 )  # fmt: skip
 RUNS = {"run_1": (0.0, 14.0), "run_2": (-16.0, 8.0), "run_3": (17.0, 26.0)}
 """Where the camera is in each run: turned to the side and pitched down, degrees."""
-SHELF_CAMERA = Camera(575.8157, 575.8157, 319.5, 239.5, 640, 480)
 _WALL_M, _BOARD_M = 0.006, 0.02
 
 
@@ -44,7 +43,7 @@ def shelf_stage(run: str, rng: Rng) -> Stage:
     things = things[: max(1, len(names) - 1)]
     yaw_deg, pitch_deg = np.array(RUNS[run]) + rng.normal(0, 3, 2)
     look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * height_m
-    view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), SHELF_CAMERA)
+    view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), rutgers.CAMERA)
     return Stage(
         things,
         tuple(_shelf(width_m, height_m, deep_m, rng)),

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from spigolo.datasets.sample import Model, Sample
+from spigolo.errors import ConfigError
 from spigolo.synthetic.bins import PRODUCTS, RUNS, shelf_stage
 from spigolo.synthetic.household import household
 from spigolo.synthetic.staging import Stage, record
@@ -44,20 +45,24 @@ def render_family(family: str, number: int, seed: int = 0) -> Sample:
     """One frame of a family, of `FAMILIES`, and its truth: frame.name is its scene and the number in it, from 1.
 
     number: counts the frames of a seed from 0; the scenes have their turns. Equal numbers and seeds give equal
-    frames. Raises ValueError for a family that is not known.
+    frames. Raises ConfigError for a family that is not known.
     """
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
     rng = np.random.default_rng([list(FAMILIES).index(family), seed, number])
-    return record(chosen.stage(scene, rng), f"{scene}_{number // len(chosen.scenes) + 1}", rng)
+    name = f"{scene}_{number // len(chosen.scenes) + 1}"
+    while True:
+        sample = record(chosen.stage(scene, rng), name, rng)
+        if sample.instances:  # else everything was hidden or out of view: another arrangement
+            return sample
 
 
 def family_models(family: str) -> tuple[Model, ...]:
-    """The models that the instances of a family name. Raises ValueError for a family that is not known."""
+    """The models that the instances of a family name. Raises ConfigError for a family that is not known."""
     return tuple(household(name).model() for name in _family(family).objects)
 
 
 def _family(name: str) -> Family:
     if name not in FAMILIES:
-        raise ValueError(f"unknown family {name!r}: expected one of {', '.join(FAMILIES)}")
+        raise ConfigError(f"unknown family {name!r}: expected one of {', '.join(FAMILIES)}")
     return FAMILIES[name]

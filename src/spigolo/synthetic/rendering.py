@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.synthetic.scene import SUPERSAMPLING
+from spigolo.synthetic.scene import SUPERSAMPLING, load_mujoco
 
 __all__ = [
     "Lighting",
@@ -123,8 +123,7 @@ def _quick_light(renderer: Any, model: Any, lighting: Lighting) -> FloatArray:
 
 
 def _renderer(model: Any, samples: int, supersampling: int = 1) -> Any:
-    import mujoco
-
+    mujoco = load_mujoco()
     model.vis.quality.offsamples = samples
     height, width = _size(model)
     return mujoco.Renderer(model, supersampling * height, supersampling * width)
@@ -137,8 +136,7 @@ def _size(model: Any) -> tuple[int, int]:
 
 
 def _at_rest(model: Any) -> Any:
-    import mujoco
-
+    mujoco = load_mujoco()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return data

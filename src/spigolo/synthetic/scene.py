@@ -5,6 +5,9 @@ World axes: x to the right, y away from the camera, z up. Lengths are in metres.
 
 from __future__ import annotations
 
+import importlib
+import os
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -14,10 +17,11 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.errors import FileError
 from spigolo.frame import Camera
 from spigolo.synthetic.meshes import Mesh
 
-__all__ = ["CAMERA", "SUPERSAMPLING", "Part", "SceneObject", "View", "compile_scene"]
+__all__ = ["CAMERA", "SUPERSAMPLING", "Part", "SceneObject", "View", "compile_scene", "load_mujoco"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -95,10 +99,21 @@ class View:
         return matrix
 
 
+def load_mujoco() -> Any:
+    """The renderer; raises FileError where it is missing. Without a screen it draws by EGL."""
+    if sys.platform == "linux" and not os.environ.get("DISPLAY"):
+        os.environ.setdefault("MUJOCO_GL", "egl")
+    try:
+        return importlib.import_module("mujoco")
+    except ImportError:
+        raise FileError(
+            'expected mujoco to render scenes, but it is missing: pip install "spigolo[synthetic]"'
+        ) from None
+
+
 def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, shadow_px: int = 4096) -> Any:
     """A ``mujoco.MjModel`` with a body of each name."""
-    import mujoco
-
+    mujoco = load_mujoco()
     assets: dict[str, bytes] = {}
     asset_xml: list[str] = []
     body_xml: list[str] = []

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.frame import Camera
+from spigolo.datasets import tejani, uw_scenes
 from spigolo.synthetic import furniture
 from spigolo.synthetic.household import Product, Rest, household
 from spigolo.synthetic.meshes import joined, prism, rounded_rectangle
@@ -32,11 +32,9 @@ TABLES = {
     ),
 }  # fmt: skip
 """The objects of each scene, named as in RGB-D Scenes."""
-TABLE_CAMERA = Camera(570.3, 570.3, 320.0, 240.0, 640, 480)
 
 INSTANCES = ("Milk", "Coffee_Cup", "Shampoo", "Camera")
 """Whose instances the scenes of that name show."""
-MULTI_CAMERA = Camera(571.9737, 571.0073, 319.5, 239.5, 640, 480)
 CLUTTER = (
     "box_1",
     "box_2",
@@ -62,7 +60,7 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     parts += _desk_things(plot, size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.06), middle[1] + rng.normal(0, 0.05), 0.03
     view = View(
-        look_at_m, rng.uniform(0.75, 1.2), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), TABLE_CAMERA
+        look_at_m, rng.uniform(0.75, 1.2), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), uw_scenes.CAMERA
     )
     sensor = _sensor(rng, 0.03)
     return Stage(
@@ -84,7 +82,7 @@ def multi_stage(name: str, rng: Rng) -> Stage:
     parts += _paper(size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.03), middle[1] + rng.normal(0, 0.03), 0.03
     view = View(
-        look_at_m, rng.uniform(0.7, 1.05), rng.uniform(28, 65), rng.uniform(-45, 45), rng.normal(0, 3), MULTI_CAMERA
+        look_at_m, rng.uniform(0.7, 1.05), rng.uniform(28, 65), rng.uniform(-45, 45), rng.normal(0, 3), tejani.CAMERA
     )
     return Stage(
         tuple(things), tuple(parts), view, _light(rng, look_at_m), _sensor(rng, 0.02), tuple(bystanders),

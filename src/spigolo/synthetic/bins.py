@@ -110,7 +110,7 @@ def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Par
 
 def _printed(cardboard: Image, rng: Rng) -> Image:
     """What is left of the cartons that the walls were cut from: words, marks, tape."""
-    image = cv2.resize(cardboard, (1024, 1024))
+    image = np.asarray(cv2.resize(cardboard, (1024, 1024)), np.uint8)
     for _ in range(int(rng.integers(3, 9))):
         x, y = (int(at) for at in rng.integers(60, 964, 2))
         if rng.uniform() < 0.5:
@@ -129,7 +129,7 @@ def _printed(cardboard: Image, rng: Rng) -> Image:
 
 def _perforated(steel: Image) -> Image:
     """Holes in a row, as in the beams of such shelves, and stickers that name the bins."""
-    image = cv2.resize(steel, (1024, 1024))
+    image = np.asarray(cv2.resize(steel, (1024, 1024)), np.uint8)
     for x in range(16, 1024, 32):
         cv2.rectangle(image, (x, 1008), (x + 9, 1012), (30, 30, 32), -1)
     for x in (160, 480, 800):

@@ -33,7 +33,7 @@ def screen(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
     image = np.full((240, 360, 3), 14, np.uint8)
     if rng.uniform() < 0.5:
         image[20:220, 15:345] = page((200, 330), rng) // 2 + 60
-    whole = cv2.hconcat([image, image, image])
+    whole = np.hstack([image, image, image])
     return [
         Part(shell, plain_card((26, 26, 28)), 0.2, 0.4),
         Part(_put(face, at_m, yaw_deg), whole, 0.5, 0.8),
@@ -66,7 +66,7 @@ def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
     makes = (_spines, _blinds, page, lambda size, rng: cover(size, palette(rng), rng))
     image = makes[int(rng.integers(len(makes)))](size, rng)
     panel = moved(box((wide, 0.01, tall)), np.eye(3), (at_m[0], at_m[1], at_m[2] - tall / 2))
-    return [Part(panel, cv2.hconcat([image, image, image]), 0.05, 0.2)]
+    return [Part(panel, np.hstack([image, image, image]), 0.05, 0.2)]
 
 
 def _spines(size: tuple[int, int], rng: np.random.Generator) -> Image:

@@ -88,4 +88,4 @@ def household(name: str) -> Product:
 def _vertex_colours(part: Part) -> npt.NDArray[np.uint8]:
     height, width = part.texture.shape[:2]
     x, y = (part.mesh.uv * [width - 1, height - 1]).round().astype(np.intp).T
-    return part.texture[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
+    return np.asarray(part.texture[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)], np.uint8)

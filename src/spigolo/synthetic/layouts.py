@@ -1,4 +1,4 @@
-"""Rendered families written as files: one folder a frame, as BOP, or in the layout of the set that they stand in for."""
+"""Rendered families as files: one folder a frame, as BOP, or in the layout of the set that they stand in for."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ LAYOUTS = ("folders", "bop", "original")
 def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, about: str) -> int:
     """Writes the layout of `Folders`, set FAMILY; info.json also has each object's name and pose. Returns how many."""
     count = 0
-    for count, (_, sample) in enumerate(samples, start=1):
+    for _, sample in samples:
         frame, place = sample.frame, folder / family / sample.frame.name
         write_png(place / "rgb.png", frame.color)
         write_png(place / "depth.png", np.round(frame.depth / MILLIMETRES).astype(np.uint16))
@@ -71,6 +71,7 @@ def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: s
         write_json(place / "camera.json", {**camera, "depth_scale": MILLIMETRES})
         objects = [{"label": i.label, "model": i.model, "pose": i.pose.tolist()} for i in sample.instances]
         write_json(place / "info.json", {"fully_labelled": FAMILIES[family].fully_labelled, "objects": objects})
+        count += 1
     write_json(folder / RENDERED, {"about": about})
     return count
 

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.datasets.entry import MILLIMETRES
 from spigolo.datasets.sample import Instance, Sample
 from spigolo.frame import Frame
 from spigolo.synthetic.rendering import Lighting, developed, render_all
@@ -26,7 +27,6 @@ LEAST_VISIBLE_PX = 150
 """Of an object with fewer pixels in view nobody would draw a mask: it is background."""
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0
-_STEPS_PER_M = 1000  # depth as files hold it
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,9 @@ def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
     depth_m = simulate_structured_light(
         drawn.depth_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, drawn.geoms)
     )
-    whole_mm = (np.round(_STEPS_PER_M * depth_m) / _STEPS_PER_M).astype(np.float32)
-    frame = Frame(_photographed(drawn.light, stage, rng), whole_mm, stage.view.camera, name=name)
+    stored = np.round(depth_m / MILLIMETRES).astype(np.uint16)
+    colour = _photographed(drawn.light, stage, rng)
+    frame = Frame(colour, stored, stage.view.camera, name=name, depth_scale=MILLIMETRES)
     return _labelled(frame, _objects(model, drawn.geoms, len(stage.objects)), stage)
 
 
@@ -77,7 +78,8 @@ def _projector(view: View) -> Lighting:
 
 def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
     """Numbers the objects that are visible."""
-    labels, instances = np.zeros(indices.shape, np.int32), []
+    labels = np.zeros(indices.shape, np.int32)
+    instances: list[Instance] = []
     for k, thing in enumerate(stage.objects):
         seen = indices == k
         if seen.sum() >= LEAST_VISIBLE_PX:
@@ -110,10 +112,11 @@ def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> 
     """Exposed, a little blurred, with noise whose grains are larger than a pixel, as demosaicing makes them."""
     toned = (light / max(float(np.median(light)), 1e-4)) ** stage.contrast
     soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * toned).astype(np.float32), (0, 0), stage.blur_px)
-    grain = cv2.GaussianBlur(rng.standard_normal(soft.shape).astype(np.float32), (0, 0), 0.6)
+    white = np.asarray(rng.standard_normal(soft.shape), np.float32)
+    grain = cv2.GaussianBlur(white, (0, 0), 0.6)
     crisp = soft + stage.sharpening * (soft - cv2.GaussianBlur(soft, (0, 0), 1.5))
     noisy = crisp + stage.noise_levels / grain.std() * grain
-    return np.clip(np.round(noisy), 0, 255).astype(np.uint8)
+    return np.asarray(np.clip(np.round(noisy), 0, 255), np.uint8)
 
 
 def _renamed(thing: SceneObject, name: str) -> SceneObject:

@@ -54,7 +54,7 @@ def shelf_stage(run: str, rng: Rng) -> Stage:
         grey=rng.uniform(25, 85),
         noise_levels=rng.uniform(0.8, 2.2),
         blur_px=rng.uniform(0.4, 0.6),
-        sharpening=rng.uniform(1.0, 2.5),
+        sharpening=rng.uniform(1.5, 3.0),
         contrast=1.35,
     )
 
@@ -167,7 +167,7 @@ def _sensor(rng: Rng) -> StructuredLight:
     """A camera on a wrist, near its least distance."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
     return StructuredLight(
-        noise_px=0.03 * rng.uniform(0.7, 1.5),
+        noise_px=0.045 * rng.uniform(0.7, 1.5),
         noise_radius_px=2.5,
         dark_brightness=0.13,
         patch_px=3.0,

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.datasets.sample import Model
+from spigolo.errors import ConfigError
 from spigolo.synthetic import packages, turned
 from spigolo.synthetic.meshes import joined
 from spigolo.synthetic.scene import Part
@@ -76,11 +77,11 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
 def household(name: str) -> Product:
     """The object of that name: one of `KINDS`, alone or with a number that tells it from others: soda_can_4.
 
-    One name is one object, of its own size and print. Raises ValueError for a kind that is not known.
+    One name is one object, of its own size and print. Raises ConfigError for a kind that is not known.
     """
     kind = name if name in KINDS else name.rpartition("_")[0]
     if kind not in KINDS:
-        raise ValueError(f"unknown object {name!r}: expected one of {', '.join(KINDS)}, and a number, as soda_can_4")
+        raise ConfigError(f"unknown object {name!r}: expected one of {', '.join(KINDS)}, and a number, as soda_can_4")
     make, rests = KINDS[kind]
     return Product(name, make(np.random.default_rng(zlib.crc32(name.encode()))), rests)
 

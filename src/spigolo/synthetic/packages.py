@@ -105,7 +105,7 @@ def camera(rng: np.random.Generator) -> Parts:
 def cap(rng: np.random.Generator) -> Parts:
     """A baseball cap: a dome of six panels, a button and a peak that droops at its sides."""
     side, front, tall = 0.082, 0.095, rng.uniform(0.095, 0.115)
-    t, phi = np.meshgrid(np.linspace(0, np.pi / 2, 26), np.linspace(-np.pi, np.pi, 73), indexing="ij")
+    t, phi = np.meshgrid(np.linspace(0, 0.49 * np.pi, 26), np.linspace(-np.pi, np.pi, 73), indexing="ij")
     round_r = np.cos(t) ** 0.75
     dome = np.stack([side * round_r * np.cos(phi), front * round_r * np.sin(phi), tall * np.sin(t) ** 1.1], axis=-1)
     uv = np.stack([(phi + np.pi) / (2 * np.pi), 0.002 + 0.996 * (1 - t / (np.pi / 2))], axis=-1)
@@ -124,7 +124,7 @@ def cap(rng: np.random.Generator) -> Parts:
 def _peak(side_m: float, front_m: float, lift_m: float) -> Mesh:
     """Upper (lifted) or lower face of a cap's peak, towards -y."""
     out, phi = np.meshgrid(np.linspace(1, 0, 12), np.linspace(-2.55, -0.6, 40), indexing="ij")
-    middle = np.sin((phi + 2.55) / 1.95 * np.pi) ** 0.7
+    middle = np.maximum(np.sin((phi + 2.55) / 1.95 * np.pi), 0.02) ** 0.7
     reach = 0.068 * out * middle
     x, y = (side_m + 0.5 * reach) * np.cos(phi), (front_m + reach) * np.sin(phi)
     z = lift_m + 0.016 * middle * (0.4 + 0.6 * out)

@@ -43,7 +43,7 @@ class Plot:
         points = np.concatenate([part.mesh.vertices_m for part in thing.parts]) @ thing.rotation[:2].T
         footprint = _grown(_hull(points + np.array(thing.position_m[:2])))
         inside = all(cv2.pointPolygonTest(self.outline, (float(x), float(y)), False) >= 0 for x, y in footprint)
-        if not inside or any(cv2.intersectConvexConvex(footprint, other)[0] > 0 for other in self.footprints):
+        if not inside or not all(_apart(footprint, other) for other in self.footprints):
             return False
         self.footprints.append(footprint)
         return True
@@ -63,6 +63,17 @@ class Plot:
 
 def _hull(points_m: FloatArray) -> npt.NDArray[np.float32]:
     return np.asarray(cv2.convexHull(points_m.astype(np.float32))[:, 0], np.float32)
+
+
+def _apart(a: npt.NDArray[np.float32], b: npt.NDArray[np.float32]) -> bool:
+    """Whether a line along an edge of one of two convex polygons divides them."""
+    for corners in (a, b):
+        edges = np.roll(corners, -1, axis=0) - corners
+        across = np.stack([edges[:, 1], -edges[:, 0]])
+        along_a, along_b = a @ across, b @ across
+        if np.any((along_a.max(axis=0) < along_b.min(axis=0)) | (along_b.max(axis=0) < along_a.min(axis=0))):
+            return True
+    return False
 
 
 def _grown(hull_m: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:

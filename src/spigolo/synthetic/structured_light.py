@@ -210,7 +210,7 @@ def _strayed(
 def _outside(shape: tuple[int, ...], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
     """What the depth camera does not see of the colour image."""
     height, width = shape
-    top, right, bottom, left = sensor.margin_px
+    top, right, bottom, left = (px or -shape[0] for px in sensor.margin_px)
     down, across = np.arange(height)[:, None] + raggedness, np.arange(width) + raggedness
     if not any(sensor.margin_px):
         return np.zeros(shape, np.bool_)

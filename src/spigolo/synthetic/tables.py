@@ -62,10 +62,10 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     view = View(
         look_at_m, rng.uniform(0.75, 1.2), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), uw_scenes.CAMERA
     )
-    sensor = _sensor(rng, 0.03)
+    sensor = _sensor(rng, 0.045)
     return Stage(
         tuple(things), tuple(parts), view, _light(rng, look_at_m), sensor,
-        grey=rng.uniform(80, 140), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
+        grey=rng.uniform(75, 135), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
         sharpening=rng.uniform(0.8, 2.0), contrast=1.3,
     )  # fmt: skip
 
@@ -85,7 +85,7 @@ def multi_stage(name: str, rng: Rng) -> Stage:
         look_at_m, rng.uniform(0.7, 1.05), rng.uniform(28, 65), rng.uniform(-45, 45), rng.normal(0, 3), tejani.CAMERA
     )
     return Stage(
-        tuple(things), tuple(parts), view, _light(rng, look_at_m), _sensor(rng, 0.02), tuple(bystanders),
+        tuple(things), tuple(parts), view, _light(rng, look_at_m), _sensor(rng, 0.04), tuple(bystanders),
         grey=rng.uniform(90, 150), noise_levels=rng.uniform(0.8, 3.0), blur_px=rng.uniform(0.4, 0.7),
         sharpening=rng.uniform(0.5, 1.5),
     )  # fmt: skip

@@ -168,6 +168,8 @@ def command_line() -> list[tuple[str, Words]]:
         ("a data set that was half downloaded", ["evaluate", "half-a-set"]),
         ("a data set nobody knows", ["fetch", "imagenet"]),
         ("a data set without a known hash", ["fetch", "tejani"]),
+        ("a family of scenes nobody renders", ["render", "attic"]),
+        ("a layout nobody writes", ["render", "table", "--layout", "coco"]),
         ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
         (
             "millimetres as metres: a warning",

@@ -40,12 +40,13 @@ def main() -> None:
     parser.add_argument("frames", type=Path, nargs="*", help="folders of real frames, in any layout that is read")
     parser.add_argument("--count", type=int, default=24, help="rendered frames a family")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--families", nargs="+", default=list(FAMILIES), choices=list(FAMILIES))
     parser.add_argument("--presets", action="store_true", help="also segment the rendered frames")
     arguments = parser.parse_args()
     real = real_figures(arguments.frames)
     print("| family | figure | rendered: quartile, median, quartile | real |\n|---|---|---|---|")
     found = {}
-    for family in FAMILIES:
+    for family in arguments.families:
         samples = [render_family(family, k, arguments.seed) for k in range(arguments.count)]
         rendered = quartiles([realism(sample.frame) for sample in samples])
         measured = quartiles(real[family]) if real[family] else {}

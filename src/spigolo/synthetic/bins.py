@@ -54,7 +54,7 @@ def shelf_stage(run: str, rng: Rng) -> Stage:
         grey=rng.uniform(25, 85),
         noise_levels=rng.uniform(0.8, 2.2),
         blur_px=rng.uniform(0.4, 0.6),
-        sharpening=rng.uniform(1.5, 3.0),
+        sharpening=rng.uniform(1.2, 2.7),
         contrast=1.35,
     )
 

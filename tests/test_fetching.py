@@ -169,6 +169,9 @@ def test_a_server_that_is_gone_is_told(server: Server, tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"expected http://127.0.0.1:1/toy_base.zip, but after 0 bytes: "):
         fetch(nowhere, tmp_path)
     assert left(tmp_path) == []
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FileError, match=r"expected a folder to fetch into, got .*file"):
+        fetch(toy, tmp_path / "file")
 
 
 def test_the_catalogue_knows_hashes_or_says_where_a_set_is(tmp_path: Path) -> None:

@@ -43,7 +43,10 @@ def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
             f" published ({known.home}), then give its folder to `spigolo evaluate`"
         )
     _pooch()
-    to.mkdir(parents=True, exist_ok=True)
+    try:
+        to.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(f"expected a folder to fetch into, got {to}: {error.strerror or error}") from None
     archives = [(archive, _download(archive, to, tell)) for archive in known.archives]
     _unpack(archives, to, known.name)
     for _, path in archives:

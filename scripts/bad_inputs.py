@@ -173,6 +173,8 @@ def command_line() -> list[tuple[str, Words]]:
         ("a data set without a known hash", ["fetch", "tejani"]),
         ("nothing to fit to", ["fit", "no-frames"]),
         ("frames without labels to fit to", ["fit", "unlabelled"]),
+        ("a family of scenes nobody renders", ["render", "attic"]),
+        ("a layout nobody writes", ["render", "table", "--layout", "coco"]),
         ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
         (
             "millimetres as metres: a warning",

@@ -18,6 +18,7 @@ from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.figures import figures
 from spigolo.cli.fit import fit
 from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
+from spigolo.cli.render import render
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frame import MAX_PIXELS
 
@@ -44,6 +45,7 @@ app.command(figures)
 app.command(compare)
 app.command(datasets)
 app.command(fetch)
+app.command(render)
 
 app.command(bench)
 

@@ -13,14 +13,14 @@ import numpy as np
 from spigolo.frame import Frame
 from spigolo.synthetic.meshes import Mesh, arc, joined, line, prism, rounded_rectangle, tub
 from spigolo.synthetic.rendering import Lighting, developed, render_quickly
+from spigolo.synthetic.rooms import aisle_light, any_kind, block, finish, floor, room, room_light, shelf_kind
 from spigolo.synthetic.scene import CAMERA, Part, SceneObject, View, compile_scene
 from spigolo.synthetic.structured_light import simulate_structured_light
 from spigolo.synthetic.surfaces import SURFACES, surface
-from spigolo.synthetic.textures import Image
 
 __all__ = ["FAMILIES", "empty_scene", "empty_scenes"]
 
-_LAMP_SAMPLES, _SKY_SAMPLES, _SHADOW_PX = 5, 13, 1024
+_SHADOW_PX = 1024
 
 
 @dataclass(frozen=True)
@@ -68,15 +68,15 @@ def _table(rng: np.random.Generator, kind: str) -> _Scene:
     leg_texture = surface("plain", rng)
     wall_y_m = size_m[1] / 2 + rng.uniform(0.02, 0.9)
     parts = [
-        Part(prism(top, -thickness_m, 0.0), surface(kind, rng), *_finish(rng)),
+        Part(prism(top, -thickness_m, 0.0), surface(kind, rng), *finish(rng)),
         Part(joined(legs), leg_texture),
-        *_room(rng, -height_m, wall_y_m),
+        *room(rng, -height_m, wall_y_m),
     ]
     reach = 0.5 * np.array(size_m)
     look_at_m = float(rng.uniform(-0.8, 0.8) * reach[0]), float(rng.uniform(-0.7, 0.9) * reach[1]), 0.0
     yaw_deg = rng.uniform(-35, 35)
     view = View(look_at_m, rng.uniform(0.5, 1.3), rng.uniform(30, 70), yaw_deg, rng.normal(0, 1.5))
-    return _Scene(tuple(parts), view, _room_light(rng, look_at_m), rng.uniform(0.7, 1.15), rng.uniform(0.6, 2.0))
+    return _Scene(tuple(parts), view, room_light(rng, look_at_m), rng.uniform(0.7, 1.15), rng.uniform(0.6, 2.0))
 
 
 def _bin(rng: np.random.Generator, kind: str) -> _Scene:
@@ -89,15 +89,15 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
     outside, inside, bottom = (_moulded if moulded else _boxed)(size_m, height_m, rng)
     walls = surface("plain" if moulded else str(rng.choice(["plain", "wood", "cloth"])), rng)
     lining = walls if rng.uniform() < 0.35 else surface(kind, rng)
-    finish = _finish(rng)
+    gloss = finish(rng)
     parts = (
-        Part(joined([outside, inside]), walls, *finish),
-        Part(bottom, lining, *finish),
-        _floor(surface(_any_kind(rng), rng), 0.0),
+        Part(joined([outside, inside]), walls, *gloss),
+        Part(bottom, lining, *gloss),
+        floor(surface(any_kind(rng), rng), 0.0),
     )
     look_at_m = float(rng.uniform(-0.25, 0.25) * size_m[0]), float(rng.uniform(-0.25, 0.25) * size_m[1]), 0.01
     view = View(look_at_m, distance_m, rng.uniform(52, 90), rng.uniform(-180, 180), rng.normal(0, 3))
-    return _Scene(parts, view, _room_light(rng, look_at_m), rng.uniform(0.6, 1.1), rng.uniform(0.8, 2.5))
+    return _Scene(parts, view, room_light(rng, look_at_m), rng.uniform(0.6, 1.1), rng.uniform(0.8, 2.5))
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
@@ -131,98 +131,28 @@ def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
     """Three by three compartments, each with bottom, back, walls, ceiling and front lip; little light gets in."""
     width_m, height_m, deep_m = rng.uniform(0.24, 0.42), rng.uniform(0.2, 0.34), rng.uniform(0.28, 0.48)
     board_m, divider_m, lip_m = rng.uniform(0.004, 0.022), rng.uniform(0.003, 0.015), rng.uniform(0.012, 0.05)
-    boards, walls, back = (surface(k, rng) for k in (kind, _shelf_kind(rng), _shelf_kind(rng)))
+    boards, walls, back = (surface(k, rng) for k in (kind, shelf_kind(rng), shelf_kind(rng)))
     pitch_x, pitch_z, span_m = width_m + divider_m, height_m + board_m, 3 * (width_m + divider_m) + divider_m
-    finish = _finish(rng)
-    rear = _block((0.0, deep_m + 0.005, 0.5 * height_m), (span_m, 0.01, 3 * pitch_z))
+    gloss = finish(rng)
+    rear = block((0.0, deep_m + 0.005, 0.5 * height_m), (span_m, 0.01, 3 * pitch_z))
     uprights = [
-        _block(((k - 1.5) * pitch_x, deep_m / 2, 0.5 * height_m), (divider_m, deep_m - 0.01, 3 * pitch_z))
+        block(((k - 1.5) * pitch_x, deep_m / 2, 0.5 * height_m), (divider_m, deep_m - 0.01, 3 * pitch_z))
         for k in range(4)
     ]
-    levels = [_block((0.0, deep_m / 2, k * pitch_z - board_m / 2), (span_m, deep_m, board_m)) for k in range(-1, 3)]
+    levels = [block((0.0, deep_m / 2, k * pitch_z - board_m / 2), (span_m, deep_m, board_m)) for k in range(-1, 3)]
     lips = [
-        _block((0.0, 0.002, k * pitch_z + (lip_m - board_m) / 2), (span_m, 0.004, lip_m + board_m))
-        for k in range(-1, 2)
+        block((0.0, 0.002, k * pitch_z + (lip_m - board_m) / 2), (span_m, 0.004, lip_m + board_m)) for k in range(-1, 2)
     ]
     parts = [
-        Part(rear, back, *finish),
-        Part(joined(uprights), walls, *finish),
-        Part(joined([*levels, *lips]), boards, *finish),
-        *_room(rng, -0.9, deep_m + rng.uniform(0.1, 0.6)),
+        Part(rear, back, *gloss),
+        Part(joined(uprights), walls, *gloss),
+        Part(joined([*levels, *lips]), boards, *gloss),
+        *room(rng, -0.9, deep_m + rng.uniform(0.1, 0.6)),
     ]
     look_at_m = float(rng.uniform(-0.2, 0.2) * width_m), float(rng.uniform(0.1, 0.6) * deep_m), 0.45 * height_m
     view = View(look_at_m, rng.uniform(0.55, 1.0), rng.uniform(-4, 32), rng.uniform(-20, 20), rng.normal(0, 1.5))
     exposure = rng.uniform(0.18, 0.7)
-    return _Scene(tuple(parts), view, _aisle_light(rng, look_at_m), exposure, rng.uniform(1.5, 3.5))
-
-
-def _block(centre_m: tuple[float, float, float], size_m: tuple[float, float, float]) -> Mesh:
-    """A box with faces along the axes."""
-    outline, _ = rounded_rectangle(size_m[:2], min(size_m[:2]) / 100, 2)
-    return prism(outline + centre_m[:2], centre_m[2] - size_m[2] / 2, centre_m[2] + size_m[2] / 2)
-
-
-def _room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
-    """A floor, a wall behind and, now and then, one at the side."""
-    floor = surface(str(rng.choice(["plain", "wood", "checker", "terrazzo", "cloth"])), rng)
-    paint = surface("plain", rng)
-    parts = [
-        _floor(floor, floor_m),
-        Part(_block((0.0, wall_y_m + 0.05, floor_m + 1.25), (5.0, 0.1, 2.5)), paint, 0.0, 0.0),
-    ]
-    if rng.uniform() < 0.3:
-        side_m = rng.choice([-1, 1]) * rng.uniform(1.0, 1.6)
-        parts.append(Part(_block((side_m, 0.0, floor_m + 1.25), (0.1, 5.0, 2.5)), paint, 0.0, 0.0))
-    return parts
-
-
-def _floor(texture: Image, floor_m: float) -> Part:
-    """Wide enough for every camera."""
-    outline, _ = rounded_rectangle((6.0, 6.0), 0.01, 2)
-    return Part(prism(outline, floor_m - 0.05, floor_m, texture_m=1.3), texture, 0.05, 0.2)
-
-
-def _room_light(rng: np.random.Generator, aim_m: tuple[float, float, float]) -> Lighting:
-    """A lamp somewhere above and the light of a room."""
-    lamp_m = rng.uniform(-1.2, 1.2), rng.uniform(-1.3, 0.5), rng.uniform(1.4, 2.2)
-    lamp = rng.uniform(0.2, 0.9)
-    return _lighting(rng, aim_m, lamp_m, lamp, 1.6 - lamp, 0.0)
-
-
-def _aisle_light(rng: np.random.Generator, aim_m: tuple[float, float, float]) -> Lighting:
-    """Lamps above the aisle, from which hardly any light falls into a shelf."""
-    lamp_m = rng.uniform(-0.8, 0.8), rng.uniform(-1.8, -0.9), rng.uniform(0.6, 1.6)
-    lamp = rng.uniform(0.2, 0.8)
-    return _lighting(rng, aim_m, lamp_m, lamp, 1.6 - lamp, 60.0)
-
-
-def _lighting(
-    rng: np.random.Generator,
-    aim_m: tuple[float, float, float],
-    lamp_m: tuple[float, float, float],
-    lamp: float,
-    sky: float,
-    sky_tilt_deg: float,
-) -> Lighting:
-    """Warm or cold."""
-    warmth = rng.uniform(-0.06, 0.12)
-    tint = np.array([1 + warmth, 1.0, 1 - 1.2 * warmth])
-    return Lighting(
-        aim_m, lamp_m, rng.uniform(0.15, 0.5), lamp * tint, sky / tint, sky_tilt_deg, _LAMP_SAMPLES, _SKY_SAMPLES
-    )
-
-
-def _any_kind(rng: np.random.Generator) -> str:
-    return str(rng.choice(list(SURFACES)))
-
-
-def _shelf_kind(rng: np.random.Generator) -> str:
-    return str(rng.choice(["plain", "plain", "wood", "terrazzo", "cloth"]))
-
-
-def _finish(rng: np.random.Generator) -> tuple[float, float]:
-    """Specular and shininess, from matt to lacquered."""
-    return rng.uniform(0.0, 0.35), rng.uniform(0.1, 0.6)
+    return _Scene(tuple(parts), view, aisle_light(rng, look_at_m), exposure, rng.uniform(1.5, 3.5))
 
 
 FAMILIES: Mapping[str, Callable[[np.random.Generator, str], _Scene]] = {"table": _table, "bin": _bin, "shelf": _shelf}

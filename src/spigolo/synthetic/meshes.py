@@ -20,8 +20,10 @@ __all__ = [
     "joined",
     "lathe",
     "line",
+    "moved",
     "prism",
     "rounded_rectangle",
+    "sheet",
     "tub",
     "tube",
 ]
@@ -209,6 +211,18 @@ def gable_roof(width_m: float, depth_m: float, base_z_m: float, roof_m: float, f
     )
 
 
+def sheet(points_m: FloatArray, uv: FloatArray) -> Mesh:
+    """A smooth surface through points (rows, columns, 3), seen from where the rows run up and the columns right."""
+    normals = np.cross(np.gradient(points_m, axis=1), np.gradient(points_m, axis=0))
+    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
+    return _grid_mesh(points_m, normals, uv)
+
+
+def moved(mesh: Mesh, rotation: FloatArray, shift_m: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Mesh:
+    """Turned about the origin by a rotation (3, 3), then shifted."""
+    return Mesh(mesh.vertices_m @ rotation.T + np.asarray(shift_m), mesh.normals @ rotation.T, mesh.uv, mesh.triangles)
+
+
 def panels() -> tuple[Rectangle, Rectangle, Rectangle]:
     """The three panels of a box's texture, drawn in a little so that filtering does not mix neighbours."""
     inset = 0.004
@@ -228,7 +242,7 @@ def joined(parts: Sequence[Mesh]) -> Mesh:
 
 
 def _grid_mesh(vertices: FloatArray, normals: FloatArray, uv: FloatArray) -> Mesh:
-    """Triangles over a (rows, columns) grid of vertices; those of no area, at a lathe's poles, are left out."""
+    """Triangles over a (rows, columns) grid; those of no area, at a lathe's poles, are left out."""
     rows, columns = vertices.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]

@@ -9,9 +9,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.synthetic.scene import CAMERA, SUPERSAMPLING
+from spigolo.synthetic.scene import SUPERSAMPLING, load_mujoco
 
-__all__ = ["Lighting", "developed", "render_depth", "render_geoms", "render_light", "render_quickly"]
+__all__ = [
+    "Lighting",
+    "Rendering",
+    "developed",
+    "render_all",
+    "render_depth",
+    "render_geoms",
+    "render_light",
+    "render_quickly",
+]
 
 FloatArray = npt.NDArray[np.float64]
 FloatMap = npt.NDArray[np.float32]
@@ -59,9 +68,7 @@ def render_depth(model: Any) -> FloatMap:
 def render_geoms(model: Any) -> npt.NDArray[np.int32]:
     """The geom of each pixel (H, W), -1 for the void."""
     with _renderer(model, samples=0) as renderer:
-        renderer.update_scene(_at_rest(model), camera="robot")
-        renderer.enable_segmentation_rendering()
-        return np.array(renderer.render(), np.int32)[..., 0]
+        return _geoms(renderer, _at_rest(model))
 
 
 def render_light(model: Any, lighting: Lighting) -> FloatArray:
@@ -70,12 +77,32 @@ def render_light(model: Any, lighting: Lighting) -> FloatArray:
     MuJoCo's own shadows are hard; the mean of many renderings, each with the one light elsewhere, has the
     penumbras of a broad lamp and the soft contact shadows of a room's light.
     """
-    shape = (CAMERA.height, SUPERSAMPLING, CAMERA.width, SUPERSAMPLING, 3)
-    light = np.zeros((CAMERA.height, CAMERA.width, 3))
+    height, width = _size(model)
+    shape = (height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
+    light = np.zeros((height, width, 3))
     with _renderer(model, samples=4, supersampling=SUPERSAMPLING) as renderer:
         for colour in _lit(renderer, model, lighting):
             light += colour * (renderer.render() / 255.0).reshape(shape).mean(axis=(1, 3))
     return light
+
+
+@dataclass(frozen=True)
+class Rendering:
+    """light: linear (H, W, 3); lamp_light: that of the second lighting; depth_m (H, W); geoms (H, W), -1 the void."""
+
+    light: FloatArray
+    lamp_light: FloatArray
+    depth_m: FloatMap
+    geoms: npt.NDArray[np.int32]
+
+
+def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
+    """Everything at once, the light of two lightings as `render_quickly` makes it."""
+    with _renderer(model, samples=0) as renderer:
+        light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))
+        depth_m = _depth(renderer, _at_rest(model))
+        renderer.disable_depth_rendering()
+        return Rendering(light, lamp_light, depth_m, _geoms(renderer, _at_rest(model)))
 
 
 def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap]:
@@ -83,24 +110,33 @@ def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap
 
     Each light's image is moved by a part of a pixel, so that their mean is anti-aliased.
     """
-    light = np.zeros((CAMERA.height, CAMERA.width, 3))
     with _renderer(model, samples=0) as renderer:
-        for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
-            _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads them evenly
-            light += colour / 255.0 * renderer.render()
-        return light, _depth(renderer, _at_rest(model))
+        return _quick_light(renderer, model, lighting), _depth(renderer, _at_rest(model))
+
+
+def _quick_light(renderer: Any, model: Any, lighting: Lighting) -> FloatArray:
+    light = np.zeros((*_size(model), 3))
+    for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
+        _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads them evenly
+        light += colour / 255.0 * renderer.render()
+    return light
 
 
 def _renderer(model: Any, samples: int, supersampling: int = 1) -> Any:
-    import mujoco
-
+    mujoco = load_mujoco()
     model.vis.quality.offsamples = samples
-    return mujoco.Renderer(model, supersampling * CAMERA.height, supersampling * CAMERA.width)
+    height, width = _size(model)
+    return mujoco.Renderer(model, supersampling * height, supersampling * width)
+
+
+def _size(model: Any) -> tuple[int, int]:
+    """Height and width of the camera's image."""
+    width, height = model.cam_resolution[0]
+    return int(height), int(width)
 
 
 def _at_rest(model: Any) -> Any:
-    import mujoco
-
+    mujoco = load_mujoco()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return data
@@ -110,6 +146,12 @@ def _depth(renderer: Any, data: Any) -> FloatMap:
     renderer.update_scene(data, camera="robot")
     renderer.enable_depth_rendering()
     return np.array(renderer.render(), dtype=np.float32)
+
+
+def _geoms(renderer: Any, data: Any) -> npt.NDArray[np.int32]:
+    renderer.update_scene(data, camera="robot")
+    renderer.enable_segmentation_rendering()
+    return np.array(renderer.render(), np.int32)[..., 0]
 
 
 def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
@@ -125,10 +167,10 @@ def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
 def _move_image(renderer: Any, right_px: float, up_px: float) -> None:
     """Shift what the next rendering shows by less than a pixel."""
     for camera in renderer.scene.camera:
-        pixel_m = camera.frustum_near / CAMERA.fx
-        camera.frustum_center += right_px * pixel_m
-        camera.frustum_top += up_px * pixel_m
-        camera.frustum_bottom += up_px * pixel_m
+        camera.frustum_center += right_px * 2 * camera.frustum_width / renderer.width
+        up_m = up_px * (camera.frustum_top - camera.frustum_bottom) / renderer.height
+        camera.frustum_top += up_m
+        camera.frustum_bottom += up_m
 
 
 def developed(light: FloatArray) -> npt.NDArray[np.uint8]:

@@ -12,6 +12,7 @@ Axes are those of a camera: x to the right of the image, y down, Z forward. The 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,13 +24,17 @@ BoolArray = npt.NDArray[np.bool_]
 
 # A pixel covers about one projector column on either side, so a smaller disparity jump casts no shadow.
 _SHADOW_TOLERANCE_PX = 1.5
+_TURNED_AWAY = 0.95
 
 
 @dataclass(frozen=True)
 class StructuredLight:
     """What the depth camera is like.
 
-    Brightness is the mean of red, green and blue on a scale of 0 to 1.
+    Brightness is the mean of red, green and blue on a scale of 0 to 1. edge_jitter_px: how far the outlines in depth
+    stray from those in colour, one standard deviation. patch_px: how large are the patches in which what is barely
+    measured comes and goes. margin_px: what the depth camera does not see of the colour
+    image, at its top, right, bottom and left.
     """
 
     baseline_m: float = 0.075
@@ -43,6 +48,9 @@ class StructuredLight:
     rim_loss: float = 0.35
     nearest_m: float = 0.40
     furthest_m: float = 4.5
+    edge_jitter_px: float = 0.0
+    patch_px: float = 1.5
+    margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
 
 
 def simulate_structured_light(
@@ -51,12 +59,14 @@ def simulate_structured_light(
     fx_px: float,
     rng: np.random.Generator,
     sensor: StructuredLight | None = None,
+    gloss: npt.NDArray[np.floating[Any]] | None = None,
 ) -> npt.NDArray[np.float32]:
     """Turn ideal depth into what a structured-light camera would measure.
 
     depth_m: ideal distance along the optical axis, (H, W), metres; 0 or non-finite where there is none.
     rgb: colour image, (H, W, 3), 8 bit. fx_px: focal length in pixels; the principal point is taken to be the
-    centre of the image. rng: source of all the randomness. sensor: the default is like the first Kinect.
+    centre of the image. rng: source of all the randomness. sensor: the default is like the first Kinect. gloss:
+    (H, W), 0 = matt, 1 = a mirror, which is measured only where it faces the camera.
     Returns measured depth, (H, W), metres, 0 where missing.
     """
     sensor = sensor or StructuredLight()
@@ -69,12 +79,15 @@ def simulate_structured_light(
 
     # Drawn even where nothing uses them: the random stream then does not depend on the scene.
     raggedness, rim_noise, measuring_noise = (
-        correlated_noise(ideal.shape, radius, rng) for radius in (1.5, 1.8, sensor.noise_radius_px)
+        correlated_noise(ideal.shape, radius, rng) for radius in (sensor.patch_px, 1.8, sensor.noise_radius_px)
     )
     lost = ~valid | projector_shadow(disparity_px)
     lost |= _unlit(rgb, raggedness, sensor)
-    lost |= _steep(ideal, fx_px, raggedness, sensor)
+    lost |= _steep(ideal, fx_px, raggedness, sensor, np.zeros_like(ideal) if gloss is None else gloss)
     lost |= _ragged_rim(disparity_px, rim_noise, sensor)
+    if sensor.edge_jitter_px > 0:
+        disparity_px, lost = _strayed(disparity_px, lost, sensor.edge_jitter_px, rng)
+    lost |= _outside(ideal.shape, raggedness, sensor)
 
     noisy_px = disparity_px + sensor.noise_px * measuring_noise
     step_px = sensor.disparity_step_px
@@ -103,8 +116,20 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
     for index in (left, left + 1):
         np.maximum.at(nearest_px, index[seen], disparity_px[seen])
     in_front_px = np.minimum(nearest_px[left], nearest_px[left + 1])
-    shadow: BoolArray = seen & (in_front_px > disparity_px + _SHADOW_TOLERANCE_PX)
+    shadow: BoolArray = seen & (in_front_px > disparity_px + _SHADOW_TOLERANCE_PX + _own_rise_px(disparity_px))
     return shadow
+
+
+def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
+    """How much disparity a pixel's own surface gains within two projector columns, (H, W).
+
+    A surface that turns away from the projector has many pixels in a column: its nearer ones cast no shadow on the
+    others, until it turns its back on the projector (a gain of one a pixel).
+    """
+    if disparity_px.shape[1] < 2:
+        return np.zeros_like(disparity_px)
+    gain = _smooth_step(disparity_px[..., None], 1)[..., 0]
+    return np.where(gain < _TURNED_AWAY, 2 * np.abs(gain) / np.maximum(1 - gain, 1 - _TURNED_AWAY), 0.0)
 
 
 def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> FloatArray:
@@ -134,8 +159,14 @@ def _unlit(rgb: npt.NDArray[np.uint8], raggedness: FloatArray, sensor: Structure
     return unlit
 
 
-def _steep(depth_m: FloatArray, fx_px: float, raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """Surfaces that turn too far away from the viewing ray."""
+def _steep(
+    depth_m: FloatArray,
+    fx_px: float,
+    raggedness: FloatArray,
+    sensor: StructuredLight,
+    gloss: npt.NDArray[np.floating[Any]],
+) -> BoolArray:
+    """Surfaces that turn too far away from the viewing ray, the sooner the glossier they are."""
     height, width = depth_m.shape
     if height < 2 or width < 2:
         return np.zeros(depth_m.shape, dtype=np.bool_)
@@ -147,12 +178,12 @@ def _steep(depth_m: FloatArray, fx_px: float, raggedness: FloatArray, sensor: St
     along_ray = np.abs(np.sum(normals * points, axis=-1))
     lengths = np.linalg.norm(normals, axis=-1) * np.linalg.norm(points, axis=-1)
     angle_deg = np.degrees(np.arccos(np.clip(along_ray / np.maximum(lengths, 1e-12), 0.0, 1.0)))
-    steep: BoolArray = angle_deg + 2.0 * raggedness > sensor.steepest_angle_deg
+    steep: BoolArray = angle_deg + 2.0 * raggedness > sensor.steepest_angle_deg * (1.0 - gloss)
     return steep
 
 
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
-    """Step from each point of (H, W, 3) to the neighbour before or after it that is nearer in depth.
+    """Step from each point of (H, W, K) to the neighbour before or after it that is nearer in the last coordinate.
 
     At a depth discontinuity that is the neighbour on the same surface.
     """
@@ -160,7 +191,30 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)
     before = np.concatenate([first, steps], axis=axis)
     after = np.concatenate([steps, last], axis=axis)
-    return np.where(np.abs(before[..., 2:]) <= np.abs(after[..., 2:]), before, after)
+    return np.where(np.abs(before[..., -1:]) <= np.abs(after[..., -1:]), before, after)
+
+
+def _strayed(
+    disparity_px: FloatArray, lost: BoolArray, spread_px: float, rng: np.random.Generator
+) -> tuple[FloatArray, BoolArray]:
+    """Both with every pixel taken from nearby: windows of matching find outlines to a pixel or two only."""
+    down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
+    rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)
+    columns = np.clip(np.arange(lost.shape[1]) + across, 0, lost.shape[1] - 1)
+    # Of the disparity only what strays across an outline: within a surface that would be noise of another kind.
+    strayed_px = disparity_px[rows, columns]
+    jumps = np.abs(strayed_px - disparity_px) > 1.0
+    return np.where(jumps, strayed_px, disparity_px), lost[rows, columns]
+
+
+def _outside(shape: tuple[int, ...], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
+    """What the depth camera does not see of the colour image."""
+    height, width = shape
+    top, right, bottom, left = (px or -shape[0] for px in sensor.margin_px)
+    down, across = np.arange(height)[:, None] + raggedness, np.arange(width) + raggedness
+    if not any(sensor.margin_px):
+        return np.zeros(shape, np.bool_)
+    return (down < top) | (down >= height - bottom) | (across < left) | (across >= width - right)
 
 
 def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: StructuredLight) -> BoolArray:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from spigolo.synthetic.textures import Colour, Image, plaster, smooth_noise, wood
 
-__all__ = ["SURFACES", "surface"]
+__all__ = ["ROOM_SURFACES", "SURFACES", "surface"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -20,8 +20,8 @@ _WORDS = ("fresh", "No. 7", "coffee", "daily", "2 + 1", "lemon", "market", "gard
 
 
 def surface(kind: str, rng: np.random.Generator) -> Image:
-    """A texture of that kind, one of `SURFACES`, in colours of its own."""
-    return SURFACES[kind](rng)
+    """A texture of that kind, one of `SURFACES` or `ROOM_SURFACES`, in colours of its own."""
+    return {**SURFACES, **ROOM_SURFACES}[kind](rng)
 
 
 def _plain(rng: np.random.Generator) -> Image:
@@ -66,6 +66,19 @@ def _stripes(rng: np.random.Generator) -> Image:
     return _woven(np.swapaxes(image, 0, 1) if rng.uniform() < 0.5 else image, rng)
 
 
+def _paint(rng: np.random.Generator) -> Image:
+    """Quiet colours of walls and desks: white, cream, beige, grey."""
+    red, green, blue = colorsys.hsv_to_rgb(rng.uniform(0.05, 0.18), rng.uniform(0.0, 0.22), rng.uniform(0.6, 0.97))
+    return plaster((round(255 * red), round(255 * green), round(255 * blue)), rng)[:, :256]
+
+
+def _carpet(rng: np.random.Generator) -> Image:
+    """Loops of yarn in several tones of one colour."""
+    ground = np.array(_colour(rng, rng.uniform(0.05, 0.35), rng.uniform(0.2, 0.6)), np.float64)
+    yarn = smooth_noise((_SIZE_PX, _SIZE_PX), (_SIZE_PX // 5, _SIZE_PX // 5), rng)
+    return _to_image(ground * (1 + rng.uniform(0.15, 0.45) * yarn[..., None]) + _mottle(rng))
+
+
 def _print(rng: np.random.Generator) -> Image:
     """Flowers, leaves, rings or words strewn over a plain ground, as on oilcloth and wrapping paper."""
     ground, ink = _two_colours(rng)
@@ -99,7 +112,10 @@ SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {
     "print": _print,
     "terrazzo": _terrazzo,
 }
-"""What there is, by name."""
+"""What objects stand on, by name."""
+
+ROOM_SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {"paint": _paint, "carpet": _carpet}
+"""What is quieter, and what is coarser: walls and floors."""
 
 
 def _flower(image: Image, centre: tuple[int, int], radius_px: int, ink: Colour, rng: np.random.Generator) -> None:

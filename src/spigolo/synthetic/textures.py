@@ -10,10 +10,13 @@ import numpy as np
 import numpy.typing as npt
 
 __all__ = [
+    "bar_code",
     "beach_ball",
     "box_panels",
     "can_label",
     "cereal_box",
+    "disc",
+    "fill",
     "flashlight_bands",
     "glazed",
     "milk_carton",
@@ -21,8 +24,11 @@ __all__ = [
     "mug_glaze",
     "plain_card",
     "plaster",
+    "small_print",
+    "smooth_noise",
     "tea_box",
     "wood",
+    "write",
 ]
 
 Image = npt.NDArray[np.uint8]
@@ -86,24 +92,24 @@ def cereal_box() -> Image:
     for k in range(20):
         angle = np.radians(18 * k + np.array([-3.6, 3.6]))
         far = np.column_stack([340 + 900 * np.cos(angle), 690 + 900 * np.sin(angle)])
-        _fill(front, [(340, 690), *far], (224, 66, 40))
-    _fill(front, [(0, 90), (680, 40), (680, 300), (0, 350)], yellow)
-    _fill(front, [(0, 350), (680, 300), (680, 318), (0, 368)], _WHITE)
-    _write(front, "CRUNCH", (340, 205), (490, 20), navy)
-    _write(front, "OAT RINGS", (340, 420), (430, 9), _WHITE)
+        fill(front, [(340, 690), *far], (224, 66, 40))
+    fill(front, [(0, 90), (680, 40), (680, 300), (0, 350)], yellow)
+    fill(front, [(0, 350), (680, 300), (680, 318), (0, 368)], _WHITE)
+    write(front, "CRUNCH", (340, 205), (490, 20), navy)
+    write(front, "OAT RINGS", (340, 420), (430, 9), _WHITE)
     _bowl_of_rings(front, (340, 690), 240)
-    _disc(front, (570, 920), 84, yellow)
-    _write(front, "NEW", (570, 920), (120, 7), red)
-    _write(front, "450 g", (120, 950), (150, 4), _WHITE)
+    disc(front, (570, 920), 84, yellow)
+    write(front, "NEW", (570, 920), (120, 7), red)
+    write(front, "450 g", (120, 950), (150, 4), _WHITE)
     side = np.full((1000, 220, 3), red, dtype=np.uint8)
     side[60:330] = yellow
-    _write(side, "OAT", (110, 150), (150, 9), navy)
-    _write(side, "RINGS", (110, 250), (170, 7), navy)
-    _table(side, (24, 390, 196, 800), 13)
-    _bar_code(side, (44, 850, 176, 960))
+    write(side, "OAT", (110, 150), (150, 9), navy)
+    write(side, "RINGS", (110, 250), (170, 7), navy)
+    small_print(side, (24, 390, 196, 800), 13)
+    bar_code(side, (44, 850, 176, 960))
     top = np.full((220, 680, 3), yellow, dtype=np.uint8)
     top[150:] = red
-    _write(top, "CRUNCH", (340, 80), (360, 12), navy)
+    write(top, "CRUNCH", (340, 80), (360, 12), navy)
     return box_panels(front, side, top)
 
 
@@ -112,25 +118,25 @@ def tea_box() -> Image:
     green, dark, gold = (72, 142, 84), (22, 74, 52), (226, 178, 74)
     front = np.full((900, 680, 3), green, dtype=np.uint8)
     for x in range(-900, 700, 90):
-        _fill(front, [(x, 900), (x + 34, 900), (x + 934, 0), (x + 900, 0)], (92, 162, 98))
-    _disc(front, (340, 390), 262, gold)
-    _disc(front, (340, 390), 242, (248, 240, 214))
-    _write(front, "TEA", (340, 345), (300, 24), dark)
+        fill(front, [(x, 900), (x + 34, 900), (x + 934, 0), (x + 900, 0)], (92, 162, 98))
+    disc(front, (340, 390), 262, gold)
+    disc(front, (340, 390), 242, (248, 240, 214))
+    write(front, "TEA", (340, 345), (300, 24), dark)
     for k, turn in enumerate((-40, 0, 40)):
         centre = (250 + 90 * k, 510 - 26 * (k == 1))
         cv2.ellipse(front, centre, (24, 62), turn, 0, 360, green, -1, cv2.LINE_AA)
         cv2.ellipse(front, centre, (4, 56), turn, 0, 360, dark, -1, cv2.LINE_AA)
     front[716:840] = dark
     front[706:716] = front[840:850] = gold
-    _write(front, "40 BAGS", (340, 778), (380, 9), _WHITE)
+    write(front, "40 BAGS", (340, 778), (380, 9), _WHITE)
     side = np.full((900, 300, 3), dark, dtype=np.uint8)
     side[60:70] = side[706:716] = side[840:850] = gold
     side[716:840] = green
-    _write(side, "TEA", (150, 180), (210, 14), gold)
-    _table(side, (40, 290, 260, 640), 10)
+    write(side, "TEA", (150, 180), (210, 14), gold)
+    small_print(side, (40, 290, 260, 640), 10)
     top = np.full((300, 680, 3), green, dtype=np.uint8)
     top[120:180] = gold
-    _write(top, "TEA", (340, 150), (130, 7), dark)
+    write(top, "TEA", (340, 150), (130, 7), dark)
     return box_panels(front, side, top)
 
 
@@ -140,16 +146,16 @@ def milk_carton() -> Image:
     front = np.full((700, 360, 3), _WHITE, dtype=np.uint8)
     front[:40] = blue
     front[330:] = pale
-    _disc(front, (270, 410), 44, (252, 206, 66))
+    disc(front, (270, 410), 44, (252, 206, 66))
     cv2.ellipse(front, (100, 720), (270, 190), 0, 0, 360, grass, -1, cv2.LINE_AA)
     cv2.ellipse(front, (320, 740), (220, 170), 0, 0, 360, (66, 140, 66), -1, cv2.LINE_AA)
     for x, y, r in ((90, 450, 26), (124, 440, 32), (160, 452, 24)):
-        _disc(front, (x, y), r, _WHITE)
-    _write(front, "MILK", (180, 160), (290, 20), blue)
-    _write(front, "FRESH 1 L", (180, 275), (200, 5), (196, 44, 52))
+        disc(front, (x, y), r, _WHITE)
+    write(front, "MILK", (180, 160), (290, 20), blue)
+    write(front, "FRESH 1 L", (180, 275), (200, 5), (196, 44, 52))
     side = front[:, ::-1].copy()
     side[50:330] = _WHITE
-    _table(side, (60, 80, 300, 300), 8)
+    small_print(side, (60, 80, 300, 300), 8)
     return box_panels(front, side, np.full((8, 8, 3), blue, dtype=np.uint8))
 
 
@@ -158,7 +164,7 @@ def milk_roof() -> Image:
     blue = (34, 96, 182)
     slope = np.full((200, 360, 3), blue, dtype=np.uint8)
     slope[150:170] = _WHITE
-    _write(slope, "MILK", (180, 80), (170, 9), _WHITE)
+    write(slope, "MILK", (180, 80), (170, 9), _WHITE)
     fin = np.full((8, 8, 3), (232, 232, 226), dtype=np.uint8)
     return box_panels(slope, fin, slope)
 
@@ -172,11 +178,11 @@ def can_label() -> Image:
     for x in range(0, 512, 64):
         half[400:, x : x + 32] = red
     half[392:404] = gold
-    _write(half, "TOMATO", (256, 110), (350, 15), cream)
-    _write(half, "SOUP", (256, 305), (210, 10), red)
+    write(half, "TOMATO", (256, 110), (350, 15), cream)
+    write(half, "SOUP", (256, 305), (210, 10), red)
     for x in (52, 460):
-        _disc(half, (x, 302), 40, red)
-        _disc(half, (x, 282), 14, (86, 140, 62))
+        disc(half, (x, 302), 40, red)
+        disc(half, (x, 282), 14, (86, 140, 62))
     return np.hstack([half, half])
 
 
@@ -203,11 +209,11 @@ def mug_glaze() -> Image:
     image[168:] = (44, 84, 140)
     image[158:164] = (44, 84, 140)
     for k in range(24):
-        _disc(image, (21 + 43 * k, 128), 11, (214, 92, 62))
+        disc(image, (21 + 43 * k, 128), 11, (214, 92, 62))
     return image
 
 
-def _write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, int], colour: Colour) -> None:
+def write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, int], colour: Colour) -> None:
     """Write text about its centre; pen_px is the width of the text and that of its strokes."""
     (unit_width, unit_height), _ = cv2.getTextSize(text, _ROUND_FONT, 1.0, 1)
     scale = pen_px[0] / unit_width
@@ -215,11 +221,13 @@ def _write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, 
     cv2.putText(image, text, (round(x), round(y)), _ROUND_FONT, scale, colour, pen_px[1], cv2.LINE_AA)
 
 
-def _fill(image: Image, corners: Sequence[npt.ArrayLike], colour: Colour) -> None:
+def fill(image: Image, corners: Sequence[npt.ArrayLike], colour: Colour) -> None:
+    """Fill a convex polygon of (x, y) in pixels."""
     cv2.fillPoly(image, [np.round(np.array(corners, dtype=np.float64)).astype(np.int32)], colour, cv2.LINE_AA)
 
 
-def _disc(image: Image, centre: tuple[int, int], radius_px: int, colour: Colour) -> None:
+def disc(image: Image, centre: tuple[int, int], radius_px: int, colour: Colour) -> None:
+    """Fill a circle."""
     cv2.circle(image, centre, radius_px, colour, -1, cv2.LINE_AA)
 
 
@@ -237,7 +245,7 @@ def _bowl_of_rings(image: Image, centre: tuple[int, int], radius_px: int) -> Non
     cv2.ellipse(image, (x, y + 16), (radius_px, 40), 0, 0, 180, _WHITE, 10, cv2.LINE_AA)
 
 
-def _table(image: Image, corners: tuple[int, int, int, int], rows: int) -> None:
+def small_print(image: Image, corners: tuple[int, int, int, int], rows: int) -> None:
     """A white panel of small print."""
     left, top, right, bottom = corners
     image[top:bottom, left:right] = (250, 248, 240)
@@ -250,7 +258,8 @@ def _table(image: Image, corners: tuple[int, int, int, int], rows: int) -> None:
         cv2.line(image, (right - 40, y), (right - 12, y), (60, 60, 66), max(2, round(pitch / 4)))
 
 
-def _bar_code(image: Image, corners: tuple[int, int, int, int]) -> None:
+def bar_code(image: Image, corners: tuple[int, int, int, int]) -> None:
+    """Bars on white, within left, top, right, bottom."""
     left, top, right, bottom = corners
     image[top:bottom, left:right] = 250
     rng = np.random.default_rng(9)

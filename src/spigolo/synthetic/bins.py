@@ -1,0 +1,178 @@
+"""The family of shelves: a few products in a bin seen from the front, in little light."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from spigolo.datasets import rutgers
+from spigolo.synthetic.household import Product, Rest, household
+from spigolo.synthetic.meshes import Mesh, joined
+from spigolo.synthetic.placing import Plot, settled
+from spigolo.synthetic.prints import brushed_metal
+from spigolo.synthetic.rendering import Lighting
+from spigolo.synthetic.rooms import aisle_light, block, room
+from spigolo.synthetic.scene import Part, SceneObject, View
+from spigolo.synthetic.staging import Stage
+from spigolo.synthetic.structured_light import StructuredLight
+from spigolo.synthetic.textures import Image, plain_card, plaster, write
+
+__all__ = ["PRODUCTS", "RUNS", "shelf_stage"]
+
+Rng = np.random.Generator
+
+PRODUCTS = (
+    "cereal_3", "box_1", "box_3", "box_4", "carton_2", "carton_3", "book_1", "book_2", "pouch_1", "pouch_2", "glue_1",
+    "soda_can_3",
+)  # fmt: skip
+RUNS = {"run_1": (0.0, 14.0), "run_2": (-16.0, 8.0), "run_3": (17.0, 26.0)}
+"""Where the camera is in each run: turned to the side and pitched down, degrees."""
+_WALL_M, _BOARD_M = 0.006, 0.02
+
+
+def shelf_stage(run: str, rng: Rng) -> Stage:
+    """One to three products in the middle one of three by three bins."""
+    width_m, height_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
+    inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
+    plot = Plot(inner)
+    names = [*rng.choice(PRODUCTS[2:], int(rng.integers(1, 4)), replace=False), "box_1"]
+    placed = [_placed(household(str(name)), plot, width_m, deep_m, height_m, rng) for name in names]
+    things = tuple(thing for thing in placed if thing is not None)
+    things = things[: max(1, len(names) - 1)]
+    yaw_deg, pitch_deg = np.array(RUNS[run]) + rng.normal(0, 3, 2)
+    look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * height_m
+    view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), rutgers.CAMERA)
+    return Stage(
+        things,
+        tuple(_shelf(width_m, height_m, deep_m, rng)),
+        view,
+        _light(view, rng),
+        _sensor(rng),
+        (_tool(view, rng),),
+        grey=rng.uniform(25, 85),
+        noise_levels=rng.uniform(0.8, 2.2),
+        blur_px=rng.uniform(0.4, 0.6),
+        sharpening=rng.uniform(1.2, 2.7),
+        contrast=1.35,
+    )
+
+
+def _placed(
+    product: Product, plot: Plot, width_m: float, deep_m: float, height_m: float, rng: Rng
+) -> SceneObject | None:
+    """Most of them stand or lie, flat things also lean on a wall."""
+    if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
+        side = int(rng.choice([-1, 1]))
+        leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
+        across_m = product.points_m @ leaning.rotation[0]
+        wall_m = side * width_m / 2 - (across_m.max() if side > 0 else across_m.min()) - side * 0.002
+        for _ in range(20):
+            spot_m = float(wall_m), float(rng.uniform(0.1, deep_m - 0.1))
+            thing = settled(product, Rest(leaning.tilt_deg, 90.0), 0.0, 0.0, spot_m)
+            if plot.take(thing):
+                return thing
+    fitting = tuple(rest for rest in product.rests if _height_m(product, rest) < height_m - 0.02)
+
+    def spot() -> tuple[float, float]:
+        return float(rng.uniform(-0.4, 0.4) * width_m), float(rng.uniform(0.05, 0.55) * deep_m)
+
+    return plot.place(product, fitting, spot, rng)
+
+
+def _height_m(product: Product, rest: Rest) -> float:
+    thing = settled(product, rest, 0.0, 0.0, (0.0, 0.0))
+    return float(np.ptp(product.points_m @ thing.rotation[2]))
+
+
+def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Part]:
+    """Walls and backs of cardboard, boards and lips of galvanised steel."""
+    pitch_x, pitch_z = width_m + _WALL_M, height_m + _BOARD_M
+    span_m, middle_m = 3 * pitch_x, 0.5 * height_m
+    tone = rng.uniform(0.8, 1.1)
+    cardboard = plaster((round(150 * tone), round(112 * tone), round(78 * tone)), rng)
+    printed = _printed(cardboard, rng)
+    steel = brushed_metal(rng, rng.uniform(150, 210))
+    uprights = [block(((k - 1.5) * pitch_x, deep_m / 2, middle_m), (_WALL_M, deep_m, 3 * pitch_z)) for k in range(4)]
+    back = block((0.0, deep_m + 0.016, middle_m), (span_m, 0.006, 3 * pitch_z))
+    boards = [block((0.0, deep_m / 2, k * pitch_z - _BOARD_M / 2), (span_m, deep_m, _BOARD_M)) for k in range(-1, 3)]
+    lips: list[Mesh] = [
+        block((0.0, -0.003, k * pitch_z - 0.012), (span_m, 0.004, rng.uniform(0.035, 0.05))) for k in range(-1, 3)
+    ]
+    return [
+        Part(joined([*uprights, back]), printed, 0.0, 0.1),
+        Part(joined(boards), brushed_metal(rng, rng.uniform(85, 135)), 0.85, 0.5),
+        Part(joined(lips), _perforated(steel), 0.7, 0.5),
+        *room(rng, -1.1, deep_m + 0.6),
+    ]
+
+
+def _printed(cardboard: Image, rng: Rng) -> Image:
+    """What is left of the cartons that the walls were cut from: words, marks, tape."""
+    image = np.asarray(cv2.resize(cardboard, (1024, 1024)), np.uint8)
+    for _ in range(int(rng.integers(3, 9))):
+        x, y = (int(at) for at in rng.integers(60, 964, 2))
+        if rng.uniform() < 0.5:
+            write(
+                image,
+                str(rng.choice(["THIS SIDE UP", "RECYCLE", "PB2400", "KEEP DRY"])),
+                (x, y),
+                (150, 3),
+                (62, 46, 36),
+            )
+        else:
+            image[y : y + 14, x - 60 : x + 200] = np.clip(image[y : y + 14, x - 60 : x + 200] * 1.2, 0, 255)
+    fluted = 1 + 0.05 * np.sin(np.arange(1024) / 2.2)[:, None]
+    return np.clip(image * fluted[..., None], 0, 255).astype(np.uint8)
+
+
+def _perforated(steel: Image) -> Image:
+    """Holes in a row, as in the beams of such shelves, and stickers that name the bins."""
+    image = np.asarray(cv2.resize(steel, (1024, 1024)), np.uint8)
+    for x in range(16, 1024, 32):
+        cv2.rectangle(image, (x, 1008), (x + 9, 1012), (30, 30, 32), -1)
+    for x in (160, 480, 800):
+        cv2.rectangle(image, (x, 990), (x + 60, 1020), (236, 232, 214), -1)
+        write(image, "B", (x + 30, 1005), (12, 3), (20, 20, 22))
+    return image
+
+
+def _light(view: View, rng: Rng) -> Lighting:
+    """Little of the aisle's light, and that of a lamp near the camera, which casts large shadows."""
+    aisle = aisle_light(rng, view.look_at_m)
+    side_m, up_m = rng.choice([-1, 1]) * rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.5)
+    lamp_m = view.position_m + side_m * view.axes[0] + up_m * view.axes[1]
+    x, y, z = map(float, lamp_m)
+    share = rng.uniform(0.3, 0.8)
+    return replace(
+        aisle, lamp_m=(x, y, z), lamp_radius_m=rng.uniform(0.02, 0.15), lamp_rgb=1.6 * share * np.ones(3),
+        sky_rgb=1.6 * (1 - share) * np.ones(3), lamp_samples=8, sky_samples=16,
+    )  # fmt: skip
+
+
+def _tool(view: View, rng: Rng) -> SceneObject:
+    """The robot's own gripper, black, at an edge of the picture and too near to be measured."""
+    up, side = rng.choice([-1, 1]) * rng.uniform(0.115, 0.15), rng.uniform(-0.12, 0.12)
+    forward = np.array(view.look_at_m) - view.position_m
+    middle = view.position_m + 0.3 * forward / np.linalg.norm(forward) + side * view.axes[0] + up * view.axes[1]
+    x, y, z = map(float, middle)
+    black = plain_card((24, 24, 26))
+    return SceneObject(
+        "tool", (x, y, z), view.yaw_deg, (Part(block((0.0, 0.0, 0.0), (0.14, 0.08, 0.07)), black, 0.1, 0.2),)
+    )
+
+
+def _sensor(rng: Rng) -> StructuredLight:
+    """A camera on a wrist, near its least distance."""
+    left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
+    return StructuredLight(
+        noise_px=0.045 * rng.uniform(0.7, 1.5),
+        noise_radius_px=2.5,
+        dark_brightness=0.13,
+        patch_px=3.0,
+        steepest_angle_deg=rng.uniform(56, 68),
+        rim_loss=0.35,
+        edge_jitter_px=0.9,
+        margin_px=(top, right, bottom, left),
+    )

@@ -1,0 +1,124 @@
+"""A scene with objects, and what an RGB-D camera records of it beside the exact truth.
+
+World axes: x to the right, y away from the camera, z up; what objects stand on is z = 0. Lengths are in metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.datasets.entry import MILLIMETRES
+from spigolo.datasets.sample import Instance, Sample
+from spigolo.frame import Frame
+from spigolo.synthetic.rendering import Lighting, developed, render_all
+from spigolo.synthetic.scene import Part, SceneObject, View, compile_scene
+from spigolo.synthetic.structured_light import StructuredLight, simulate_structured_light
+
+__all__ = ["Stage", "record"]
+
+FloatArray = npt.NDArray[np.float64]
+
+LEAST_VISIBLE_PX = 150
+"""Of an object with fewer pixels in view nobody would draw a mask: it is background."""
+_SHADOW_PX = 1024
+_WINDOW_PX = 2.0
+
+
+@dataclass(frozen=True)
+class Stage:
+    """objects: what is labelled, 1..N; surroundings and bystanders: what is not.
+
+    grey: what the exposure makes of the median of the picture, of 255; noise_levels: of colour, of 255; blur_px: of
+    lens and demosaicing, one standard deviation; sharpening: what the camera does about it; contrast: exponent.
+    """
+
+    objects: tuple[SceneObject, ...]
+    surroundings: tuple[Part, ...]
+    view: View
+    lighting: Lighting
+    sensor: StructuredLight
+    bystanders: tuple[SceneObject, ...] = ()
+    grey: float = 110.0
+    noise_levels: float = 1.5
+    blur_px: float = 0.6
+    sharpening: float = 0.5
+    contrast: float = 1.2
+
+
+def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
+    """The frame of that name and its truth: labels of what is visible, poses from each object's axes to the camera's.
+
+    Depth is in whole millimetres, as files hold it.
+    """
+    bodies = {"surroundings": SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, stage.surroundings)}
+    bodies |= {f"bystander {k}": _renamed(thing, f"bystander {k}") for k, thing in enumerate(stage.bystanders)}
+    bodies |= {f"object {k}": _renamed(thing, f"object {k}") for k, thing in enumerate(stage.objects)}
+    model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
+    drawn = render_all(model, stage.lighting, _projector(stage.view))
+    # The depth camera brings its own light: what reflects well is measured in the dark as well. It compares windows.
+    seen = cv2.GaussianBlur(developed(drawn.lamp_light), (0, 0), _WINDOW_PX)
+    depth_m = simulate_structured_light(
+        drawn.depth_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, drawn.geoms)
+    )
+    stored = np.round(depth_m / MILLIMETRES).astype(np.uint16)
+    colour = _photographed(drawn.light, stage, rng)
+    frame = Frame(colour, stored, stage.view.camera, name=name, depth_scale=MILLIMETRES)
+    return _labelled(frame, _objects(model, drawn.geoms, len(stage.objects)), stage)
+
+
+def _projector(view: View) -> Lighting:
+    """Light from where the camera is."""
+    return Lighting(view.look_at_m, tuple(view.position_m), 0.0, np.ones(3), np.zeros(3), lamp_samples=1, sky_samples=0)
+
+
+def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
+    """Numbers the objects that are visible."""
+    labels = np.zeros(indices.shape, np.int32)
+    instances: list[Instance] = []
+    for k, thing in enumerate(stage.objects):
+        seen = indices == k
+        if seen.sum() >= LEAST_VISIBLE_PX:
+            labels[seen] = len(instances) + 1
+            instances.append(Instance(len(instances) + 1, thing.name, _pose(thing, stage.view)))
+    return Sample(frame, labels, tuple(instances))
+
+
+def _pose(thing: SceneObject, view: View) -> FloatArray:
+    to_world = np.eye(4)
+    to_world[:3, :3], to_world[:3, 3] = thing.rotation, thing.position_m
+    return view.world_to_camera @ to_world
+
+
+def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArray[np.int32]:
+    """The index of the object at each pixel (H, W), -1 where there is none."""
+    of_geom = np.full(model.ngeom + 1, -1, np.int32)  # the last, for geom -1, is the void
+    for k in range(count):
+        of_geom[:-1][model.geom_bodyid == model.body(f"object {k}").id] = k
+    return of_geom[geoms]
+
+
+def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
+    """(H, W), 0 = matt or glazed, 1 = a mirror: what is specular beyond glaze."""
+    specular = np.append(model.mat_specular[model.geom_matid], 0.0)
+    return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)
+
+
+def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
+    """Exposed, a little blurred, with noise whose grains are larger than a pixel, as demosaicing makes them."""
+    toned = (light / max(float(np.median(light)), 1e-4)) ** stage.contrast
+    soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * toned).astype(np.float32), (0, 0), stage.blur_px)
+    white = np.asarray(rng.standard_normal(soft.shape), np.float32)
+    grain = cv2.GaussianBlur(white, (0, 0), 0.6)
+    crisp = soft + stage.sharpening * (soft - cv2.GaussianBlur(soft, (0, 0), 1.5))
+    noisy = crisp + stage.noise_levels / grain.std() * grain
+    return np.asarray(np.clip(np.round(noisy), 0, 255), np.uint8)
+
+
+def _renamed(thing: SceneObject, name: str) -> SceneObject:
+    """Bodies have names of their own, also where they are several instances of one product."""
+    return SceneObject(name, thing.position_m, thing.yaw_deg, thing.parts, thing.tilt_deg, thing.roll_deg)

@@ -1,0 +1,287 @@
+"""Rendered families: their objects, their truth, their figures beside real ones, and their layouts on disk."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from itertools import permutations
+from pathlib import Path
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+import pytest
+from scipy.spatial import Delaunay
+
+import spigolo as sp
+from spigolo.datasets import Sample, guess
+from spigolo.datasets.visibility import render_depth
+from spigolo.errors import ConfigError
+from spigolo.synthetic import layouts
+from spigolo.synthetic.bins import RUNS, shelf_stage
+from spigolo.synthetic.families import FAMILIES, family_models, render_family
+from spigolo.synthetic.household import KINDS, Rest, household
+from spigolo.synthetic.placing import Plot, settled
+from spigolo.synthetic.realism import Realism, quartiles, realism
+from spigolo.synthetic.scene import SceneObject, View
+from spigolo.synthetic.staging import Stage
+from spigolo.synthetic.structured_light import StructuredLight, projector_shadow, simulate_structured_light
+from spigolo.synthetic.tables import INSTANCES, TABLES, multi_stage, table_stage
+from test_synthetic import need_renderer
+
+COUNTS = {"shelf": 3, "table": 3, "multi": 4}
+Samples = Mapping[str, Sequence[Sample]]
+
+
+@pytest.fixture(scope="module")
+def samples() -> Samples:
+    """A frame of each scene of each family, rendered once."""
+    need_renderer()
+    return {family: [render_family(family, k) for k in range(count)] for family, count in COUNTS.items()}
+
+
+def world_points(thing: SceneObject) -> npt.NDArray[np.float64]:
+    points = np.concatenate([part.mesh.vertices_m for part in thing.parts])
+    return points @ thing.rotation.T + np.array(thing.position_m)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_object_is_a_closed_mesh_that_stands_on_its_ground(kind: str) -> None:
+    product = household(kind)
+    model = product.model()
+    a, b, c = np.moveaxis(model.vertices_m[model.triangles], 1, 0)
+    litres = 1000 * float(np.sum(a * np.cross(b, c)) / 6)
+    assert 0.1 < litres < 6
+    size_m = np.ptp(model.vertices_m, axis=0)
+    assert 0.02 < size_m.max() < 0.35
+    assert model.vertices_m[:, 2].min() == pytest.approx(0, abs=1e-9)
+    assert model.colors is not None
+    assert model.colors.shape == model.vertices_m.shape
+    for part in product.parts:
+        np.testing.assert_allclose(np.linalg.norm(part.mesh.normals, axis=1), 1.0, atol=1e-6)
+
+
+def test_a_name_is_one_object_and_a_number_another() -> None:
+    first, other = household("soda_can_4"), household("soda_can_6")
+    household.cache_clear()
+    np.testing.assert_array_equal(household("soda_can_4").parts[0].texture, first.parts[0].texture)
+    assert not np.array_equal(first.parts[0].texture, other.parts[0].texture)
+    with pytest.raises(ConfigError, match="unknown object 'teapot_1': expected one of soda_can"):
+        household("teapot_1")
+
+
+@pytest.mark.parametrize("rest", [Rest(), Rest(90.0, 30.0), Rest(180.0), Rest(12.0, 90.0)])
+def test_whatever_rests_touches_the_ground(rest: Rest) -> None:
+    thing = settled(household("bowl_2"), rest, 40.0, 0.0, (0.1, -0.2))
+    assert world_points(thing)[:, 2].min() == pytest.approx(0, abs=1e-9)
+
+
+def test_a_plot_refuses_what_overlaps_or_sticks_out() -> None:
+    square = np.array([(-0.3, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3)])
+    plot, can = Plot(square), household("soda_can_4")
+    assert plot.take(settled(can, Rest(), 0, 0, (0.0, 0.0)))
+    assert not plot.take(settled(can, Rest(), 0, 0, (0.05, 0.0)))
+    assert plot.take(settled(can, Rest(), 0, 0, (0.07, 0.0)))
+    assert not plot.take(settled(can, Rest(), 0, 0, (0.28, 0.2)))
+
+
+def stages() -> list[Stage]:
+    made = []
+    for seed in range(1):
+        for make, scenes in ((shelf_stage, RUNS), (table_stage, TABLES), (multi_stage, INSTANCES)):
+            made += [make(scene, np.random.default_rng([seed, k])) for k, scene in enumerate(scenes)]
+    return made
+
+
+def test_nothing_goes_through_anything() -> None:
+    for stage in stages():
+        things = [world_points(thing) for thing in (*stage.objects, *stage.bystanders) if thing.name != "tool"]
+        assert all(points[:, 2].min() == pytest.approx(0, abs=1e-6) for points in things)
+        for points, others in permutations(things, 2):
+            near = points[np.all((points > others.min(axis=0)) & (points < others.max(axis=0)), axis=1)]
+            assert near.size == 0 or not np.any(Delaunay(others).find_simplex(near) >= 0)
+
+
+def test_products_stay_within_their_bin() -> None:
+    for seed in range(4):
+        stage = shelf_stage("run_1", np.random.default_rng(seed))
+        points = np.concatenate([world_points(thing) for thing in stage.objects])
+        assert np.abs(points[:, 0]).max() < 0.15
+        assert points[:, 1].min() > 0
+        assert points[:, 1].max() < 0.45
+        assert points[:, 2].max() < 0.26
+
+
+def test_each_scene_shows_what_it_is_said_to_show(samples: Samples) -> None:
+    assert [s.frame.name for s in samples["table"]] == ["table_1_1", "desk_1_1", "kitchen_small_1_1"]
+    for sample, scene in zip(samples["table"], TABLES, strict=True):
+        assert {instance.model for instance in sample.instances} <= set(TABLES[scene])
+        assert len(sample.instances) >= len(TABLES[scene]) - 2
+    for sample, name in zip(samples["multi"], INSTANCES, strict=True):
+        assert {instance.model for instance in sample.instances} == {name}
+        assert 2 <= len(sample.instances) <= 3
+    assert all(1 <= len(sample.instances) <= 3 for sample in samples["shelf"])
+    for family, some in samples.items():
+        names = {model.name for model in family_models(family)}
+        assert all(instance.model in names for sample in some for instance in sample.instances)
+
+
+def test_labels_are_where_the_poses_put_the_models(samples: Samples) -> None:
+    for family, some in samples.items():
+        models = {model.name: model for model in family_models(family)}
+        for sample in some:
+            assert list(np.unique(sample.labels)) == list(range(len(sample.instances) + 1))
+            assert sample.frame.camera is not None
+            drawn = [render_depth(models[i.model], i.pose, sample.frame.camera) for i in sample.instances]
+            depth = np.where(np.array(drawn) > 0, drawn, np.inf)
+            nearest = np.where(np.isfinite(depth.min(axis=0)), depth.argmin(axis=0) + 1, 0)
+            for instance in sample.instances:
+                mask, here = sample.labels == instance.label, nearest == instance.label
+                assert np.mean(here[mask]) > 0.985
+                if family == "table":  # nothing else is in front of the objects there
+                    assert np.sum(mask & here) / np.sum(mask | here) > 0.97
+
+
+def test_poses_are_rotations_and_depth_is_that_of_the_objects(samples: Samples) -> None:
+    for sample in (sample for some in samples.values() for sample in some):
+        for instance in sample.instances:
+            rotation = instance.pose[:3, :3]
+            np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-9)
+            assert np.linalg.det(rotation) == pytest.approx(1)
+            seen_m = sample.frame.depth[(sample.labels == instance.label) & (sample.frame.depth > 0)]
+            if seen_m.size > 200:
+                assert abs(np.median(seen_m) - instance.pose[2, 3]) < 0.2
+
+
+def test_equal_numbers_and_seeds_give_equal_frames(samples: Samples) -> None:
+    again = render_family("shelf", 0)
+    np.testing.assert_array_equal(again.frame.color, samples["shelf"][0].frame.color)
+    np.testing.assert_array_equal(again.frame.depth, samples["shelf"][0].frame.depth)
+    np.testing.assert_array_equal(again.labels, samples["shelf"][0].labels)
+    assert not np.array_equal(again.frame.color, samples["shelf"][1].frame.color)
+
+
+@pytest.mark.parametrize(
+    ("family", "missing", "edges", "brightness"),
+    [
+        ("shelf", (0.5, 0.85), (0.02, 0.11), (15, 95)),
+        ("table", (0.05, 0.25), (0.02, 0.15), (70, 150)),
+        ("multi", (0.05, 0.25), (0.02, 0.15), (80, 160)),
+    ],
+)
+def test_figures_are_like_those_of_real_frames(
+    samples: Samples,
+    family: str,
+    missing: tuple[float, float],
+    edges: tuple[float, float],
+    brightness: tuple[float, float],
+) -> None:
+    middle = {name: values[1] for name, values in quartiles([realism(s.frame) for s in samples[family]]).items()}
+    assert missing[0] < middle["missing"] < missing[1]
+    assert edges[0] < middle["edges"] < edges[1]
+    assert brightness[0] < middle["brightness"] < brightness[1]
+    assert middle["noise_06"] < middle["noise_08"] < 2 * middle["noise_06"] < 2.0
+
+
+def test_realism_measures_noise_edges_and_gaps() -> None:
+    noise_m = 0.002 * np.random.default_rng(0).standard_normal((120, 160))
+    depth = (1.0 + noise_m).astype(np.float32)
+    depth[:, :40] = 0
+    figures = realism(sp.Frame(np.full((120, 160, 3), 90, np.uint8), depth, None))
+    assert figures.missing == 0.25
+    assert figures.edges == 0
+    assert figures.brightness == 90
+    assert figures.noise_08 == pytest.approx(2.0, rel=0.1)
+    assert np.isnan(figures.noise_04)
+    low, middle, high = quartiles([figures, Realism(0.5, 0, 0, 0, 0, 0, 0)])["missing"]
+    assert low < middle < high
+
+
+def test_a_wall_seen_at_a_flat_angle_casts_no_shadow_on_itself() -> None:
+    across = (np.arange(640) - 319.5) / 525.0
+    for angle_deg, distance_m in ((75.0, 0.5), (80.0, 0.5), (84.0, 0.8)):
+        inverse = (1 + np.tan(np.radians(angle_deg)) * across) / distance_m
+        seen = (inverse > 1 / 4) & (inverse < 1 / 0.4)
+        disparity_px = np.where(seen, 525.0 * 0.075 * inverse, 0.0)[None].repeat(3, 0)
+        assert seen.sum() > 90
+        assert not projector_shadow(disparity_px).any()
+
+
+def test_mirrors_margins_and_strays_of_the_depth_camera() -> None:
+    depth_m = np.full((120, 160), 1.5)
+    depth_m[30:90, 60:100] = 1.0
+    grey = np.full((120, 160, 3), 128, np.uint8)
+    gloss = np.zeros((120, 160))
+    gloss[:, 120:] = 0.99
+
+    def measured(sensor: StructuredLight, gloss: npt.NDArray[np.float64] | None = None) -> npt.NDArray[np.float32]:
+        return simulate_structured_light(depth_m, grey, 525.0, np.random.default_rng(0), sensor, gloss)
+
+    assert np.mean(measured(StructuredLight(), gloss)[:, 125:] == 0) > 0.9
+    cut = measured(StructuredLight(margin_px=(0, 20, 10, 0)))
+    assert np.all(cut[115:] == 0) and np.all(cut[:, 145:] == 0)
+    assert np.all(cut[:20, :40] > 0)
+    still, strayed = (measured(StructuredLight(rim_loss=0.0, edge_jitter_px=px)) for px in (0.0, 1.5))
+    moved = (np.abs(still - strayed) > 0.3) & (still > 0) & (strayed > 0)
+    assert moved.sum() > 30
+    near_outline = cv2.dilate(
+        cv2.morphologyEx((depth_m < 1.2).astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3))), np.ones((13, 13))
+    )
+    assert not moved[near_outline == 0].any()
+
+
+def test_a_view_projects_as_its_camera_does() -> None:
+    view = View((0.1, 0.2, 0.3), 0.9, 35.0, 20.0, 4.0, sp.Camera(570, 560, 325, 242, 640, 480))
+    x, y, z = view.world_to_camera[:3] @ np.array([0.1, 0.2, 0.3, 1.0])
+    np.testing.assert_allclose((x, y, z), (0, 0, 0.9), atol=1e-12)
+    ahead = view.world_to_camera[:3, :3] @ np.array([0, 0, -1.0])
+    assert ahead[1] > 0.7  # down is down
+
+
+@pytest.mark.parametrize("layout", layouts.LAYOUTS)
+@pytest.mark.parametrize("family", FAMILIES)
+def test_what_is_written_is_read_back(
+    samples: Samples, family: str, layout: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(layouts, "render_family", lambda name, number, seed: samples[name][number])
+    told: list[int] = []
+    count = COUNTS[family]
+    assert layouts.write_family(family, count, 0, tmp_path, layout, told.append) == count
+    assert told == list(range(1, count + 1))
+    by_color = {s.frame.color.tobytes(): s for s in samples[family]}
+    entries = list(guess(tmp_path))
+    assert len(entries) == count
+    for entry in entries:
+        frame, truth = entry.read_both()
+        sample = by_color[frame.color.tobytes()]
+        np.testing.assert_allclose(frame.depth, sample.frame.depth, atol=1e-6)
+        assert frame.camera == sample.frame.camera
+        assert truth is not None
+        several = layout != "original" or family != "shelf"
+        assert len(np.unique(truth.labels)) - 1 == (len(sample.instances) if several else 1)
+        wanted = (sample.labels > 0) if several else (sample.labels == 1)
+        # Where masks are drawn at the poses, an occluder without depth hides nothing: there may be more, but not less.
+        assert np.sum(wanted & (truth.labels > 0)) > 0.95 * np.sum(wanted)
+
+
+def test_the_command_renders_and_refuses(tmp_path: Path) -> None:
+    need_renderer()
+
+    def render(*words: object) -> subprocess.CompletedProcess[str]:
+        code = "from spigolo.cli import main; main()"
+        command = [sys.executable, "-c", code, "render", *map(str, words)]
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+
+    done = render("shelf", "--count", 1, "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    assert [entry.name for entry in guess(tmp_path / "out")] == ["run_1_1"]
+    for words, said in (
+        (["attic"], "expected one of shelf, table, multi"),
+        (["table", "--layout", "coco"], "expected one of folders, bop, original"),
+        (["table", "--count", 0], "expected at least one frame"),
+    ):
+        refused = render(*words, "--out", tmp_path / "none")
+        assert refused.returncode == 2
+        assert said in refused.stderr
+    assert not (tmp_path / "none").exists()

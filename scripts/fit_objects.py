@@ -166,6 +166,7 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "without smooth borders": {"joining.smooth": None},
     "without enclosed bottoms": {"joining.enclosed": None},
     "without joining": {"joining": None},
+    "without walls": {"rejection.wall": None},
     "largest plane, be it the floor": {"rejection.support.stacked_share": None},
     "weak contours from 0.65 on": {"rejection.min_contour": 0.65},
     "8-connected": {"partition.connectivity": 8},

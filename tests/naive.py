@@ -646,14 +646,11 @@ def sum_hollows(labels: Array, number: Array, depth: Array, fx: float, margin: i
 
 
 def sum_steps(
-    labels: Array, depth: Array, tall: Array, near: int, deep: int, step_m: float, step_share: float, count: int
+    labels: Array, depth: Array, wanted: Array, near: int, deep: int, step_m: float, step_share: float
 ) -> Array:
-    """(R, 6): sides across the contour, those measured, those where depth steps back, sides on the image border, pixels
-    with depth, tall ones."""
-    out = np.zeros((count, 6))
-    for k in range(count):
-        out[k, 4:] = np.count_nonzero(depth[labels == k] > 0), tall[labels == k].sum()
-    for p in (np.array(at) for at in pixels(labels)):
+    """(R, 4): sides across the contour, those measured, those where depth steps back, sides on the image border."""
+    out = np.zeros((len(wanted), 4))
+    for p in (np.array(at) for at in pixels(labels) if wanted[labels[at]]):
         k = labels[tuple(p)]
         for step in (np.array(direction) for direction in ((0, 1), (0, -1), (1, 0), (-1, 0))):
             if not inside(labels, *(p + step)):

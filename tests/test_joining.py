@@ -11,7 +11,7 @@ import naive
 import spigolo as sp
 from spigolo.config import Cap, Smooth, Vessel
 from spigolo.cues import gather_cues
-from spigolo.facts import measure_regions, measure_rim, measure_stance
+from spigolo.facts import find_level, measure_regions, measure_rim, measure_stance
 from spigolo.joining import join_parts
 from spigolo.regions import Regions
 from spigolo.support import find_support
@@ -242,7 +242,9 @@ def test_a_level_piece_that_goes_on_is_part_of_a_rim(goes_on: bool) -> None:
     labels[20:30, 40:60] = 1
     frame = sp.Frame(color, depth, sp.Camera(fx=300.0, fy=300.0, cx=50.0, cy=30.0, width=100, height=60))
     facts = measure_regions(Regions(labels, 2), depth, frame, np.zeros((60, 100), np.float32))[1]
-    rim = measure_rim(facts, height, labels == 0, sp.Wall().rim_m)
+    level = find_level(facts, height, depth, sp.Wall().rim_m)
+    assert level == pytest.approx(0.2)
+    rim = measure_rim(facts, (height == level) & (labels == 0))
     assert rim == pytest.approx(4.0 if goes_on else 0.0)
 
 

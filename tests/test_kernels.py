@@ -628,10 +628,10 @@ def test_sum_hollows(scene: Frame, blocks: tuple[naive.Array, naive.Array], marg
 def test_sum_steps(
     scene: Frame, rng: np.random.Generator, blocks: tuple[naive.Array, naive.Array], near: int, deep: int
 ) -> None:
-    labels, count, tall = blocks[0], int(blocks[0].max()) + 1, rng.integers(0, 2, scene.shape).astype(np.uint8)
-    sums = np.zeros((count, borders.STEPS))
-    borders.sum_steps(labels, scene.depth, tall, near, deep, 0.0121, 0.0061, sums)
-    twin = naive.sum_steps(labels, scene.depth, tall, near, deep, 0.0121, 0.0061, count)
+    labels, wanted = blocks[0], rng.integers(0, 2, int(blocks[0].max()) + 1).astype(np.uint8)
+    sums = np.zeros((len(wanted), borders.STEPS))
+    borders.sum_steps(labels, scene.depth, wanted, near, deep, 0.0121, 0.0061, sums)
+    twin = naive.sum_steps(labels, scene.depth, wanted, near, deep, 0.0121, 0.0061)
     np.testing.assert_array_equal(sums, twin)
 
 

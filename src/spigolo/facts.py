@@ -46,8 +46,8 @@ class RegionFacts:
     above: share of its measured pixels that stand above the support plane, None where there is no plane. inside: share
     in the region of interest, None where none is given. contour: strength of its contour in [0, 1], the mean of
     `contour_cue` along its border. cut: share of its contour on the image border; hides: share beyond which depth
-    steps back; lean_deg: angle of its mean surface normal to the line of sight; None where no rule asks, the last two
-    also for a region that is not tall or has too little depth (`Wall`).
+    steps back; lean_deg: angle of its mean surface normal to the line of sight; None where no rule asks, and for a
+    region that is not tall or, the last two, has too little depth (`Wall`).
     """
 
     region: int
@@ -151,7 +151,7 @@ def measure_regions(
             above=None if standing is None else float(standing[k]),
             inside=None if wanted is None else float(wanted[k]),
             contour=float(strength[k]),
-            cut=None if stance is None else float(stance.cut[k]),
+            cut=None if stance is None else _known(stance.cut[k]),
             hides=None if stance is None else _known(stance.hides[k]),
             lean_deg=None if stance is None else _known(stance.lean_deg[k]),
             regions=regions.labels,
@@ -163,19 +163,21 @@ def measure_regions(
 
 def measure_stance(regions: Regions, depth: DepthMap, camera: Camera, tall: Mask, rule: Wall) -> Stance:
     """How every region stands; only those with enough pixels among the tall ones (H, W) are asked."""
+    valid, high = _count(regions, np.asarray(depth > 0)), _count(regions, tall)
+    asked = (high >= TALL_SHARE * valid) & (high > 0)
     sums = np.zeros((regions.count, borders.STEPS))
     near = max(round(rule.reach_px * regions.vga_scale**-0.5), 1)
-    steps = rule.step_m, rule.step_share
-    borders.sum_steps(regions.labels, depth, tall.view(np.uint8), near, round(REACH_INSIDE * near), *steps, sums)
-    pairs, known, back, edge, valid, high = sums.T
-    asked = (high >= TALL_SHARE * valid) & (high > 0)
+    deep, steps = round(REACH_INSIDE * near), (rule.step_m, rule.step_share)
+    borders.sum_steps(regions.labels, depth, asked.view(np.uint8), near, deep, *steps, sums)
+    pairs, known, back, edge = sums.T
     enough = asked & (known + edge >= rule.min_measured * (pairs + edge)) & (known + edge > 0)
     hides = np.where(enough, back / np.maximum(known + edge, 1), np.nan)
-    return Stance(edge / np.maximum(pairs + edge, 1), hides, _lean_deg(regions, depth, camera, asked, near, valid))
+    cut = np.where(asked, edge / np.maximum(pairs + edge, 1), np.nan)
+    return Stance(cut, hides, _lean_deg(regions, depth, camera, asked, near, valid))
 
 
 def _lean_deg(
-    regions: Regions, depth: DepthMap, camera: Camera, asked: Mask, reach_px: int, valid: npt.NDArray[np.float64]
+    regions: Regions, depth: DepthMap, camera: Camera, asked: Mask, reach_px: int, valid: npt.NDArray[np.int64]
 ) -> npt.NDArray[np.float64]:
     sums = np.zeros((regions.count, 7))
     planes.sum_normals(regions.labels, depth, asked.view(np.uint8), kernel_numbers(camera), reach_px, sums)
@@ -186,23 +188,32 @@ def _lean_deg(
     return np.where(known, np.degrees(np.arccos(np.clip(cosine, -1, 1))), np.nan)
 
 
-def measure_rim(facts: RegionFacts, height: Heights, no_object: Mask, rim_m: float) -> float:
-    """Pixels outside of any object that go on beside a level region as high as it, as a multiple of its own.
+def find_level(facts: RegionFacts, height: Heights, depth: DepthMap, rim_m: float) -> float | None:
+    """The median height of a region's pixels, None where less than two thirds of them lie within rim_m of it.
 
-    height (H, W) above the support, NaN where depth is missing; no_object (H, W). 0 for a region that is not level:
-    two thirds of it lie within rim_m of its median height.
+    height (H, W) above the support, without meaning where depth (H, W) is missing.
+    """
+    y0, x0, y1, x1 = facts.box_px
+    own = (facts.regions[y0:y1, x0:x1] == facts.region) & (depth[y0:y1, x0:x1] > 0)
+    heights = height[y0:y1, x0:x1][own]
+    if heights.size == 0:
+        return None
+    level = float(np.median(heights))
+    return level if np.mean(np.abs(heights - level) <= rim_m) >= LEVEL_SHARE else None
+
+
+def measure_rim(facts: RegionFacts, beside: Mask) -> float:
+    """Pixels that go on beside a region, as a multiple of its own.
+
+    beside (H, W): as high as the region, and of no object; gaps of a few pixels are bridged.
     """
     y0, x0, y1, x1 = facts.box_px
     own = facts.regions[y0:y1, x0:x1] == facts.region
-    heights = height[y0:y1, x0:x1][own]
-    level = float(np.nanmedian(heights)) if np.isfinite(heights).any() else np.nan
-    if not np.mean(np.abs(heights - level) <= rim_m) >= LEVEL_SHARE:
-        return 0.0
-    beside = (np.abs(height - level) <= rim_m) & no_object
-    beside[y0:y1, x0:x1] |= own
-    count, pieces = cv2.connectedComponents(cv2.dilate(beside.view(np.uint8), np.ones((RIM_GAP_PX, RIM_GAP_PX))))
+    both = beside.copy()
+    both[y0:y1, x0:x1] |= own
+    count, pieces = cv2.connectedComponents(cv2.dilate(both.view(np.uint8), np.ones((RIM_GAP_PX, RIM_GAP_PX))))
     touching = np.bincount(pieces[y0:y1, x0:x1][own], minlength=count) > 0
-    return float(np.bincount(pieces[beside], minlength=count)[touching].sum() / own.sum()) - 1
+    return float(np.bincount(pieces[both], minlength=count)[touching].sum() / own.sum()) - 1
 
 
 def region_score(

@@ -13,7 +13,16 @@ import numpy.typing as npt
 
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
-from spigolo.facts import Labels, RegionFacts, Stance, contour_cue, measure_regions, measure_rim, measure_stance
+from spigolo.facts import (
+    Labels,
+    RegionFacts,
+    Stance,
+    contour_cue,
+    find_level,
+    measure_regions,
+    measure_rim,
+    measure_stance,
+)
 from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
 from spigolo.regions import Regions
@@ -199,21 +208,21 @@ def _reject_rims(
     scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]
 ) -> Sequence[Verdict | None]:
     """The verdicts, those of level regions that go on in what is no object changed."""
-    plane, camera, rules = scene.evidence.plane, scene.frame.camera, scene.evidence.rules
-    tall = [k for k, (f, v) in enumerate(zip(facts, verdicts, strict=True)) if v is None and f.lean_deg is not None]
-    if rules.wall is None or plane is None or camera is None or not tall:
+    plane, camera, rule = scene.evidence.plane, scene.frame.camera, scene.evidence.rules.wall
+    tall = [f for f, v in zip(facts, verdicts, strict=True) if v is None and f.lean_deg is not None]
+    if rule is None or plane is None or camera is None or not tall:
         return verdicts
-    depth, out = scene.evidence.depth, list(verdicts)
-    height = np.where(depth > 0, plane.height_map_m(depth, camera), np.nan)
-    no_object = np.array([v is not None for v in verdicts])[scene.regions.labels]
-    for k in tall:
-        rim = measure_rim(facts[k], height, no_object, rules.wall.rim_m)
-        if rim > rules.wall.max_rim:
-            out[k] = (
-                Reason.WALL,
-                f"wall: in a rim {rim:.1f} times as large, limit {rules.wall.max_rim}",
-            )
-    return out
+    depth, changed = scene.evidence.depth, list(verdicts)
+    height = plane.height_map_m(depth, camera)
+    for f in tall:
+        level = find_level(f, height, depth, rule.rim_m)
+        if level is None:
+            continue
+        no_object = np.array([v is not None for v in verdicts])[scene.regions.labels]
+        rim = measure_rim(f, np.asarray((np.abs(height - level) <= rule.rim_m) & no_object & (depth > 0)))
+        if rim > rule.max_rim:
+            changed[f.region] = Reason.WALL, f"wall: in a rim {rim:.1f} times as large, limit {rule.max_rim}"
+    return changed
 
 
 def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]) -> Segmentation:

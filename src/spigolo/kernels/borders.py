@@ -8,7 +8,7 @@ from spigolo.kernels._jit import inlined, kernel
 from spigolo.kernels.contours import hollow
 
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
-SUMS, STEPS = 6, 6
+SUMS, STEPS = 6, 4
 
 
 @inlined
@@ -108,21 +108,19 @@ def is_inner(labels, y, x):
 
 
 @kernel
-def sum_steps(labels, depth, tall, near, deep, step_m, step_share, sums):
-    """How much of each region's contour depth steps back beyond, and how much of it is tall.
+def sum_steps(labels, depth, wanted, near, deep, step_m, step_share, sums):
+    """How much of a region's contour depth steps back beyond.
 
-    labels (H, W) int32; depth (H, W) metres; tall (H, W) uint8, 0 or 1. Samples lie `near` pixels to both sides of the
-    contour, and `deep` pixels inside for the region's own slope. sums (R, 6) float64, zero before: pairs of
-    4-neighbours across the contour, those with depth on both sides, those where the outside lies farther by step_m +
-    step_share * depth + slope, pixels' sides on the image border, pixels with depth, tall ones.
+    labels (H, W) int32; depth (H, W) metres; wanted (R,) uint8: other regions stay as they are. Samples lie `near`
+    pixels to both sides of the contour, and `deep` pixels inside for the region's own slope. sums (R, 4) float64, zero before:
+    pairs of 4-neighbours across the contour, those with depth on both sides, those where the outside lies farther by
+    step_m + step_share * depth + slope, pixels' sides on the image border.
     """
     height, width = labels.shape
     for y in range(height):
         for x in range(width):
             k = labels[y, x]
-            sums[k, 4] += depth[y, x] > 0.0
-            sums[k, 5] += tall[y, x]
-            if is_inner(labels, y, x):
+            if not wanted[k] or is_inner(labels, y, x):
                 continue
             for dy, dx in ((0, 1), (0, -1), (1, 0), (-1, 0)):
                 v, u = y + dy, x + dx

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from spigolo.frame import Frame
+from spigolo.frame import Frame, Mask
 from spigolo.synthetic.meshes import Mesh, arc, joined, line, prism, rounded_rectangle, tub
-from spigolo.synthetic.rendering import Lighting, developed, render_quickly
+from spigolo.synthetic.rendering import Lighting, developed, render_geoms, render_quickly
 from spigolo.synthetic.rooms import aisle_light, any_kind, block, finish, floor, room, room_light, shelf_kind
 from spigolo.synthetic.scene import CAMERA, Part, SceneObject, View, compile_scene
 from spigolo.synthetic.structured_light import simulate_structured_light
 from spigolo.synthetic.surfaces import SURFACES, surface
 
-__all__ = ["FAMILIES", "empty_scene", "empty_scenes"]
+__all__ = ["FAMILIES", "empty_scene", "empty_scenes", "scene_with_a_box"]
 
 _SHADOW_PX = 1024
 
@@ -36,17 +36,38 @@ class _Scene:
 
 def empty_scene(family: str, seed: int) -> Frame:
     """The frame of that family, one of `FAMILIES`, and seed. Raises ValueError for a family that is not known."""
+    return _render(family, seed, lambda view: None)[0]
+
+
+def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
+    """The same with a box of 9 x 7 x 13 cm in it, and its pixels (H, W): what tells emptiness from blindness."""
+    return _render(family, seed, lambda view: _box(family, seed, view))
+
+
+def _render(family: str, seed: int, put: Callable[[View], SceneObject | None]) -> tuple[Frame, Mask]:
     if family not in FAMILIES:
         raise ValueError(f"unknown family {family!r}: expected one of {', '.join(FAMILIES)}")
     rng = np.random.default_rng([list(FAMILIES).index(family), seed])
     scene = FAMILIES[family](rng, list(SURFACES)[seed % len(SURFACES)])
-    surroundings = SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, scene.parts)
-    model = compile_scene("spigolo empty scene", {"surroundings": surroundings}, scene.view, _SHADOW_PX)
+    things = {"surroundings": SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, scene.parts)}
+    if (box := put(scene.view)) is not None:
+        things[box.name] = box
+    model = compile_scene("spigolo empty scene", things, scene.view, _SHADOW_PX)
     light, ideal_m = render_quickly(model, scene.lighting)
     # The depth camera brings its own light: what reflects well is measured in the dark as well.
     depth_m = simulate_structured_light(ideal_m, developed(light), CAMERA.fx, rng)
     noisy = developed(scene.exposure * light) + rng.normal(0.0, scene.noise_levels, light.shape)
-    return Frame(np.clip(np.round(noisy), 0, 255).astype(np.uint8), depth_m, CAMERA, name=f"{family}-{seed}")
+    frame = Frame(np.clip(np.round(noisy), 0, 255).astype(np.uint8), depth_m, CAMERA, name=f"{family}-{seed}")
+    return frame, np.asarray(render_geoms(model) >= len(scene.parts))
+
+
+def _box(family: str, seed: int, view: View) -> SceneObject:
+    """In the middle of the view; on a shelf 12 cm behind its front."""
+    rng = np.random.default_rng([99, seed])
+    outline, _ = rounded_rectangle((0.09, 0.07), 0.003, 3)
+    at = view.look_at_m[0], 0.12 if family == "shelf" else view.look_at_m[1], 0.0
+    part = Part(prism(outline, 0.0, 0.13), surface("wood" if seed % 2 else "plain", rng))
+    return SceneObject("box", at, float(rng.uniform(-30, 30)), (part,))
 
 
 def empty_scenes(count: int = 50) -> Iterator[Frame]:

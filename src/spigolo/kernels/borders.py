@@ -112,9 +112,9 @@ def sum_steps(labels, depth, wanted, near, deep, step_m, step_share, sums):
     """How much of a region's contour depth steps back beyond.
 
     labels (H, W) int32; depth (H, W) metres; wanted (R,) uint8: other regions stay as they are. Samples lie `near`
-    pixels to both sides of the contour, and `deep` pixels inside for the region's own slope. sums (R, 4) float64, zero before:
-    pairs of 4-neighbours across the contour, those with depth on both sides, those where the outside lies farther by
-    step_m + step_share * depth + slope, pixels' sides on the image border.
+    pixels to both sides of the contour, and `deep` pixels inside for the region's own slope. sums (R, 4) float64, zero
+    before: pairs of 4-neighbours across the contour, those with depth on both sides, those where the outside lies
+    farther by step_m + step_share * depth + slope, pixels' sides on the image border.
     """
     height, width = labels.shape
     for y in range(height):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import platform
 from dataclasses import dataclass
-from pathlib import Path
 
 import cv2
 import llvmlite
@@ -13,6 +12,7 @@ import numba
 import numpy as np
 
 from spigolo import __version__
+from spigolo.machine import processor
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,19 +37,10 @@ def this_machine() -> Machine:
         "opencv": cv2.__version__,
     }
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
-    return Machine(_cpu(), _cores(), f"{platform.system()} {platform.machine()}", load, versions)
+    return Machine(processor(), _cores(), f"{platform.system()} {platform.machine()}", load, versions)
 
 
 def _cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def _cpu() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(named, "") or platform.processor() or platform.machine()

@@ -22,8 +22,9 @@ from spigolo.bench.resources import (
 from spigolo.bench.scaling import SIZES, Growth, Size, study
 from spigolo.bench.stages import time_stages
 from spigolo.bench.startup import Startup, measure_startup
-from spigolo.bench.timing import Sample, Tell, one_thread, run_rounds, silent
+from spigolo.bench.timing import Sample, Tell, run_rounds, silent
 from spigolo.frame import Frame
+from spigolo.machine import one_thread
 
 MAIN = "OBJECTS 8c"
 """Whose throughput and latency are measured."""

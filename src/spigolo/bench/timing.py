@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import random
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-
-import cv2
 
 Tell = Callable[[str, float], None]
 """Told what is being measured, and how much of it is done, 0..1."""
@@ -60,14 +57,3 @@ def run_rounds(
             if k > 0:
                 samples[name].append(sample)
     return samples
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Keeps OpenCV to one thread."""
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(before)

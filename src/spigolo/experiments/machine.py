@@ -6,7 +6,8 @@ import os
 import platform
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
+
+from spigolo.machine import processor
 
 PACKAGES = {"numpy": "numpy", "numba": "numba", "opencv-python-headless": "OpenCV", "scipy": "scipy"}
 
@@ -16,7 +17,7 @@ def describe_machine() -> str:
     """Processor, system and versions in one line."""
     known = [f"{title} {found}" for package, title in PACKAGES.items() if (found := _version(package))]
     return (
-        f"{_processor()}, {os.cpu_count()} CPUs; {platform.system()} {platform.machine()};"
+        f"{processor()}, {os.cpu_count()} CPUs; {platform.system()} {platform.machine()};"
         f" Python {platform.python_version()}, {', '.join(known)}"
     )
 
@@ -26,12 +27,3 @@ def _version(package: str) -> str | None:
         return version(package)
     except PackageNotFoundError:  # OpenCV has several packages
         return None
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, platform.processor() or platform.machine())

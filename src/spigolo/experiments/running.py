@@ -8,10 +8,10 @@ import signal
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
 from pathlib import Path
@@ -27,6 +27,7 @@ from spigolo.evaluation.matching import NEEDS_SCIPY
 from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, score_row
 from spigolo.experiments.machine import describe_machine
 from spigolo.frame import Frame
+from spigolo.machine import one_thread
 from spigolo.methods import Method
 from spigolo.objects import Segmentation
 
@@ -129,7 +130,7 @@ def spread(do: Callable[[T], R], items: Sequence[T], jobs: int, methods: Sequenc
     methods: those of the worker that waits in each of several processes. Raises SpigoloError where one dies.
     """
     if jobs == 1 or len(items) < 2:
-        with _one_thread():
+        with one_thread():
             yield from map(do, items)
         return
     # spawn: OpenCV's threads do not survive a fork
@@ -168,17 +169,6 @@ def _end_with_parent() -> None:
 def _do(task: Task) -> Row:
     assert _worker is not None
     return _worker(task)
-
-
-@contextmanager
-def _one_thread() -> Iterator[None]:
-    """OpenCV on one thread, as the times are those of one."""
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(before)
 
 
 def _score(truth: Truth, result: Segmentation) -> RowScore:

@@ -48,13 +48,15 @@ def write_report(
     write_bytes(out / MARKDOWN, to_markdown(page).encode())
 
 
+def _preset(contender: Contender) -> str:
+    name = contender.rows[0].preset
+    return f" with preset {name}" if name else ""
+
+
 def _opening(contenders: Sequence[Contender], rows: Sequence[Row]) -> list[Block]:
     frames = {(row.data_set, row.frame) for row in rows}
     sets = {data_set for data_set, _ in frames}
-    what = [
-        f"{c.label}: {c.rows[0].method} with preset {c.rows[0].preset or '-'}, digest {c.rows[0].digest}"
-        for c in contenders
-    ]
+    what = [f"{c.label}: {c.rows[0].method}{_preset(c)}, digest {c.rows[0].digest}" for c in contenders]
     machines = sorted({f"spigolo {row.version} on {row.machine}" for row in rows})
     return [Paragraph(f"{len(frames)} frames of {len(sets)} data sets."), Items([*what, *machines])]
 

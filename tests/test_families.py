@@ -19,7 +19,7 @@ from spigolo.datasets import Sample, guess
 from spigolo.datasets.visibility import render_depth
 from spigolo.errors import ConfigError
 from spigolo.synthetic import layouts
-from spigolo.synthetic.bins import RUNS, shelf_stage
+from spigolo.synthetic.bins import VIEWS, shelf_stage
 from spigolo.synthetic.families import FAMILIES, family_models, render_family
 from spigolo.synthetic.household import KINDS, Rest, household
 from spigolo.synthetic.placing import Plot, settled
@@ -89,7 +89,7 @@ def test_a_plot_refuses_what_overlaps_or_sticks_out() -> None:
 def stages() -> list[Stage]:
     made = []
     for seed in range(1):
-        for make, scenes in ((shelf_stage, RUNS), (table_stage, TABLES), (multi_stage, INSTANCES)):
+        for make, scenes in ((shelf_stage, VIEWS), (table_stage, TABLES), (multi_stage, INSTANCES)):
             made += [make(scene, np.random.default_rng([seed, k])) for k, scene in enumerate(scenes)]
     return made
 
@@ -105,7 +105,7 @@ def test_nothing_goes_through_anything() -> None:
 
 def test_products_stay_within_their_bin() -> None:
     for seed in range(4):
-        stage = shelf_stage("run_1", np.random.default_rng(seed))
+        stage = shelf_stage("view_1", np.random.default_rng(seed))
         points = np.concatenate([world_points(thing) for thing in stage.objects])
         assert np.abs(points[:, 0]).max() < 0.15
         assert points[:, 1].min() > 0
@@ -275,7 +275,7 @@ def test_the_command_renders_and_refuses(tmp_path: Path) -> None:
 
     done = render("shelf", "--count", 1, "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    assert [entry.name for entry in guess(tmp_path / "out")] == ["run_1_1"]
+    assert [entry.name for entry in guess(tmp_path / "out")] == ["view_1_1"]
     for words, said in (
         (["attic"], "expected one of shelf, table, multi"),
         (["table", "--layout", "coco"], "expected one of folders, bop, original"),

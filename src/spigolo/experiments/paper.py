@@ -206,7 +206,8 @@ def _explanations(measured: Sequence[Measured]) -> list[str]:
     stand_in = "On a rendered stand-in a figure says how this code does there, and nothing about the printed one."
     return [
         "Found: one returned object covers more than 70 % of the object's pixels, whatever else it covers. In the"
-        " regions: the same by any region, rejected ones as well; the paper does not say which of the two it counts.",
+        " regions: the same by any region, rejected ones as well; the paper does not say which of the two it counts. A"
+        " region that holds half the scene covers whatever lies in it.",
         "Printed: Toscana and Rosa 2016, whose masks were drawn by hand. Each object of each frame counts once.",
         "– : there is no such object in these frames.",
         *([stand_in] if any(one.rendered for one in measured) else []),

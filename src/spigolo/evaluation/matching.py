@@ -79,7 +79,8 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
     true_values, true_rank = _ranked(truth)
     pred_values, pred_rank = _ranked(prediction)
     size = (len(true_values), len(pred_values))
-    couple = true_rank * size[1] + pred_rank
+    couple = np.multiply(true_rank, size[1], dtype=np.intp)
+    np.add(couple, pred_rank, out=couple, dtype=np.intp)  # in place: fresh memory takes longer than the sums
     counts = np.bincount(couple, minlength=math.prod(size)).reshape(size)
     object_px, segment_px = counts.sum(axis=1), counts.sum(axis=0)
     is_object, is_segment = (true_values != 0) & (object_px > 0), (pred_values != 0) & (segment_px > 0)
@@ -92,14 +93,14 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
     )
 
 
-def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.intp]]:
+def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
     """Values, ascending, that hold all labels, and the place of each pixel's among them (H * W,).
 
     Labels that count up are their own places: sorting the pixels would take most of the time of a score.
     """
     highest = int(labels.max(initial=0))
     if highest <= DENSE:
-        return np.arange(highest + 1, dtype=labels.dtype), labels.ravel().astype(np.intp)
+        return np.arange(highest + 1, dtype=labels.dtype), labels.ravel()
     return np.unique(labels.ravel(), return_inverse=True)
 
 

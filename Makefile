@@ -4,10 +4,10 @@ VENV := .venv
 ORACLE := .venv-oracle
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check fast format docs clean
+.PHONY: help demo test check fast format docs clean table-1 table-2 table-3
 
 help:  ## this list
-	@grep -E '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
+	@grep -E '^[a-z0-9-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
 
 demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in spigolo-demo/
 	$(BIN)/spigolo demo
@@ -30,6 +30,15 @@ format: $(VENV)/.developing  ## put the source in its form
 
 docs: $(VENV)/.documenting  ## build the site from docs/ into site/
 	$(BIN)/zensical build --clean --strict
+
+table-1: $(VENV)/.developing  ## the paper's Table I from rendered stand-ins: spigolo-paper/table-1/
+	$(BIN)/python scripts/paper_tables.py 1
+
+table-2: $(VENV)/.developing  ## Table II
+	$(BIN)/python scripts/paper_tables.py 2
+
+table-3: $(VENV)/.developing  ## Table III
+	$(BIN)/python scripts/paper_tables.py 3
 
 clean:  ## remove the environments
 	rm -rf $(VENV) $(ORACLE)

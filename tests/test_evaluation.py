@@ -391,11 +391,19 @@ def test_nothing_to_summarise_or_to_show_is_refused() -> None:
         format_table({})
 
 
-@pytest.mark.parametrize("module", ["scipy.optimize", "scipy.spatial"])
-def test_a_missing_scipy_names_the_line_that_installs_it(monkeypatch: pytest.MonkeyPatch, module: str) -> None:
-    monkeypatch.setitem(sys.modules, module, None)
+def test_a_missing_scipy_names_the_line_that_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
     with pytest.raises(ModuleNotFoundError, match=r'pip install "spigolo\[evaluation\]"'):
         score_frame(GOOD, GOOD)
+
+
+def test_large_labels_and_small_ones_are_counted_alike() -> None:
+    rng = np.random.default_rng(0)
+    truth, prediction = rng.integers(0, 5, (2, 30, 40), dtype=np.uint64)
+    small, large = overlap_table(truth, prediction), overlap_table(truth * np.uint64(70_000), prediction * np.uint64(90_001))
+    assert large.object_ids.tolist() == [70_000, 140_000, 210_000, 280_000]
+    for name in ("shared_px", "object_px", "segment_px"):
+        np.testing.assert_array_equal(getattr(small, name), getattr(large, name))
 
 
 # --- interval and table -------------------------------------------------------------------------------------

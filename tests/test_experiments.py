@@ -647,4 +647,5 @@ def test_rows_of_real_frames_hold_the_measures(data: Path, tmp_path: Path) -> No
         for name in ("overlap_precision", "overlap_recall", "overlap_f", "boundary_f", "f75", "n_objects"):
             assert getattr(one.score, name) == getattr(score, name), name
         assert one.score.best_iou == tuple(score.best_iou)
+        assert one.score.covered == tuple(score.covered)
         assert one.score.true_positives == np.count_nonzero(score.found_iou_70)

@@ -12,7 +12,7 @@ from cyclopts import Parameter
 
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.inputs import configure, split_flags
-from spigolo.errors import FileError
+from spigolo.errors import ConfigError, FileError
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -88,13 +88,15 @@ def report(
     *rows: Path,
     frames: Folders = (),
     against: str | None = None,
+    paper: Annotated[bool, Parameter(negative=())] = False,
     out: Annotated[Path, Parameter(alias="-o")] = Path("spigolo-report"),
 ) -> int:
     """Makes a page of rows: accuracy beside time, differences, the worst frames, limitations.
 
     Files that hold the same frames and parameters, as before and after a change of the code, are compared preset by
     preset.
-    Example: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`.
+    Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`, or
+    `spigolo report rows.jsonl --paper`.
 
     Parameters
     ----------
@@ -104,6 +106,9 @@ def report(
         Folders of the frames, as for `evaluate`: pictures of the worst frames are drawn from them.
     against
         What differences are to: a label of the page, preset, digest or a file. Default: what comes first.
+    paper
+        Make the paper's Tables I, II and III instead, printed beside measured, of those of its data sets, or of their
+        rendered stand-ins, that the rows hold.
     out
         Folder for index.html, report.md and the pictures.
 
@@ -113,6 +118,10 @@ def report(
     from spigolo.experiments import find_labelled_frames, find_references, read_contenders, write_report
 
     contenders = read_contenders(rows)
+    if paper:
+        if frames or against is not None:
+            raise ConfigError("expected --paper without --frames and --against, got both: leave those out")
+        return _report_paper(contenders, out)
     find_references(contenders, against)  # before anything is drawn
     folders = find_labelled_frames(frames) if frames else []
     with progress() as bar:
@@ -123,6 +132,16 @@ def report(
 
         write_report(contenders, out, folders, against, tell)
     _print_pooled(contenders)
+    print(f"written: {out / 'index.html'}, {out / 'report.md'}")
+    return DONE
+
+
+def _report_paper(contenders: list[Contender], out: Path) -> int:
+    from spigolo.experiments import write_paper_tables
+    from spigolo.experiments.page import to_text
+
+    for title, table in write_paper_tables(contenders, out):
+        print(f"{title}\n{to_text(table)}\n")
     print(f"written: {out / 'index.html'}, {out / 'report.md'}")
     return DONE
 

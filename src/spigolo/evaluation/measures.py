@@ -83,6 +83,9 @@ class FrameScore:
     best_iou: Floats
     """(N,) largest IoU of the object with any segment, 0 when there is none."""
 
+    covered: Floats
+    """(N,) largest share of the object that one segment covers, 0 when there is none."""
+
     @property
     def n_objects(self) -> int:
         """N, the number of true objects."""
@@ -176,6 +179,7 @@ def score_frame(
         found_70_both=_by_any_segment((recall > FOUND_SHARE) & (precision > FOUND_SHARE)),
         found_iou_70=_by_any_segment(iou > FOUND_SHARE),
         best_iou=iou.max(axis=1, initial=0.0),
+        covered=recall.max(axis=1, initial=0.0),
     )
 
 

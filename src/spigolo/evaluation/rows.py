@@ -5,6 +5,7 @@ Letters used in shapes: H, W = image; N = true objects.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -82,6 +83,15 @@ class RowScore:
     """Under-segmentation (Neubert & Protzel 2012): what the regions that meet an object add to it, or lack if that is
     less, as a share of it, added up over the objects."""
 
+    covered: tuple[float, ...] = ()
+    """(N,) largest share of each labelled object that one predicted one covers; () in rows of older versions."""
+
+    covered_by_regions: tuple[float, ...] = ()
+    """(N,) the same by any region, rejected ones as well."""
+
+    names: tuple[str, ...] = ()
+    """(N,) what the labelled objects are, () where the data set does not say."""
+
 
 @dataclass(frozen=True, slots=True)
 class Row:
@@ -131,12 +141,16 @@ class Row:
 
 
 def score_row(
-    truth: ArrayLike, prediction: ArrayLike, regions: ArrayLike | None = None, ignore: ArrayLike | None = None
+    truth: ArrayLike,
+    prediction: ArrayLike,
+    regions: ArrayLike | None = None,
+    ignore: ArrayLike | None = None,
+    names: Mapping[int, str] | None = None,
 ) -> RowScore:
     """The score of a row from label images (H, W), 0 = background; see `score_frame`.
 
     regions: the partition that the objects were chosen from, as a label image without background; by default the
-    prediction itself.
+    prediction itself. names: what the true objects are, by label.
     """
     score = score_frame(truth, prediction, ignore)
     table = overlap_table(*checked_pair(truth, prediction if regions is None else regions, ignore))
@@ -160,6 +174,9 @@ def score_row(
         found_70_both=int(np.count_nonzero(score.found_70_both)),
         pieces=int(np.count_nonzero(table.recall() >= PIECE)),
         leaks=_leaks(table),
+        covered=tuple(score.covered.tolist()),
+        covered_by_regions=tuple(table.recall().max(axis=1, initial=0.0).tolist()),
+        names=tuple(names.get(label, "") for label in score.object_ids.tolist()) if names else (),
     )
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from spigolo.datasets import Entry, Truth, find_labelled_frames
 from spigolo.experiments.contenders import Contender, find_references, gather, read_contenders
 from spigolo.experiments.methods import make_methods, remake
+from spigolo.experiments.paper import write_paper_tables
 from spigolo.experiments.report import write_report
 from spigolo.experiments.running import evaluate
 from spigolo.methods import Method, Toscana2016
@@ -27,5 +28,6 @@ __all__ = [
     "make_methods",
     "read_contenders",
     "remake",
+    "write_paper_tables",
     "write_report",
 ]

@@ -172,14 +172,14 @@ def _do(task: Task) -> Row:
 
 
 def _score(truth: Truth, result: Segmentation) -> RowScore:
-    return score_row(truth.labels, result.labels, result.scene.regions.labels + 1, truth.ignore)
+    return score_row(truth.labels, result.labels, result.scene.regions.labels + 1, truth.ignore, truth.names)
 
 
 def _score_of_nothing(truth: Truth | None) -> RowScore | None:
     """None also for an empty scene: who failed there has not seen that it is empty."""
     if truth is None or not truth.labels.any():
         return None
-    return score_row(truth.labels, np.zeros_like(truth.labels), None, truth.ignore)
+    return score_row(truth.labels, np.zeros_like(truth.labels), None, truth.ignore, truth.names)
 
 
 def _row(frame: Entry, method: Method, run: Run | None, score: RowScore | None, error: str | None = None) -> Row:

@@ -19,7 +19,7 @@ from spigolo.synthetic.staging import Stage
 from spigolo.synthetic.structured_light import StructuredLight
 from spigolo.synthetic.textures import Image, plain_card, plaster, write
 
-__all__ = ["PRODUCTS", "RUNS", "shelf_stage"]
+__all__ = ["PRODUCTS", "VIEWS", "shelf_stage"]
 
 Rng = np.random.Generator
 
@@ -27,12 +27,12 @@ PRODUCTS = (
     "cereal_3", "box_1", "box_3", "box_4", "carton_2", "carton_3", "book_1", "book_2", "pouch_1", "pouch_2", "glue_1",
     "soda_can_3",
 )  # fmt: skip
-RUNS = {"run_1": (0.0, 14.0), "run_2": (-16.0, 8.0), "run_3": (17.0, 26.0)}
-"""Where the camera is in each run: turned to the side and pitched down, degrees."""
+VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
+"""Where the camera is: turned to the side and pitched down, degrees."""
 _WALL_M, _BOARD_M = 0.006, 0.02
 
 
-def shelf_stage(run: str, rng: Rng) -> Stage:
+def shelf_stage(name: str, rng: Rng) -> Stage:
     """One to three products in the middle one of three by three bins."""
     width_m, height_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
@@ -41,7 +41,7 @@ def shelf_stage(run: str, rng: Rng) -> Stage:
     placed = [_placed(household(str(name)), plot, width_m, deep_m, height_m, rng) for name in names]
     things = tuple(thing for thing in placed if thing is not None)
     things = things[: max(1, len(names) - 1)]
-    yaw_deg, pitch_deg = np.array(RUNS[run]) + rng.normal(0, 3, 2)
+    yaw_deg, pitch_deg = np.array(VIEWS[name]) + rng.normal(0, 3, 2)
     look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * height_m
     view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), rutgers.CAMERA)
     return Stage(

@@ -13,12 +13,12 @@ import numpy as np
 
 from spigolo.datasets.sample import Model, Sample
 from spigolo.errors import ConfigError
-from spigolo.synthetic.bins import PRODUCTS, RUNS, shelf_stage
+from spigolo.synthetic.bins import PRODUCTS, VIEWS, shelf_stage
 from spigolo.synthetic.household import household
-from spigolo.synthetic.staging import Stage, record
+from spigolo.synthetic.staging import Recording, Stage, record
 from spigolo.synthetic.tables import INSTANCES, TABLES, multi_stage, table_stage
 
-__all__ = ["FAMILIES", "Family", "family_models", "render_family"]
+__all__ = ["FAMILIES", "Family", "family_models", "record_family", "render_family"]
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Family:
 
 
 FAMILIES: Mapping[str, Family] = {
-    "shelf": Family(shelf_stage, tuple(RUNS), PRODUCTS, True),
+    "shelf": Family(shelf_stage, tuple(VIEWS), PRODUCTS, True),
     "table": Family(table_stage, tuple(TABLES), tuple(sorted({name for t in TABLES.values() for name in t})), True),
     "multi": Family(multi_stage, INSTANCES, INSTANCES, False),
 }
@@ -47,14 +47,19 @@ def render_family(family: str, number: int, seed: int = 0) -> Sample:
     number: counts the frames of a seed from 0; the scenes have their turns. Equal numbers and seeds give equal
     frames. Raises ConfigError for a family that is not known.
     """
+    return record_family(family, number, seed).sample
+
+
+def record_family(family: str, number: int, seed: int = 0) -> Recording:
+    """The same with the depth that a perfect camera would have measured."""
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
     rng = np.random.default_rng([list(FAMILIES).index(family), seed, number])
     name = f"{scene}_{number // len(chosen.scenes) + 1}"
     while True:
-        sample = record(chosen.stage(scene, rng), name, rng)
-        if sample.instances:  # else everything was hidden or out of view: another arrangement
-            return sample
+        recording = record(chosen.stage(scene, rng), name, rng)
+        if recording.sample.instances:  # else everything was hidden or out of view: another arrangement
+            return recording
 
 
 def family_models(family: str) -> tuple[Model, ...]:

@@ -63,7 +63,7 @@ def pouch(rng: np.random.Generator) -> Parts:
     faces = []
     for side, shown in ((-1, 0.0), (1, 0.5)):
         crease = 1 + 0.06 * smooth_noise(u.shape, (9, 7), rng)
-        depth = side * (0.001 + thick / 2 * bulge * crease)
+        depth = side * thick / 2 * bulge * crease
         points = np.stack([-side * u * wide / 2 * (1 - 0.06 * bulge), depth, (1 + v) * tall / 2], axis=-1)
         faces.append(
             sheet(points, np.stack([shown + 0.002 + 0.496 * (u + 1) / 2, 0.002 + 0.996 * (1 - v) / 2], axis=-1))
@@ -122,12 +122,12 @@ def cap(rng: np.random.Generator) -> Parts:
 
 
 def _peak(side_m: float, front_m: float, lift_m: float) -> Mesh:
-    """Upper (lifted) or lower face of a cap's peak, towards -y."""
+    """Upper (lifted) or lower face of a cap's peak, towards -y; in front both meet."""
     out, phi = np.meshgrid(np.linspace(1, 0, 12), np.linspace(-2.55, -0.6, 40), indexing="ij")
     middle = np.maximum(np.sin((phi + 2.55) / 1.95 * np.pi), 0.02) ** 0.7
     reach = 0.068 * out * middle
     x, y = (side_m + 0.5 * reach) * np.cos(phi), (front_m + reach) * np.sin(phi)
-    z = lift_m + 0.016 * middle * (0.4 + 0.6 * out)
+    z = lift_m * (1 - out**2) + 0.016 * middle * (0.4 + 0.6 * out)
     uv = np.stack([out, (phi + 2.55) / 2], axis=-1)
     points = np.stack([x, y, z], axis=-1)
     return sheet(points, uv) if lift_m > 0 else sheet(points[::-1], uv)

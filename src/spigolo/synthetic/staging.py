@@ -19,7 +19,7 @@ from spigolo.synthetic.rendering import Lighting, developed, render_all
 from spigolo.synthetic.scene import Part, SceneObject, View, compile_scene
 from spigolo.synthetic.structured_light import StructuredLight, simulate_structured_light
 
-__all__ = ["Stage", "record"]
+__all__ = ["Recording", "Stage", "record"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -50,10 +50,18 @@ class Stage:
     contrast: float = 1.2
 
 
-def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
+@dataclass(frozen=True)
+class Recording:
+    """What the camera recorded, with its truth, and the depth (H, W) in metres that a perfect one would have."""
+
+    sample: Sample
+    ideal_m: npt.NDArray[np.float32]
+
+
+def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
     """The frame of that name and its truth: labels of what is visible, poses from each object's axes to the camera's.
 
-    Depth is in whole millimetres, as files hold it.
+    Its depth is in whole millimetres, as files hold it.
     """
     bodies = {"surroundings": SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, stage.surroundings)}
     bodies |= {f"bystander {k}": _renamed(thing, f"bystander {k}") for k, thing in enumerate(stage.bystanders)}
@@ -68,7 +76,8 @@ def record(stage: Stage, name: str, rng: np.random.Generator) -> Sample:
     stored = np.round(depth_m / MILLIMETRES).astype(np.uint16)
     colour = _photographed(drawn.light, stage, rng)
     frame = Frame(colour, stored, stage.view.camera, name=name, depth_scale=MILLIMETRES)
-    return _labelled(frame, _objects(model, drawn.geoms, len(stage.objects)), stage)
+    sample = _labelled(frame, _objects(model, drawn.geoms, len(stage.objects)), stage)
+    return Recording(sample, drawn.depth_m)
 
 
 def _projector(view: View) -> Lighting:

@@ -117,19 +117,18 @@ CUP_TILT_DEG = 90 - float(np.degrees(np.arcsin((0.0445 - 0.029) / 0.108)))
 
 def shampoo(rng: np.random.Generator) -> Parts:
     """A flat oval bottle 19 cm tall, with a screw cap."""
-    size_m, round_m, tall = (0.066, 0.038), 0.0185, 0.155
+    size_m, half_m, tall = (0.066, 0.038), 0.019, 0.155
     shoulder = arc((-0.012, tall - 0.012), 0.012, 0, 80, 8)
     body = tub(
         size_m,
-        round_m,
+        half_m,
         [
-            line((-0.017, 0.0), (-0.003, 0.0)),
+            line((-half_m, 0.0), (-0.003, 0.0)),
             line((-0.003, 0.0), (0.0, 0.004)),
-            np.vstack([line((0.0, 0.004)), shoulder]),
+            np.vstack([line((0.0, 0.004)), shoulder, line((-half_m, tall + 0.001))]),
         ],
     )
-    top = line((0.030, tall - 0.003), (0.012, tall + 0.003))[::-1], line((0.013, tall + 0.002), (0.013, tall + 0.032))
-    cap = lathe([top[0][::-1], top[1], line((0.013, tall + 0.032), (0.0, tall + 0.032))])
+    cap = lathe([line((0.013, tall - 0.008), (0.013, tall + 0.032)), line((0.013, tall + 0.032), (0.0, tall + 0.032))])
     colours = palette(rng, dark=0.2)
     return Part(body, _round_bottle(colours, rng), 0.35, 0.6), Part(cap, plain_card(colours[2]), 0.3, 0.6)
 
@@ -137,13 +136,13 @@ def shampoo(rng: np.random.Generator) -> Parts:
 def glue_bottle(rng: np.random.Generator) -> Parts:
     """A white bottle of school glue, 14 cm tall, with a pointed cap."""
     colours = palette(rng, dark=0.1)
-    body = tub(
-        (0.058, 0.034), 0.0165, [line((-0.016, 0.0), (0.0, 0.0)), line((0.0, 0.0), (0.0, 0.098), (-0.008, 0.108))]
-    )
+    half_m = 0.017
+    side = line((0.0, 0.0), (0.0, 0.098), (-0.008, 0.108), (-half_m, 0.110))
+    body = tub((0.058, 2 * half_m), half_m, [line((-half_m, 0.0), (0.0, 0.0)), side])
     tip = lathe(
         [
-            line((0.028, 0.1), (0.010, 0.108)),
-            line((0.010, 0.108), (0.009, 0.12)),
+            line((0.0125, 0.1), (0.0125, 0.112)),
+            line((0.0125, 0.112), (0.009, 0.12)),
             line((0.009, 0.12), (0.003, 0.142)),
             line((0.003, 0.142), (0.0, 0.142)),
         ]

@@ -400,10 +400,8 @@ def test_a_missing_scipy_names_the_line_that_installs_it(monkeypatch: pytest.Mon
 def test_large_labels_and_small_ones_are_counted_alike() -> None:
     rng = np.random.default_rng(0)
     truth, prediction = rng.integers(0, 5, (2, 30, 40), dtype=np.uint64)
-    small, large = (
-        overlap_table(truth, prediction),
-        overlap_table(truth * np.uint64(70_000), prediction * np.uint64(90_001)),
-    )
+    small = overlap_table(truth, prediction)
+    large = overlap_table(truth * np.uint64(70_000), prediction * np.uint64(90_001))
     assert large.object_ids.tolist() == [70_000, 140_000, 210_000, 280_000]
     for name in ("shared_px", "object_px", "segment_px"):
         np.testing.assert_array_equal(getattr(small, name), getattr(large, name))

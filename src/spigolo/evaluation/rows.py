@@ -84,7 +84,7 @@ class RowScore:
     less, as a share of it, added up over the objects."""
 
     covered: tuple[float, ...] = ()
-    """(N,) largest share of each labelled object that one predicted one covers; () in rows of older versions."""
+    """(N,) largest share of each labelled object that one predicted one covers; () in rows made without it."""
 
     covered_by_regions: tuple[float, ...] = ()
     """(N,) the same by any region, rejected ones as well."""

@@ -61,6 +61,14 @@ def log(name: str) -> Path:
     return LOG / f"trials-{name}.jsonl.gz"
 
 
+def logged(name: str) -> Search:
+    """The trials of a method, of the parameters that it has today."""
+    held = read_search(log(name))
+    if held.subject.digest != sp.METHODS[name].digest:
+        raise SystemExit(f"{log(name)} is of other parameters ({held.subject.digest}): run `search` again")
+    return held
+
+
 def search_all(trials: int, jobs: int, out: Path) -> None:
     LOG.mkdir(exist_ok=True)
     for name, method in sp.METHODS.items():
@@ -99,7 +107,7 @@ HEAD = ("overlap P", "R", "F", "boundary F", "F@.75", "70 %", "70 %, precise", "
 
 
 def table() -> None:
-    searches = {name: read_search(log(name)) for name in sp.METHODS}
+    searches = {name: logged(name) for name in sp.METHODS}
     times = time_all({name: fitted(held) for name, held in searches.items()})
     rows = {name: hold_out(held, FOLDS, SEED).rows for name, held in searches.items()}
     counts = ", ".join(str(len(held.trials) - 1) for held in searches.values())
@@ -137,7 +145,7 @@ def of_set(rows: Iterable[Row], data_set: str) -> list[Row]:
 def without_depth() -> None:
     print(line("", *HEAD[:-1]), line("---", *["---:"] * (len(HEAD) - 1)), sep="\n")
     for name, off in OFF.items():
-        held = read_search(log(name))
+        held = logged(name)
         print(line(f"`{name}`, fitted", *figures(best_trial(held.trials).rows)))
         blind = fitted(held).replace(**off)
         print(line(f"`{name}`, depth off", *figures(run(blind))), flush=True)
@@ -150,7 +158,7 @@ def run(method: Method) -> Iterator[Row]:
 
 
 def draw_all(out: Path) -> None:
-    methods = {name: fitted(read_search(log(name))) for name in reversed(sp.METHODS)}
+    methods = {name: fitted(logged(name)) for name in reversed(sp.METHODS)}
     for folder in frames()[::EVERY]:
         frame, answers = folder.read(), {}
         for name, method in methods.items():

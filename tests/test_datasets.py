@@ -462,7 +462,7 @@ def test_what_is_half_downloaded_names_the_file_that_lacks(layout: str, lost: st
         ("rutgers", "models/book.ply", "expected a triangle mesh in"),
         ("uw", "desk/desk_1.mat", "expected a MATLAB file with bboxes"),
         ("tejani", "annotation_new_models/scene_06/poses0.txt", "16 numbers for each"),
-        ("bop", "test/000001/scene_gt.json", "expected JSON in|obj_id, cam_R_m2c"),
+        ("bop", "test/000001/scene_gt.json", "expected JSON in|obj_id, nine numbers cam_R_m2c"),
     ],
 )
 @pytest.mark.parametrize("content", ["", "7\n", '{"4": [{"obj_id": 1}]}'])

@@ -237,6 +237,15 @@ def test_nothing_is_evaluated_twice_and_a_cut_run_goes_on(root: Path, tmp_path: 
     assert path.read_bytes().splitlines()[:5] == whole.splitlines()[:5] and len(read_rows(path)) == 6
 
 
+def test_rows_of_another_frame_of_that_name_are_not_taken(root: Path, tmp_path: Path) -> None:
+    frames, path = find_labelled_frames([root / "osd-small"]), tmp_path / "rows.jsonl"
+    evaluate(frames, make_methods(["felzenszwalb2004"], []), path)
+    label = frames[0].files[-1]
+    cv2.imwrite(str(label), 0 * cv2.imread(str(label), cv2.IMREAD_UNCHANGED))
+    with pytest.raises(FileError, match="got another frame of that name: give another --out"):
+        evaluate(frames, make_methods(["rao2010"], []), path)
+
+
 def test_a_row_says_what_was_found(root: Path, tmp_path: Path) -> None:
     frames = find_labelled_frames([root])
     made = make_methods(["toscana2016", "toscana2016"], [BOXES, sp.TABLE, BOXES])

@@ -17,7 +17,7 @@ from scipy.spatial import Delaunay
 import spigolo as sp
 from spigolo.datasets import Sample, guess
 from spigolo.datasets.visibility import visible_labels
-from spigolo.errors import ConfigError
+from spigolo.errors import ConfigError, FileError
 from spigolo.synthetic import layouts
 from spigolo.synthetic.bins import VIEWS, shelf_stage
 from spigolo.synthetic.families import FAMILIES, family_models, record_family, render_family
@@ -290,3 +290,13 @@ def test_the_command_renders_and_refuses(tmp_path: Path) -> None:
         assert refused.returncode == 2
         assert said in refused.stderr
     assert not (tmp_path / "none").exists()
+
+
+def test_two_renderings_do_not_share_a_folder(tmp_path: Path) -> None:
+    need_renderer()
+    layouts.write_family("table", 1, 0, tmp_path)
+    for family, seed, layout in (("table", 1, "folders"), ("multi", 0, "bop")):
+        with pytest.raises(FileError, match="got .* with rendered stand-ins, family table, seed 0"):
+            layouts.write_family(family, 1, seed, tmp_path, layout)
+    with pytest.raises(ConfigError, match="expected a seed of 0 or more, got -1"):
+        layouts.write_family("table", 1, -1, tmp_path / "other")

@@ -227,9 +227,9 @@ def test_a_file_of_something_else_is_refused_and_left_alone(root: Path, tmp_path
 
 def test_frames_that_cannot_be_tried_are_refused(root: Path, tmp_path: Path) -> None:
     frames = find_labelled_frames([root])
-    with pytest.raises(FileError, match=r"expected labelled frames, got 1 without label\.png"):
+    with pytest.raises(FileError, match="expected labelled frames, got 1 without labels"):
         search(frames[4:], Toscana2016(BOXES), tmp_path / "a.jsonl", 1)
-    with pytest.raises(SpigoloError, match="at least one trial and one job, got 0 and 1"):
+    with pytest.raises(SpigoloError, match="expected trials of 1 or more, got 0"):
         search(frames, Toscana2016(BOXES), tmp_path / "a.jsonl", 0)
     (root / "osd-small" / "f2" / "rgb.png").write_bytes(b"")
     with pytest.raises(FileError, match="got osd-small/f2: expected an image"):
@@ -285,7 +285,7 @@ def test_another_method_is_fitted_as_well(root: Path, tmp_path: Path) -> None:
         (["FRAMES", "--method", "best"], "unknown method 'best'"),
         (["FRAMES", "--preset", "tabel"], "unknown preset 'tabel'"),
         (["FRAMES", "--folds", "9"], "of which there are 3, got 9"),
-        (["FRAMES", "--trials", "0", "--folds", "2"], "at least one trial"),
+        (["FRAMES", "--trials", "0", "--folds", "2"], "expected trials of 1 or more, got 0"),
     ],
 )
 def test_wrong_input_ends_with_2_and_one_sentence(root: Path, tmp_path: Path, words: list[str], sentence: str) -> None:

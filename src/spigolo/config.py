@@ -266,7 +266,8 @@ class Wall(_Stage):
     min_hides: Share = 0.15
     """Least share of a region's contour beyond which depth steps back; the image border hides nothing."""
     min_hides_cut: NotNegative = 0.7
-    """More is asked of regions that the image cuts off: plus this times the share of their contour on its border."""
+    """More is asked of regions that the image cuts off: plus this times the share of their contour on its border.
+    Where half of it lies there, none can hide enough."""
     min_height_m: Positive = 0.06
     """Regions less than 5 % of which stand so high above the support are not asked: low objects hide little. Without a
     support all are asked."""

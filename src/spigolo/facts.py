@@ -24,10 +24,13 @@ Labels = npt.NDArray[np.int32]
 Heights = npt.NDArray[np.floating[Any]]
 
 TALL_SHARE = 0.05
+"""Least share of a region's measured pixels among the tall ones for it to be asked whether it is a wall."""
 SLOPES_SHARE = 0.1
 """Least share of a region's measured pixels whose slope must be known for its mean normal to say something."""
 LEVEL_SHARE = 0.65
+"""Least share of a level region's pixels near its median height."""
 RIM_GAP_PX = 7
+"""Pieces of a rim up to so many pixels apart go on in each other, whatever the image's size."""
 REACH_INSIDE = 2.5
 """Where a region's own slope is measured, as a multiple of the reach."""
 SUPPORTED_PX2 = 3000.0
@@ -189,7 +192,7 @@ def _lean_deg(
 
 
 def find_level(facts: RegionFacts, height: Heights, depth: DepthMap, rim_m: float) -> float | None:
-    """The median height of a region's pixels, None where less than two thirds of them lie within rim_m of it.
+    """The median height of a region's pixels, None where less than 65 % of them lie within rim_m.
 
     height (H, W) above the support, without meaning where depth (H, W) is missing.
     """

@@ -214,12 +214,12 @@ def _reject_rims(
         return verdicts
     depth, changed = scene.evidence.depth, list(verdicts)
     height = plane.height_map_m(depth, camera)
+    no_object = np.array([v is not None for v in verdicts])[scene.regions.labels] & (depth > 0)
     for f in tall:
         level = find_level(f, height, depth, rule.rim_m)
         if level is None:
             continue
-        no_object = np.array([v is not None for v in verdicts])[scene.regions.labels]
-        rim = measure_rim(f, np.asarray((np.abs(height - level) <= rule.rim_m) & no_object & (depth > 0)))
+        rim = measure_rim(f, np.asarray((np.abs(height - level) <= rule.rim_m) & no_object))
         if rim > rule.max_rim:
             changed[f.region] = Reason.WALL, f"wall: in a rim {rim:.1f} times as large, limit {rule.max_rim}"
     return changed

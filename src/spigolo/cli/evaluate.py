@@ -46,7 +46,7 @@ def evaluate(
         1..N = objects, 255 = ignore; absent: time and counts alone). Any field of the presets is a flag as well:
         `--partition.gamma 0.004`.
     methods
-        Methods by name; toscana2016 is this one, felzenszwalb2004, rao2010, abramov2012 are others.
+        Methods by name; toscana2016 is this one, felzenszwalb2004, rao2010, abramov2012, mishra2012 are others.
     presets
         Presets of toscana2016, by name or as TOML files.
     full

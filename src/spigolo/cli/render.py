@@ -47,5 +47,5 @@ def render(
     with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("rendering", total=count)
         written = write_family(family, count, seed, out, layout, lambda done: bar.update(task, completed=done))
-    print(f"{written} frames of {family}, seed {seed}: {out}")
+    print(f"{written} {'frame' if written == 1 else 'frames'} of {family}, seed {seed}: {out}")
     return DONE

@@ -140,11 +140,13 @@ class Bop(DataSet):
             try:
                 poses = tuple(_pose(fields) for fields in truth.get(key, ()))
                 intrinsics = tuple(float(value) for value in cameras[key]["cam_K"])
+                if len(intrinsics) != 9:
+                    raise ValueError
                 scale = float(cameras[key].get("depth_scale", 1.0)) * MILLIMETRES
-            except (KeyError, TypeError, ValueError) as error:
+            except (KeyError, TypeError, ValueError):
                 raise FileError(
-                    f"expected cam_K, and obj_id, cam_R_m2c and cam_t_m2c of each object, of image {key} in"
-                    f" {scene}/scene_camera.json and scene_gt.json: {error!r} is missing or no number"
+                    f"expected nine numbers cam_K in {scene}/scene_camera.json, and obj_id, nine numbers cam_R_m2c and"
+                    f" three cam_t_m2c of each object in scene_gt.json, got something else for image {key}"
                 ) from None
             labelling: Labelling = self._labelled(data_set) if poses else "none"
             color = colors.get(image, scene / "rgb" / f"{image:06d}.png")

@@ -5,6 +5,7 @@ Letters used in shapes: H, W = image.
 
 from __future__ import annotations
 
+import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -59,6 +60,17 @@ class Entry(ABC):
     @abstractmethod
     def files(self) -> tuple[Path, ...]:
         """The files that it needs; truth last."""
+
+    @property
+    def content(self) -> str:
+        """A checksum of its files, eight hexadecimal digits; raises FileError."""
+        value = 0
+        for path in self.files:
+            try:
+                value = zlib.crc32(path.read_bytes(), value)
+            except OSError as error:
+                raise FileError(f"expected {path}, but it cannot be read: {error.strerror or error}") from None
+        return f"{value:08x}"
 
     @abstractmethod
     def read(self) -> Frame:
@@ -123,6 +135,8 @@ class DataSet(ABC):
 
     layout: ClassVar[str]
     """What lies in the folder, for messages."""
+    mend: ClassVar[str] = "fetch or unpack the set again"
+    """What helps where a file is missing."""
 
     def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS) -> None:
         self.folder = existing_folder(folder)
@@ -130,7 +144,7 @@ class DataSet(ABC):
         self._entries = tuple(self._find())
         if not self._entries:
             raise FileError(f"expected {self.layout} in {folder}, got none")
-        _require_files(self._entries)
+        _require_files(self._entries, self.mend)
 
     @classmethod
     @abstractmethod
@@ -176,13 +190,12 @@ def existing_folder(folder: Path | str) -> Path:
     return Path(folder).resolve()
 
 
-def _require_files(entries: Iterable[Entry]) -> None:
+def _require_files(entries: Iterable[Entry], mend: str) -> None:
     """A download that was cut off is told at once."""
     lacking = [(entry, path) for entry in entries for path in entry.files if not path.is_file()]
     if lacking:
         entry, path = lacking[0]
         more = f" ({len(lacking)} files are missing in all)" if len(lacking) > 1 else ""
         raise FileError(
-            f"expected {path} with frame {entry.name} of {entry.data_set}, but there is no such file{more}:"
-            " fetch or unpack the set again"
+            f"expected {path} with frame {entry.name} of {entry.data_set}, but there is no such file{more}: {mend}"
         )

@@ -21,6 +21,7 @@ import numpy as np
 
 from spigolo.datasets.entry import DataSet, Entry, Labelling, Truth
 from spigolo.datasets.jsons import read_mapping
+from spigolo.errors import FileError
 from spigolo.frame import Frame
 from spigolo.io import read_frame, read_labels
 
@@ -57,6 +58,7 @@ class Folders(DataSet):
     """Sets of frames, each in a folder of its own."""
 
     layout = "SET/FRAME/ with rgb.png, depth.png and camera.json"
+    mend = "put it there, or take the frame's folder away"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
@@ -72,16 +74,17 @@ class Folders(DataSet):
             yield self._describe(place, groups[root])
 
     def _describe(self, place: Path, groups: Mapping[str, str]) -> FrameFolder:
-        data_set, name = place.parent.name, place.name
+        data_set, name = self._named(place.parent.name), place.name
         info = _mapping(place / "info.json")
         labelling: Labelling = "none"
         if (place / "label.png").is_file():
             whole = info.get("fully_labelled", self._labelled(data_set) == "full")
             labelling = "full" if whole else "part"
-        key = f"{data_set}/{name}"
-        return FrameFolder(
-            data_set, name, groups.get(key, key), labelling, place, int(info.get("ignore_label") or IGNORE_LABEL)
-        )
+        key = f"{place.parent.name}/{name}"
+        ignored = info.get("ignore_label") or IGNORE_LABEL
+        if not isinstance(ignored, int):
+            raise FileError(f"expected a label as ignore_label in {place / 'info.json'}, got {ignored!r}")
+        return FrameFolder(data_set, name, groups.get(key, key), labelling, place, ignored)
 
 
 def _places(folder: Path) -> Iterator[Path]:
@@ -91,6 +94,8 @@ def _places(folder: Path) -> Iterator[Path]:
 def _groups(root: Path) -> dict[str, str]:
     """Group of each frame that is like others: the name of the first of them."""
     groups = _mapping(root / "splits.json").get("near_duplicate_groups", [])
+    if not isinstance(groups, list) or not all(isinstance(g, list) and g for g in groups):
+        raise FileError(f"expected lists of frames as near_duplicate_groups in {root / 'splits.json'}, got {groups!r}")
     return {name: members[0] for members in groups for name in members}
 
 

@@ -38,6 +38,8 @@ class LabelledCloud(Entry):
         points = read_pcd(self.cloud)
         if missing := {"x", "y", "z"} - set(points.dtype.names or ()):
             raise FileError(f"expected fields x, y, z in {self.cloud}: {', '.join(sorted(missing))} not found")
+        if not {"rgb", "rgba"} & set(points.dtype.names or ()):
+            raise FileError(f"expected a field rgb or rgba in {self.cloud}, got {', '.join(points.dtype.names or ())}")
         return Frame(colors_of(points), points["z"].astype(np.float32), camera_of(points), self.name)
 
     def read_truth(self) -> Truth | None:

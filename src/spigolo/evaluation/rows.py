@@ -134,6 +134,9 @@ class Row:
     error: str | None = None
     """What went wrong, in a sentence."""
 
+    content: str = ""
+    """Checksum of the frame's files, "" where it was not kept: what tells frames of one name apart."""
+
     @property
     def key(self) -> Key:
         """Data set, frame, method and digest."""

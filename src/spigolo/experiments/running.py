@@ -22,7 +22,7 @@ import numpy as np
 
 from spigolo import __version__
 from spigolo.datasets import Entry, Truth
-from spigolo.errors import SpigoloError
+from spigolo.errors import FileError, SpigoloError
 from spigolo.evaluation.matching import NEEDS_SCIPY
 from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, score_row
 from spigolo.experiments.machine import describe_machine
@@ -103,6 +103,7 @@ def evaluate(
         raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
     wanted = [Task(frame, method.name, method.digest) for frame in frames for method in methods]
     with RowFile(out) as file:
+        _check_unchanged(frames, file)
         there = {row.key for row in file.rows}
         tasks = [task for task in wanted if task.key not in there]
         if tell is not None:
@@ -114,6 +115,18 @@ def evaluate(
                     tell(done, len(tasks), row)
         by_key = {row.key: row for row in file.rows}
     return [by_key[task.key] for task in wanted]
+
+
+def _check_unchanged(frames: Sequence[Entry], file: RowFile) -> None:
+    """Rows of other frames that have these names would pass for those of these."""
+    held = {(row.data_set, row.frame): row.content for row in file.rows if row.content}
+    for frame in frames:
+        kept = held.get((frame.data_set, frame.name))
+        if kept is not None and kept != frame.content:
+            raise FileError(
+                f"expected {frame.data_set}/{frame.name} as it was when {file.path} was written, got another frame of"
+                " that name: give another --out"
+            )
 
 
 def _run(tasks: Sequence[Task], methods: Sequence[Method], jobs: int) -> Generator[Row]:
@@ -201,4 +214,5 @@ def _row(frame: Entry, method: Method, run: Run | None, score: RowScore | None, 
         rejected=dict(sorted(rejected.items())),
         score=score,
         error=error,
+        content=frame.content,
     )

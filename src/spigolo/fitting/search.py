@@ -55,8 +55,9 @@ def search(
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)
-    if trials < 1 or jobs < 1:
-        raise SpigoloError(f"expected at least one trial and one job, got {trials} and {jobs}: leave them out")
+    for value, what, least in ((trials, "trials", 1), (jobs, "jobs", 1), (seed, "a seed", 0)):
+        if value < least:
+            raise SpigoloError(f"expected {what} of {least} or more, got {value}: leave it out for the usual")
     labelled = only_labelled(frames)
     settings: list[Setting] = [{}, *draw(space_of(start), trials, seed)]
     with TrialFile(out, _subject(labelled, start, seed)) as file:
@@ -77,12 +78,12 @@ def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
     """Those with labels; raises FileError where there are none."""
     labelled = tuple(frame for frame in frames if frame.labelling != "none")
     if not labelled:
-        raise FileError(f"expected labelled frames, got {len(frames)} without label.png: draw the labels of some")
+        raise FileError(f"expected labelled frames, got {len(frames)} without labels: draw those of some")
     return labelled
 
 
 def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
-    places = tuple(Place(frame.data_set, frame.name, frame.group, frame.labelling) for frame in frames)
+    places = tuple(Place(f.data_set, f.name, f.group, f.labelling, f.content) for f in frames)
     return Subject(start.name, start.preset, start.digest, seed, places, describe_machine())
 
 

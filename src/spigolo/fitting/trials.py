@@ -28,12 +28,13 @@ GZIP = b"\x1f\x8b"
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A frame by name. group: shared by near-identical frames."""
+    """A frame by name. group: shared by near-identical frames. content: checksum of its files."""
 
     data_set: str
     frame: str
     group: str
     labelling: Labelling
+    content: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,9 +109,10 @@ class TrialFile:
         if path.exists() and b"\n" in path.read_bytes():
             held = read_search(path)
             if held.subject != subject:
+                other = _describe(held.subject)
+                got = f"those of {other}" if other != _describe(subject) else "those of other frames, or other labels"
                 raise FileError(
-                    f"expected trials of {_describe(subject)} in {path}, got those of {_describe(held.subject)}:"
-                    " give another folder with --out"
+                    f"expected trials of {_describe(subject)} in {path}, got {got}: give another folder with --out"
                 )
             self.trials = list(held.trials)
         self._file = self._open(path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from spigolo.datasets.entry import MILLIMETRES, RENDERED
+from spigolo.datasets.jsons import read_mapping
 from spigolo.datasets.sample import Sample
 from spigolo.datasets.writing import (
     rutgers_name,
@@ -18,7 +20,7 @@ from spigolo.datasets.writing import (
     write_tejani,
     write_uw_scenes,
 )
-from spigolo.errors import ConfigError
+from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.frame import Frame
 from spigolo.io import write_json, write_png
 from spigolo.synthetic.families import FAMILIES, family_models, render_family
@@ -43,11 +45,16 @@ def write_family(
         raise ConfigError(f"unknown layout {layout!r}: expected one of {', '.join(LAYOUTS)}")
     if count < 1:
         raise ConfigError(f"expected at least one frame, got {count}")
+    if seed < 0:
+        raise ConfigError(f"expected a seed of 0 or more, got {seed}")
+    if layout != "folders":
+        _require_extra()
     models = family_models(family)
-    about = f"rendered stand-ins, family {family}, seed {seed}"
+    about = f"rendered stand-ins, family {family}, seed {seed}, layout {layout}"
+    _refuse_others(folder, about)
     samples = _rendered(family, count, seed, tell)
     if layout == "folders":
-        return write_folders(folder, samples, family, about)
+        return write_folders(folder, samples, family, f"{family}-{seed}", about)
     if layout == "bop":
         return write_bop(folder, (_renamed(s, _bop_name(family, k)) for k, s in samples), models, about)
     if family == "table":
@@ -59,11 +66,12 @@ def write_family(
 LAYOUTS = ("folders", "bop", "original")
 
 
-def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, about: str) -> int:
-    """Writes the layout of `Folders`, set FAMILY; info.json also has each object's name and pose. Returns how many."""
+def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, data_set: str, about: str) -> int:
+    """Writes the layout of `Folders`, set `data_set`; info.json also has names and poses. Returns how many."""
     count = 0
+    write_json(folder / RENDERED, {"about": about})
     for _, sample in samples:
-        frame, place = sample.frame, folder / family / sample.frame.name
+        frame, place = sample.frame, folder / data_set / sample.frame.name
         write_png(place / "rgb.png", frame.color)
         write_png(place / "depth.png", np.round(frame.depth / MILLIMETRES).astype(np.uint16))
         write_png(place / "label.png", sample.labels.astype(np.uint8))
@@ -72,8 +80,24 @@ def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: s
         objects = [{"label": i.label, "model": i.model, "pose": i.pose.tolist()} for i in sample.instances]
         write_json(place / "info.json", {"fully_labelled": FAMILIES[family].fully_labelled, "objects": objects})
         count += 1
-    write_json(folder / RENDERED, {"about": about})
     return count
+
+
+def _refuse_others(folder: Path, about: str) -> None:
+    """Two renderings in one folder would be one set of neither."""
+    marker = folder / RENDERED
+    there = read_mapping(marker).get("about") if marker.is_file() else about
+    if there != about:
+        raise FileError(f"expected an empty folder or one of {about}, got {folder} with {there}: give another --out")
+
+
+def _require_extra() -> None:
+    """Before minutes are spent on rendering."""
+    for name in ("scipy", "trimesh"):
+        if importlib.util.find_spec(name) is None:
+            raise SpigoloError(
+                f'this layout needs {name}, which is not installed; mend: pip install "spigolo[datasets]"'
+            )
 
 
 def _rendered(family: str, count: int, seed: int, tell: Tell | None) -> Iterator[tuple[int, Sample]]:

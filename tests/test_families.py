@@ -296,7 +296,7 @@ def test_two_renderings_do_not_share_a_folder(tmp_path: Path) -> None:
     need_renderer()
     layouts.write_family("table", 1, 0, tmp_path)
     for family, seed, layout in (("table", 1, "folders"), ("multi", 0, "bop")):
-        with pytest.raises(FileError, match="got .* with rendered stand-ins, family table, seed 0"):
+        with pytest.raises(FileError, match=r"got .* with rendered stand-ins, family table, seed 0"):
             layouts.write_family(family, 1, seed, tmp_path, layout)
     with pytest.raises(ConfigError, match="expected a seed of 0 or more, got -1"):
         layouts.write_family("table", 1, -1, tmp_path / "other")

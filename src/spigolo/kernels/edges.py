@@ -63,9 +63,15 @@ def back_project(depth, y, x, fx, fy, cx, cy):
 
 
 @inlined
+def difference(point, origin):
+    """From one point to another."""
+    return point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
+
+
+@inlined
 def unit_vector(point, origin):
     """Eqs. 15, 16. Direction from the edge point to a point beside it; zero where they coincide."""
-    a, b, c = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
+    a, b, c = difference(point, origin)
     norm = np.sqrt(a * a + b * b + c * c)
     if norm == 0.0:
         return 0.0, 0.0, 0.0
@@ -79,24 +85,28 @@ def cross(a, b):
 
 
 @inlined
-def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
-    """Eqs. 17 and 19. Angle between both directions in degrees, negative at an internal (convex) boundary.
+def along_edge(c, n_y, n_x, sign_rule):
+    """Eq. 19. What tells a valley from a ridge, in the cross product of both directions: below 0 on a ridge.
 
     The three points lie in one plane with the camera, so only the sign of the cross product along the edge says
     something: positive in a valley. The printed rule takes its x component, which is right for edges whose normal
     points upwards and zero for upright ones (left to rounding, its sign would be noise).
     """
+    if sign_rule == SIGN_X:
+        return c[0] if n_y != 0 else 0.0
+    if sign_rule == SIGN_TANGENT:
+        return -n_y * c[0] + n_x * c[1]
+    return 0.0
+
+
+@inlined
+def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
+    """Eqs. 17 and 19. Angle between both directions in degrees, negative at an internal (convex) boundary."""
     c = cross(v_plus, v_minus)
     sine = np.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
     cosine = v_plus[0] * v_minus[0] + v_plus[1] * v_minus[1] + v_plus[2] * v_minus[2]
     angle = np.arctan2(sine, cosine) * 180.0 / np.pi
-    if sign_rule == SIGN_X:
-        along = c[0] if n_y != 0 else 0.0
-    elif sign_rule == SIGN_TANGENT:
-        along = -n_y * c[0] + n_x * c[1]
-    else:
-        along = 0.0
-    return -angle if along < 0.0 else angle
+    return -angle if along_edge(c, n_y, n_x, sign_rule) < 0.0 else angle
 
 
 @inlined
@@ -131,8 +141,11 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
             if depth[y, x] == 0.0 or depth[y + v, x + u] == 0.0 or depth[y - v, x - u] == 0.0:
                 continue
             here = back_project(depth, y, x, fx, fy, cx, cy)
-            v_plus = unit_vector(back_project(depth, y + v, x + u, fx, fy, cx, cy), here)
-            v_minus = unit_vector(back_project(depth, y - v, x - u, fx, fy, cx, cy), here)
-            angle = contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule)
+            plus = back_project(depth, y + v, x + u, fx, fy, cx, cy)
+            minus = back_project(depth, y - v, x - u, fx, fy, cx, cy)
+            across = cross(difference(plus, here), difference(minus, here))
+            if low_deg >= 0.0 and along_edge(across, n_y, n_x, sign_rule) < 0.0:
+                continue  # a ridge has a negative angle: no need to know which
+            angle = contact_angle_deg(unit_vector(plus, here), unit_vector(minus, here), n_y, n_x, sign_rule)
             if is_contact(angle, low_deg, high_deg):
                 contact[y, x] = 1

@@ -85,6 +85,17 @@ def unite(parent, records, a, b, bound):
     records[a] = record(size_a + size_b, bound)
 
 
+@inlined
+def ask_ahead(edges, k, offsets, parent, records):
+    """Asks for what the edges after the k-th will need."""
+    here, there = ends(edges[k + NODES_AHEAD], offsets)
+    prefetch(parent, here)
+    prefetch(parent, there)
+    here, there = ends(edges[k + ROOTS_AHEAD], offsets)
+    prefetch(records, np.uint64(parent[here]))
+    prefetch(records, np.uint64(parent[there]))
+
+
 @kernel
 def plant(gamma, parent, records, flags):
     """Makes every pixel a region that may still merge: parent (H W,) uint32, records (H W,) uint64, flags uint8."""
@@ -155,12 +166,7 @@ def merge(edges, offsets, gamma, parent, records):
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:
-            here, there = ends(edges[k + NODES_AHEAD], offsets)
-            prefetch(parent, here)
-            prefetch(parent, there)
-            here, there = ends(edges[k + ROOTS_AHEAD], offsets)
-            prefetch(records, np.uint64(parent[here]))
-            prefetch(records, np.uint64(parent[there]))
+            ask_ahead(edges, k, offsets, parent, records)
         here, there = ends(edges[k], offsets)
         a, b = find(parent, here), find(parent, there)
         if a != b:
@@ -175,6 +181,8 @@ def merge(edges, offsets, gamma, parent, records):
 def absorb_small(edges, offsets, min_size, parent, records):
     """Joins regions smaller than min_size to the neighbour over their lightest edge; sorted edges as in `merge`."""
     for k in range(edges.size):
+        if k + NODES_AHEAD < edges.size:
+            ask_ahead(edges, k, offsets, parent, records)
         here, there = ends(edges[k], offsets)
         a, b = find(parent, here), find(parent, there)
         if a != b and (size_of(records[a]) < min_size or size_of(records[b]) < min_size):

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import cv2
@@ -62,7 +61,7 @@ def join_parts(regions: Regions, cues: Cues, frame: Frame, config: Config) -> Re
     for inner, outer in parts.enclosed(root):
         _unite(root, inner, outer)
     kept, number = np.unique(root, return_inverse=True)  # a root is the smallest of its regions: the first in the image
-    return Regions(number.astype(np.int32)[regions.labels], kept.size)
+    return Regions(regions.spread(number.astype(np.int32)), kept.size)
 
 
 def _unite(root: Counts, a: int, b: int) -> None:
@@ -91,7 +90,7 @@ class _Parts:
         self.number = np.full(regions.count, -1, np.int32)
         self.number[self.ids] = np.arange(self.ids.size)
         self.hollowness = self._hollowness(frame.camera.fx)
-        self.top_m = cache(self._top_m)  # asked again for every neighbour
+        self._tops: dict[int, float] = {}
 
     def borders(self) -> Iterator[Border]:
         """The borders between regions that stand, long enough and with enough depth."""
@@ -175,8 +174,13 @@ class _Parts:
         out[self.ids] = sums[:, 0] / np.maximum(sums[:, 1], 1e-6)
         return out
 
-    def _top_m(self, k: int) -> float:
-        """Height of a region's top above the support."""
+    def top_m(self, k: int) -> float:
+        """Height of a region's top above the support; kept, as every neighbour asks."""
+        if k not in self._tops:
+            self._tops[k] = self._find_top_m(k)
+        return self._tops[k]
+
+    def _find_top_m(self, k: int) -> float:
         y0, x0, y1, x1 = self.boxes[k]
         there = (self._crop(k) == k) & (self.cues.depth[y0:y1, x0:x1] > 0)
         return float(np.percentile(self.height[y0:y1, x0:x1][there], TOP_PERCENT)) if there.any() else 0.0

@@ -214,7 +214,7 @@ def _reject_rims(
         return verdicts
     depth, changed = scene.evidence.depth, list(verdicts)
     height = plane.height_map_m(depth, camera)
-    no_object = np.array([v is not None for v in verdicts])[scene.regions.labels] & (depth > 0)
+    no_object = (scene.regions.spread(np.array([v is not None for v in verdicts], np.int32)) > 0) & (depth > 0)
     for f in tall:
         level = find_level(f, height, depth, rule.rim_m)
         if level is None:
@@ -237,7 +237,7 @@ def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verd
     label_of = np.zeros(scene.regions.count, np.int32)
     for o in objects:
         label_of[o.region] = o.label
-    labels = label_of[scene.regions.labels]
+    labels = scene.regions.spread(label_of)
     return Segmentation(
         labels=labels,
         objects=objects,

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from spigolo.config import VGA_PX2, Partition
 from spigolo.graph import OFFSETS, Graph
-from spigolo.kernels import merging, sorting
+from spigolo.kernels import merging, moments, sorting
 from spigolo.workspace import Workspace
 
 SAMPLE_STEP = 29
@@ -32,6 +32,12 @@ class Regions:
     def vga_scale(self) -> float:
         """What a pixel of this image counts at 640x480."""
         return VGA_PX2 / self.labels.size
+
+    def spread(self, of_region: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+        """A number of each region (R,) at each of its pixels (H, W)."""
+        out = np.empty_like(self.labels)
+        moments.spread(of_region, self.labels, out)
+        return out
 
 
 def partition(graph: Graph, config: Partition, workspace: Workspace | None = None) -> Regions:

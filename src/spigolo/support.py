@@ -43,8 +43,9 @@ class Plane:
 
     def height_map_m(self, depth: DepthMap, camera: Camera) -> npt.NDArray[np.float32]:
         """Height (H, W) of every pixel of a depth map (H, W) in metres; offset_m where depth is missing."""
-        slope_x, slope_y, slope = self.slopes(depth.shape, camera)
-        return np.asarray((slope_x + slope_y[:, None] + slope) * depth + np.float32(self.offset_m))
+        out = np.empty(depth.shape, np.float32)
+        kernel.measure_heights(depth, *self.slopes(depth.shape, camera), np.float32(self.offset_m), out)
+        return out
 
     def slopes(
         self, shape: tuple[int, ...], camera: Camera

@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
-from spigolo.kernels.edges import SIGN_TANGENT, back_project, contact_angle_deg, is_contact, unit_vector
+from spigolo.kernels.edges import SIGN_TANGENT, back_project, cosine_limits, makes_contact
+
+f32 = np.float32
+CLOSE, ROUNDING = 0.99, 1e-6
+"""What a first look in float32 leaves to the exact one: what comes so close to a limit, and rounding by the metre."""
+MAY_STEP, MAY_CREASE = 1, 2
 
 
 @kernel
@@ -39,9 +44,15 @@ def bend(before, here, after):
 
 
 @inlined
+def is_step(before, here, after, step_m, step_per_m):
+    """Whether the depth bends by max(step_m, step_per_m d^2) or more at a pixel of depth d."""
+    return bend(before, here, after) >= max(step_m, step_per_m * here * here)
+
+
+@inlined
 def hollow(before, here, after):
     """How far a pixel lies behind the chord between its samples, in metres: along a line in space 1 / Z is linear."""
-    return here - 2.0 * before * after / (before + after)
+    return here - f32(2.0) * before * after / (before + after)
 
 
 @inlined
@@ -53,50 +64,45 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
-    rounding = 0.99
-    return rounding * crease_px / max(fx, fy) * np.cos(crease_high_deg * np.pi / 360.0) / np.sqrt(1.0 + x * x + y * y)
+    of_depth = crease_px / max(fx, fy) * np.cos(crease_high_deg * np.pi / 360.0) / np.sqrt(1.0 + x * x + y * y)
+    return f32(CLOSE * of_depth - ROUNDING)
 
 
 @inlined
-def step_row(depth, filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, steps):
-    """Marks the pixels of row y at which the depth bends along (n_y, n_x)."""
-    width = depth.shape[1] - 2 * margin
+def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
+    """Pixels of row y that may be steps along (n_y, n_x): all of them and a few more, in float32 to be quick."""
     v, u = step_px * n_y, step_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
-    m_here, m_before, m_after = depth[y, margin:], depth[y - v, margin - u :], depth[y + v, margin + u :]
-    out = steps[y, margin:]
-    for x in range(width):
-        d = float(here[x])
-        limit = max(step_m, step_per_m * d * d)
-        measured = (m_here[x] > 0.0) | (m_before[x] > 0.0) | (m_after[x] > 0.0)
-        known = (here[x] > 0.0) & (before[x] > 0.0) & (after[x] > 0.0) & measured
-        out[x] |= known & (bend(float(before[x]), d, float(after[x])) >= limit)
+    least, per_m, rounding = f32(CLOSE * step_m), f32(CLOSE * step_per_m), f32(ROUNDING)
+    for x in range(maybe.size):
+        d = here[x]
+        bent = abs(d + d - before[x] - after[x]) + rounding * d
+        known = (d > f32(0.0)) & (before[x] > f32(0.0)) & (after[x] > f32(0.0))
+        maybe[x] = known & (bent >= least) & (bent >= per_m * d * d)
 
 
 @inlined
-def hollow_row(depth, filled, y, n_y, n_x, step_px, crease_px, least, margin, hollows):
-    """Marks the pixels of row y that lie deep enough behind their chord along (n_y, n_x) for a crease."""
-    width = depth.shape[1] - 2 * margin
-    v, u = step_px * n_y, step_px * n_x
-    m_here, m_before, m_after = depth[y, margin:], depth[y - v, margin - u :], depth[y + v, margin + u :]
+def hollow_row(filled, y, n_y, n_x, crease_px, least, margin, maybe):
+    """Pixels of row y that lie deep enough behind their chord along (n_y, n_x) for a crease."""
     v, u = crease_px * n_y, crease_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
-    for x in range(width):
-        measured = (m_here[x] > 0.0) | (m_before[x] > 0.0) | (m_after[x] > 0.0)
-        b, d, a = float(before[x]), float(here[x]), float(after[x])
-        nearest = min(b, d, a)
-        hollows[x] = measured & (nearest > 0.0) & (hollow(b, d, a) >= least * nearest)
+    for x in range(maybe.size):
+        b, d, a = before[x], here[x], after[x]
+        known = (d > f32(0.0)) & (b > f32(0.0)) & (a > f32(0.0))
+        nearest = min(b, a)
+        nearest = min(nearest, d)
+        maybe[x] |= np.uint8(MAY_CREASE) * (known & (hollow(b, d, a) >= least * nearest))
 
 
 @inlined
-def crease_angle(filled, y, x, n_y, n_x, crease_px, camera):
-    """Signed angle (eqs. 14-19) between both sides of a pixel along (n_y, n_x)."""
+def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
+    """Whether both sides of a pixel along (n_y, n_x) make a contact (eqs. 14-19)."""
     fx, fy, cx, cy = camera
     v, u = crease_px * n_y, crease_px * n_x
     here = back_project(filled, y, x, fx, fy, cx, cy)
-    v_plus = unit_vector(back_project(filled, y + v, x + u, fx, fy, cx, cy), here)
-    v_minus = unit_vector(back_project(filled, y - v, x - u, fx, fy, cx, cy), here)
-    return contact_angle_deg(v_plus, v_minus, n_y, n_x, SIGN_TANGENT)
+    plus = back_project(filled, y + v, x + u, fx, fy, cx, cy)
+    minus = back_project(filled, y - v, x - u, fx, fy, cx, cy)
+    return makes_contact(here, plus, minus, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 
 
 @kernel
@@ -113,12 +119,21 @@ def mark_contours(
     height, width = depth.shape
     margin = max(step_px, crease_px)
     least = least_hollow(camera, depth.shape, crease_px, crease_high_deg)
-    hollows = np.empty(max(width - 2 * margin, 0), np.uint8)
+    cosines = cosine_limits(crease_low_deg, crease_high_deg)
+    maybe = np.empty(max(width - 2 * margin, 0), np.uint8)
     for y in range(margin, height - margin):
         for n_y, n_x in ((0, 1), (1, 0), (1, 1), (-1, 1)):
-            step_row(depth, filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, steps)
-            hollow_row(depth, filled, y, n_y, n_x, step_px, crease_px, least, margin, hollows)
-            for k in range(hollows.size):
-                if hollows[k] != 0 and creases[y, margin + k] == 0:
-                    angle = crease_angle(filled, y, margin + k, n_y, n_x, crease_px, camera)
-                    creases[y, margin + k] = is_contact(angle, crease_low_deg, crease_high_deg)
+            step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe)
+            hollow_row(filled, y, n_y, n_x, crease_px, least, margin, maybe)
+            v, u = step_px * n_y, step_px * n_x
+            for k in range(maybe.size):
+                x = margin + k
+                if maybe[k] == 0 or depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0:
+                    continue
+                if maybe[k] & MAY_STEP and steps[y, x] == 0:
+                    before, here, after = filled[y - v, x - u], filled[y, x], filled[y + v, x + u]
+                    steps[y, x] = is_step(float(before), float(here), float(after), step_m, step_per_m)
+                if maybe[k] & MAY_CREASE and creases[y, x] == 0:
+                    creases[y, x] = is_crease(
+                        filled, y, x, n_y, n_x, crease_px, camera, crease_low_deg, crease_high_deg, cosines
+                    )

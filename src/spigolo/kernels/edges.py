@@ -9,6 +9,8 @@ from spigolo.kernels._jit import inlined, kernel
 SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
 """tan 22.5 degrees."""
+ROUNDING = 1e-9
+"""Share of a cosine that rounding may change: so close to a threshold the angle itself decides."""
 
 
 @kernel
@@ -79,6 +81,12 @@ def unit_vector(point, origin):
 
 
 @inlined
+def dot(a, b):
+    """Inner product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
 def cross(a, b):
     """Cross product of two vectors."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
@@ -103,9 +111,7 @@ def along_edge(c, n_y, n_x, sign_rule):
 def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
     """Eqs. 17 and 19. Angle between both directions in degrees, negative at an internal (convex) boundary."""
     c = cross(v_plus, v_minus)
-    sine = np.sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2])
-    cosine = v_plus[0] * v_minus[0] + v_plus[1] * v_minus[1] + v_plus[2] * v_minus[2]
-    angle = np.arctan2(sine, cosine) * 180.0 / np.pi
+    angle = np.arctan2(np.sqrt(dot(c, c)), dot(v_plus, v_minus)) * 180.0 / np.pi
     return -angle if along_edge(c, n_y, n_x, sign_rule) < 0.0 else angle
 
 
@@ -113,6 +119,29 @@ def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
 def is_contact(angle_deg, low_deg, high_deg):
     """Eq. 18. A contact boundary has an angle between both thresholds."""
     return not (angle_deg > high_deg or angle_deg < low_deg)
+
+
+@inlined
+def cosine_limits(low_deg, high_deg):
+    """Largest and smallest cosine of the angles between two thresholds; out of reach for one that no angle reaches."""
+    largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
+    smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
+    return largest, smallest
+
+
+@inlined
+def makes_contact(here, plus, minus, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
+    """Eqs. 15-19 at an edge point between two others; for most without the angle, by its sign and its cosine."""
+    a, b = difference(plus, here), difference(minus, here)
+    if low_deg >= 0.0:
+        if along_edge(cross(a, b), n_y, n_x, sign_rule) < 0.0:
+            return False
+        lengths = np.sqrt(dot(a, a) * dot(b, b))
+        below, above = cosines[0] * lengths - dot(a, b), dot(a, b) - cosines[1] * lengths
+        if abs(below) > ROUNDING * lengths and abs(above) > ROUNDING * lengths:
+            return below > 0.0 and above > 0.0
+    angle = contact_angle_deg(unit_vector(plus, here), unit_vector(minus, here), n_y, n_x, sign_rule)
+    return is_contact(angle, low_deg, high_deg)
 
 
 @kernel
@@ -126,6 +155,7 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
     height, width = edges.shape
     fx, fy, cx, cy = camera
     margin = max(step_px, contact_px) + 1
+    cosines = cosine_limits(low_deg, high_deg)
     for y in range(margin, height - margin):
         for x in range(margin, width - margin):
             if edges[y, x] == 0:
@@ -143,9 +173,5 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
             here = back_project(depth, y, x, fx, fy, cx, cy)
             plus = back_project(depth, y + v, x + u, fx, fy, cx, cy)
             minus = back_project(depth, y - v, x - u, fx, fy, cx, cy)
-            across = cross(difference(plus, here), difference(minus, here))
-            if low_deg >= 0.0 and along_edge(across, n_y, n_x, sign_rule) < 0.0:
-                continue  # a ridge has a negative angle: no need to know which
-            angle = contact_angle_deg(unit_vector(plus, here), unit_vector(minus, here), n_y, n_x, sign_rule)
-            if is_contact(angle, low_deg, high_deg):
+            if makes_contact(here, plus, minus, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
                 contact[y, x] = 1

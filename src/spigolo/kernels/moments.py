@@ -26,6 +26,15 @@ def sum_squares(end):
 
 
 @kernel
+def spread(of_region, labels, out):
+    """out (H, W) = of_region[labels], both int32."""
+    for y in range(labels.shape[0]):
+        row, label = out[y], labels[y]
+        for x in range(row.size):
+            row[x] = of_region[label[x]]
+
+
+@kernel
 def sum_regions(labels, sums, boxes):
     """Count and first and second moments of the pixel coordinates, and the box of every region.
 

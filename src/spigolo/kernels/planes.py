@@ -25,6 +25,15 @@ def count_near(points, planes, tolerance, counts):
 
 
 @kernel
+def measure_heights(depth, slope_x, slope_y, slope, offset, out):
+    """Height of every pixel above a plane, out (H, W): (slope_x[x] + slope_y[y] + slope) * depth + offset, float32."""
+    for y in range(depth.shape[0]):
+        row, height, of_row = depth[y], out[y], slope_y[y]
+        for x in range(row.size):
+            height[x] = (slope_x[x] + of_row + slope) * row[x] + offset
+
+
+@kernel
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
     """On which side of a plane every pixel lies: out (H, W) uint8 is MISSING, BELOW, ON or ABOVE.
 

@@ -56,7 +56,7 @@ def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders],
             return domains
         root = _join_best(domains.count, borders.domain[:, wanted], borders.mean[wanted])
         _, number = np.unique(root, return_inverse=True)  # a root is the first of its domains
-        domains = Regions(number.astype(np.int32)[domains.labels], int(number.max()) + 1)
+        domains = Regions(domains.spread(number.astype(np.int32)), int(number.max()) + 1)
 
 
 def find_borders(domains: Regions, planes: Planes) -> Borders:

@@ -584,6 +584,10 @@ def sum_depth(labels: Array, depth: Array, camera: Intrinsics, count: int) -> Ar
     return sums
 
 
+def spread(of_region: Array, labels: Array) -> Array:
+    return np.array([[of_region[k] for k in row] for row in labels])
+
+
 def count_marked(labels: Array, mask: Array, count: int) -> list[int]:
     return [int(((labels == k) & (mask > 0)).sum()) for k in range(count)]
 
@@ -696,6 +700,11 @@ def count_near(points: Array, planes: Array, tolerance: Array) -> list[int]:
     """points (N, 3)."""
     heights = [points.astype(np.float64) @ plane[:3].astype(np.float64) + float(plane[3]) for plane in planes]
     return [int((np.abs(h) <= tolerance).sum()) for h in heights]
+
+
+def measure_heights(depth: Array, K: Array, normal: Array, offset: float) -> Array:
+    return np.array([[normal @ np.linalg.solve(K, [x, y, 1]) * depth[y, x] + offset for x in range(depth.shape[1])]
+                     for y in range(depth.shape[0])])  # fmt: skip
 
 
 def tell_sides(depth: Array, K: Array, normal: Array, offset: float, least: float, noise: float) -> Array:

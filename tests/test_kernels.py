@@ -569,6 +569,12 @@ def test_sum_depth(scene: Frame, labels: naive.Array) -> None:
     np.testing.assert_allclose(sums, naive.sum_depth(labels, scene.depth, camera, count), **TOLERANCE)
 
 
+def test_spread(labels: naive.Array, rng: np.random.Generator) -> None:
+    of_region, out = rng.integers(-9, 9, int(labels.max()) + 1, np.int32), np.empty_like(labels)
+    moments.spread(of_region, labels, out)
+    np.testing.assert_array_equal(out, naive.spread(of_region, labels))
+
+
 def test_count_marked(labels: naive.Array, rng: np.random.Generator) -> None:
     count, mask = int(labels.max()) + 1, (rng.random(labels.shape) < 0.4).astype(np.uint8)
     counts = np.zeros(count, np.int64)
@@ -658,6 +664,14 @@ def test_count_near(rng: np.random.Generator) -> None:
     tolerance, counts = rng.uniform(0, 0.3, 400).astype(np.float32), np.zeros(20, np.int64)
     kernel_planes.count_near(points.T.copy(), planes, tolerance, counts)
     assert counts.tolist() == naive.count_near(points, planes, tolerance)
+
+
+def test_measure_heights(scene: Frame, rng: np.random.Generator) -> None:
+    for a, b, c, d in _planes(rng, 3).astype(np.float64):
+        plane, out = Plane(np.array([a, b, c]), d), np.empty(scene.shape, np.float32)
+        kernel_planes.measure_heights(scene.depth, *plane.slopes(scene.shape, scene.camera), np.float32(d), out)
+        twin = naive.measure_heights(scene.depth, scene.camera.matrix, plane.normal, d)
+        np.testing.assert_allclose(out, twin, atol=1e-5)
 
 
 def test_tell_sides(scene: Frame, rng: np.random.Generator) -> None:

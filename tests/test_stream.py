@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 import threading
@@ -31,6 +32,20 @@ def test_a_segmenter_answers_as_segment_does_whatever_it_saw_before(name: str) -
     for k in range(6):
         frame = variant(k)
         assert np.array_equal(segmenter(frame).labels, sp.segment(frame, sp.PRESETS[name]).labels)
+
+
+@pytest.mark.parametrize("name", [*sorted(sp.PRESETS), *sorted(sp.METHODS)])
+def test_nothing_of_a_frame_waits_for_the_garbage_collector(name: str) -> None:
+    """What only the collector frees piles up between its visits, and fresh memory is dear."""
+    segment = sp.Segmenter(sp.PRESETS[name]) if name in sp.PRESETS else sp.METHODS[name]
+    segment(scene())
+    gc.collect()
+    gc.disable()
+    try:
+        segment(scene())
+        assert gc.collect() == 0
+    finally:
+        gc.enable()
 
 
 def test_answers_share_no_memory_with_the_workspace() -> None:

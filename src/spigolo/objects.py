@@ -6,6 +6,7 @@ import dataclasses
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,9 @@ from spigolo.regions import Regions
 from spigolo.rejection import Reason, Verdict, judge
 from spigolo.roi import Roi, roi_mask
 from spigolo.support import Plane, above_mask, support_mask
+
+FACTS = tuple(RegionFacts.__dataclass_fields__)
+_facts = attrgetter(*FACTS)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -265,4 +269,4 @@ def _left_out(scene: Scene) -> tuple[str, ...]:
 
 
 def _fields(facts: RegionFacts) -> dict[str, Any]:
-    return {name: getattr(facts, name) for name in RegionFacts.__dataclass_fields__}
+    return dict(zip(FACTS, _facts(facts), strict=True))

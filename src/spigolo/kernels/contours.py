@@ -128,7 +128,7 @@ def mark_contours(
             v, u = step_px * n_y, step_px * n_x
             for k in range(maybe.size):
                 x = margin + k
-                if maybe[k] == 0 or depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0:
+                if maybe[k] == 0 or (depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0):
                     continue
                 if maybe[k] & MAY_STEP and steps[y, x] == 0:
                     before, here, after = filled[y - v, x - u], filled[y, x], filled[y + v, x + u]

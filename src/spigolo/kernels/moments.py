@@ -27,7 +27,7 @@ def sum_squares(end):
 
 @kernel
 def spread(of_region, labels, out):
-    """out (H, W) = of_region[labels], both int32."""
+    """Gives every pixel the number of its region: out (H, W) = of_region[labels], all int32."""
     for y in range(labels.shape[0]):
         row, label = out[y], labels[y]
         for x in range(row.size):

@@ -320,8 +320,10 @@ class Vessel(_Stage):
     """Least mean depth step from the wall to the inside."""
     max_hollow_front: float = -0.1
     """Largest hollowness of the wall, which bulges."""
-    min_hollow_back: float = -0.01
-    """Least hollowness of the inside."""
+    min_hollow_back: float = -0.11
+    """Least hollowness of the inside, which looks flat where only its back is seen or depth is missing;"""
+    sure_hollow_back: float = -0.01
+    """from here on it is hollow."""
     min_contrast: float = 0.25
     """Least difference of both."""
     top_m: NotNegative = 0.008
@@ -329,7 +331,9 @@ class Vessel(_Stage):
     top_share: Share = 0.1
     """or within this share of it."""
     min_solidity: Share = 0.75
-    """Least share of their convex hull that both fill together."""
+    """Least share of their convex hull that both fill together,"""
+    min_solidity_flat: Share = 0.87
+    """where the inside looks flat."""
 
 
 class Cap(_Stage):

@@ -123,7 +123,7 @@ class _Parts:
             and back >= rule.min_hollow_back
             and back - front >= rule.min_contrast
             and self._ends_alike(border, rule.top_m, rule.top_share)
-            and self._solidity(border) >= rule.min_solidity
+            and self._solidity(border) >= (rule.min_solidity if back >= rule.sure_hollow_back else rule.min_solidity_flat)
         )
 
     def is_cap(self, border: Border) -> bool:

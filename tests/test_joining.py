@@ -114,6 +114,22 @@ LIDDED = (wall(0, 0, 0.05, 0, 0.09), disc(0, 0, 0.05, 0.09))
 HALVES = (front(-0.04, 0, 0.08, 0.15), front(0.04, 0.001, 0.08, 0.15))
 
 
+def bulge(x: float, y: float, radius: float, width: float, high: float) -> Surface:
+    """A strip of an upright cylinder that hardly bulges towards the camera: the inside of a cup without some depth."""
+    cylinder = wall(x, y + radius, radius, 0, high)
+
+    def hit(origin: Array, direction: Array) -> Array:
+        t = cylinder(origin, direction)
+        return np.where(abs(origin[0] + t * direction[..., 0] - x) <= width / 2, t, np.inf)
+
+    return hit
+
+
+FLAT_CUP = (wall(0, 0, 0.045, 0, 0.1), bulge(0, 0, 0.2, 0.08, 0.1))
+CUT_BOWL = (wall(0, -0.26, 0.09, 0, 0.1, inner=True), disc(0, -0.26, 0.09, 0.002))
+"""So near that the image ends within its bottom: its wall is out of sight."""
+
+
 def both_cans(x: float, y: float) -> tuple[Surface, ...]:
     """Two solid cans of one height, the second one moved."""
     return tuple(
@@ -130,6 +146,8 @@ BOXES_BEHIND_EACH_OTHER = (front(0, 0, 0.1, 0.12), front(0.02, 0.08, 0.1, 0.12))
     [
         pytest.param(CUP, [0, 1, 1], id="cup"),
         pytest.param(BOWL_WITH_BOTTOM, [0, 1, 1, 1], id="bowl whose bottom lies on the table"),
+        pytest.param(FLAT_CUP, [0, 1, 1], id="cup whose inside looks flat"),
+        pytest.param(CUT_BOWL, [0, 1, 1], id="bowl that the image cuts"),
         pytest.param(HALVES, [0, 1, 1], id="a face cut in two"),
         pytest.param(both_cans(0.075, 0), [0, 1, 2], id="two cans side by side"),
         pytest.param(both_cans(0.02, 0.08), [0, 1, 2], id="a can behind a can"),
@@ -146,6 +164,9 @@ def test_parts_are_joined_and_objects_are_not(parts: tuple[Surface, ...], togeth
         ({"vessel": Vessel()}, CUP, [0, 1, 1]),
         ({"cap": Cap(), "smooth": Smooth(), "enclosed": 0.9}, CUP, [0, 1, 2]),
         ({"vessel": Vessel()}, BOWL_WITH_BOTTOM, [0, 1, 1, 3]),
+        ({"vessel": Vessel(min_hollow_back=-0.01)}, FLAT_CUP, [0, 1, 2]),
+        ({"vessel": Vessel(min_solidity=1.0)}, FLAT_CUP, [0, 1, 2]),
+        ({"vessel": Vessel()}, CUT_BOWL, [0, 1, 2]),
         ({"smooth": Smooth()}, HALVES, [0, 1, 1]),
         ({"vessel": Vessel(), "cap": Cap()}, HALVES, [0, 1, 2]),
         ({}, CUP, [0, 1, 2]),

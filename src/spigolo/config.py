@@ -321,19 +321,21 @@ class Vessel(_Stage):
     max_hollow_front: float = -0.1
     """Largest hollowness of the wall, which bulges."""
     min_hollow_back: float = -0.11
-    """Least hollowness of the inside, which looks flat where only its back is seen or depth is missing;"""
-    sure_hollow_back: float = -0.01
-    """from here on it is hollow."""
-    min_contrast: float = 0.25
+    """Least hollowness of the inside, which looks flat where its back alone is seen or depth is missing."""
+    min_contrast: float = 0.15
     """Least difference of both."""
     top_m: NotNegative = 0.008
     """Both end at one height above the support, within this,"""
     top_share: Share = 0.1
     """or within this share of it."""
-    min_solidity: Share = 0.75
-    """Least share of their convex hull that both fill together,"""
-    min_solidity_flat: Share = 0.87
-    """where the inside looks flat."""
+    min_solidity: Share = 0.87
+    """Least share of their convex hull that both fill together."""
+    sure_hollow_back: float = -0.01
+    """An inside at least so hollow,"""
+    sure_contrast: float = 0.25
+    """and by so much more than the wall, is one beyond doubt:"""
+    sure_solidity: Share = 0.75
+    """then this share is enough."""
 
 
 class Cap(_Stage):

@@ -12,7 +12,7 @@ like a contour. Four rules join regions that stand on the support, by what lies 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +29,7 @@ from spigolo.support import Plane, above_mask
 
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
+CUT_SOLIDITY = 0.9
 
 Counts = npt.NDArray[np.int64]
 
@@ -116,14 +117,16 @@ class _Parts:
     def is_vessel(self, border: Border) -> bool:
         """Whether a is the wall and b the inside of one vessel."""
         rule, front, back = self.config.vessel, self.hollowness[border.a], self.hollowness[border.b]
+        if rule is None:
+            return False
+        sure = back >= rule.sure_hollow_back and back - front >= rule.sure_contrast
         return (
-            rule is not None
-            and border.behind_m >= rule.min_behind_m
+            border.behind_m >= rule.min_behind_m
             and front <= rule.max_hollow_front
             and back >= rule.min_hollow_back
             and back - front >= rule.min_contrast
             and self._ends_alike(border, rule.top_m, rule.top_share)
-            and self._solidity(border) >= (rule.min_solidity if back >= rule.sure_hollow_back else rule.min_solidity_flat)
+            and self._solidity((border.a, border.b)) >= (rule.sure_solidity if sure else rule.min_solidity)
         )
 
     def is_cap(self, border: Border) -> bool:
@@ -134,7 +137,7 @@ class _Parts:
             and border.gap_m <= rule.max_gap_m
             and border.behind_m >= rule.min_behind_m
             and self._ends_alike(border, 0.0, rule.top_share)
-            and self._solidity(border) >= rule.min_solidity
+            and self._solidity((border.a, border.b)) >= rule.min_solidity
         )
 
     def is_smooth(self, border: Border) -> bool:
@@ -152,19 +155,22 @@ class _Parts:
         least = self.config.enclosed
         if least is None:
             return
-        inner = (self.boxes[:, :2] > 0).all(1) & (self.boxes[:, 2:] < self.labels.shape).all(1)
-        for k in np.flatnonzero(~self.stands & inner & (self.area <= self.config.max_share * self.labels.size)):
+        inner = np.asarray((self.boxes[:, :2] > 0).all(1) & (self.boxes[:, 2:] < self.labels.shape).all(1))
+        for k in np.flatnonzero(~self.stands & (self.area <= self.config.max_share * self.labels.size)):
             labels = self._crop(int(k), 1)
             here = (labels == k).view(np.uint8)
             ring = (cv2.dilate(here, np.ones((3, 3), np.uint8)) > 0) & (here == 0)
             around = np.bincount(root[labels[ring]], minlength=root.size)
             outer = int(around.argmax())
-            if around[outer] >= least * around.sum() and self.stands[root == outer].any():
+            if around[outer] < least * around.sum() or not self.stands[root == outer].any():
+                continue
+            parts = [int(k), *np.flatnonzero(root == outer).tolist()]
+            if inner[k] or self._solidity(parts) >= CUT_SOLIDITY:
                 yield int(k), outer
 
     def _crop(self, k: int, margin: int = 0) -> npt.NDArray[np.int32]:
-        top, left, bottom, right = self.boxes[k]
-        return self.labels[top - margin : bottom + margin, left - margin : right + margin]
+        (top, left), (bottom, right) = np.maximum(self.boxes[k, :2] - margin, 0), self.boxes[k, 2:] + margin
+        return self.labels[top:bottom, left:right]
 
     def _hollowness(self, fx: float) -> npt.NDArray[np.float64]:
         """How deep each region lies behind its chords along image rows, as a share of their length (R,)."""
@@ -190,12 +196,11 @@ class _Parts:
         a, b = self.top_m(border.a), self.top_m(border.b)
         return abs(a - b) <= max(tolerance_m, share * max(a, b))
 
-    def _solidity(self, border: Border) -> float:
-        """Share of the convex hull of both regions that lies within their outlines: what they enclose counts."""
-        (y0, x0), (y1, x1) = self.boxes[[border.a, border.b], :2].min(0), self.boxes[[border.a, border.b], 2:].max(0)
-        labels = self.labels[y0:y1, x0:x1]
-        both = ((labels == border.a) | (labels == border.b)).view(np.uint8)
-        outlines, _ = cv2.findContours(both, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    def _solidity(self, parts: Sequence[int]) -> float:
+        """Share of the convex hull of regions that lies within their outlines: what they enclose counts."""
+        (y0, x0), (y1, x1) = self.boxes[parts, :2].min(0), self.boxes[parts, 2:].max(0)
+        own = np.isin(self.labels[y0:y1, x0:x1], parts).view(np.uint8)
+        outlines, _ = cv2.findContours(own, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         hull: Any = cv2.convexHull(np.vstack(outlines))
         return sum(map(cv2.contourArea, outlines)) / max(cv2.contourArea(hull), 1.0)
 

@@ -85,7 +85,7 @@ OBJECTS_1 = Config(
 OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
     partition={"connectivity": 4},
-    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.9),
+    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
     rejection={"support": {"stacked_share": 0.5}, "wall": Wall(), "min_contour": 0.6},
 )
 """OBJECTS_1 with the parts of an object joined, and the table taken for the support rather than the floor."""

@@ -59,7 +59,7 @@ REJECTED: Space = {
 ADDED: Space = {
     SUPPORT: Switch(),
     CONTOURS: Switch(),
-    JOINING: Switch({"vessel": {}, "cap": {}, "smooth": {}, "enclosed": 0.9}, needs=SUPPORT),
+    JOINING: Switch({"vessel": {}, "cap": {}, "smooth": {}, "enclosed": 0.85}, needs=SUPPORT),
 }
 """What the paper has not; drawn only where the preset leaves it out."""
 
@@ -82,8 +82,8 @@ BOUNDARIES: Space = {
 }
 
 JOINED: Space = {
-    f"{JOINING}.vessel.min_contrast": Range(0.1, 0.35),
-    f"{JOINING}.vessel.min_solidity": Range(0.65, 0.85),
+    f"{JOINING}.vessel.sure_contrast": Range(0.1, 0.35),
+    f"{JOINING}.vessel.sure_solidity": Range(0.65, 0.85),
     f"{JOINING}.cap.max_gap_m": Range(0.01, 0.03),
     f"{JOINING}.smooth.max_bend_m": Range(0.0, 0.002),
     f"{JOINING}.smooth.max_gap_m": Range(0.015, 0.04),

@@ -83,6 +83,8 @@ def region(width: int = 60, height: int = 50, **scene):
         ("max_distance_m", 1.5, {"depth": np.full((120, 160), 1.6, np.float32)}, {}, "out of reach"),
         ("max_lambda1_px2", 310.0, {"width": 62}, {"width": 60}, "too long"),  # (n^2 - 1) / 12: 320, 300
         ("max_lambda2_px2", 200.0, {"height": 50}, {"height": 48}, "too wide"),  # 208, 192
+        ("max_length_m", 0.123, {"width": 62}, {"width": 60}, "too long"),  # 0.124 m and 0.120 m at 1 m, f = 500
+        ("max_width_m", 0.098, {"height": 50}, {"height": 48}, "too wide"),
         ("max_eccentricity", 0.9, {"height": 25}, {"height": 30}, "too thin"),
         ("max_dark", 0.3, {"color": 23}, {"color": 24}, "dark"),
     ],
@@ -140,6 +142,22 @@ def test_pixel_limits_grow_with_the_image() -> None:
     rules = sp.Rejection(max_lambda1_px2=310.0)
     assert judge(region(width=62), rules, 1.0) is not None
     assert judge(region(width=62), rules, 4.0) is None
+
+
+def test_limits_in_metres_take_the_place_of_those_in_pixels_where_intrinsics_are_known() -> None:
+    rules = sp.Rejection(max_lambda1_px2=310.0, max_length_m=0.2)
+    assert region(width=62).size_m == pytest.approx((62 * 0.002, 50 * 0.002), rel=1e-3)
+    assert judge(region(width=62), rules, 1.0) is None
+    far = region(width=62, depth=np.full((120, 160), 2.0, np.float32))
+    assert judge(far, rules, 1.0) == (sp.Reason.TOO_LONG, "too long: 0.25 m, limit 0.20 m")
+    labels = np.zeros((120, 160), np.int32)
+    labels[10:60, 10:72] = 1
+    blind = sp.Frame(np.full((120, 160, 3), 128, np.uint8), np.ones((120, 160), np.float32), None)
+    facts = measure(Regions(labels, 2), blind)[1]
+    assert facts.size_m is None
+    verdict = judge(facts, rules, 1.0)
+    assert verdict is not None
+    assert "lambda1" in verdict[1]
 
 
 def cuboid_depth() -> tuple[np.ndarray, np.ndarray]:

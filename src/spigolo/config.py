@@ -303,6 +303,11 @@ class Rejection(_Stage):
     """Larger eigenvalue of the pixel coordinates' covariance (authors' release: 3800)."""
     max_lambda2_px2: Positive | None = None
     """Smaller eigenvalue (authors' release: 950)."""
+    max_length_m: Positive | None = None
+    """Length of a rectangle with the region's spread at its distance, in place of the larger eigenvalue wherever
+    intrinsics say what a pixel measures (our addition)."""
+    max_width_m: Positive | None = None
+    """Its width, in place of the smaller one (our addition)."""
     max_eccentricity: Share | None = None
     """sqrt(1 - lambda2 / lambda1) (authors' release: 0.978)."""
     max_missing: Share | None = None

@@ -23,6 +23,8 @@ from spigolo.regions import Regions
 Labels = npt.NDArray[np.int32]
 Heights = npt.NDArray[np.floating[Any]]
 
+SPREAD_OF_SQUARE = 12
+"""The square of a rectangle's side as a multiple of the variance along it."""
 TALL_SHARE = 0.05
 """Least share of a region's measured pixels among the tall ones for it to be asked whether it is a wall."""
 SLOPES_SHARE = 0.1
@@ -82,6 +84,19 @@ class RegionFacts:
     def distance_m(self) -> float | None:
         """Distance of the centroid from the camera, None without depth."""
         return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
+
+    @property
+    def size_m(self) -> tuple[float, float] | None:
+        """Length and width of a rectangle with the same spread, seen straight on at the centroid's depth.
+
+        None without depth or intrinsics.
+        """
+        camera, center = self.frame.camera, self.centroid_m
+        if camera is None or center is None:
+            return None
+        pixel_m = 2 * center[2] / (camera.fx + camera.fy)
+        length, width = (float(np.sqrt(SPREAD_OF_SQUARE * spread)) * pixel_m for spread in self.spread_px2)
+        return length, width
 
     def points_m(self) -> npt.NDArray[np.float32]:
         """Its measured points (N, 3) in the camera's frame, in raster order; never in-painted depth.

@@ -86,9 +86,16 @@ OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
     partition={"connectivity": 4},
     joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
-    rejection={"support": {"stacked_share": 0.5}, "wall": Wall(), "min_contour": 0.6},
+    rejection={
+        "support": {"stacked_share": 0.5},
+        "wall": Wall(),
+        "min_contour": 0.6,
+        "max_length_m": 0.4,
+        "max_width_m": 0.25,
+    },
 )
-"""OBJECTS_1 with the parts of an object joined, and the table taken for the support rather than the floor."""
+"""OBJECTS_1 with the parts of an object joined, the table taken for the support rather than the floor, and limits of
+size in metres."""
 
 OBJECTS = OBJECTS_2
 

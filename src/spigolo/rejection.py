@@ -61,12 +61,19 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
 
 
 def _judge_shape(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | None:
-    """Its extent in the image: both eigenvalues and the eccentricity."""
+    """Its extent, in metres where that is asked for and known, else in the image, and its eccentricity."""
     large, small = facts.spread_px2
+    length, width = facts.size_m or (None, None)
     max_large, max_small = _scaled(rules.max_lambda1_px2, area_scale), _scaled(rules.max_lambda2_px2, area_scale)
+    if length is not None and rules.max_length_m is not None:
+        max_large = None
+    if width is not None and rules.max_width_m is not None:
+        max_small = None
     return (
         _above(Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2, limit {:.0f} px2")
+        or _above(Reason.TOO_LONG, length, rules.max_length_m, "{:.2f} m, limit {:.2f} m")
         or _above(Reason.TOO_WIDE, small, max_small, "lambda2 {:.0f} px2, limit {:.0f} px2")
+        or _above(Reason.TOO_WIDE, width, rules.max_width_m, "{:.2f} m, limit {:.2f} m")
         or _above(Reason.TOO_THIN, facts.eccentricity, rules.max_eccentricity, "eccentricity {:.3f}, limit {:.3f}")
     )
 

@@ -50,11 +50,19 @@ SUPPORT, CONTOURS, JOINING = "rejection.support", "edges.depth_contours", "joini
 REJECTED: Space = {
     "rejection.support.min_height_m": Range(0.006, 0.012),
     "rejection.support.stacked_share": Range(0.3, 0.8),
-    "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
-    "rejection.max_lambda2_px2": Range(1000.0, 4000.0, log=True),
     "rejection.max_eccentricity": Range(0.975, 0.99),
 }
 """Which regions are no objects: the same for every method."""
+
+IN_PIXELS: Space = {
+    "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
+    "rejection.max_lambda2_px2": Range(1000.0, 4000.0, log=True),
+}
+IN_METRES: Space = {
+    "rejection.max_length_m": Range(0.3, 0.6),
+    "rejection.max_width_m": Range(0.18, 0.4),
+}
+"""Which of them depends on what the start has."""
 
 ADDED: Space = {
     SUPPORT: Switch(),
@@ -138,13 +146,14 @@ def space_of(method: Method) -> Space:
         raise ConfigError(
             f"expected a method that can be fitted, got {method.name!r}: choose from {', '.join(METHODS)}"
         )
-    return {**OTHERS[method.name], **REJECTED}
+    return {**OTHERS[method.name], **REJECTED, **IN_METRES}
 
 
 def _ours(config: Config) -> Space:
     there = {SUPPORT: config.rejection.support, CONTOURS: config.edges.depth_contours, JOINING: config.joining}
     added = {name: switch for name, switch in ADDED.items() if there[name] is None}
-    space: Space = {**added, **DEPTH, **JOINED, **REJECTED}
+    sizes = IN_PIXELS if config.rejection.max_length_m is None else IN_METRES
+    space: Space = {**added, **DEPTH, **JOINED, **REJECTED, **sizes}
     match config.cost:
         case BoundaryCost(k_b=k_b):
             unit = k_b or 1.0  # k_b stays: only its ratios to k_x and gamma decide

@@ -168,6 +168,7 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "without joining": {"joining": None},
     "without walls": {"rejection.wall": None},
     "largest plane, be it the floor": {"rejection.support.stacked_share": None},
+    "limits of size in pixels": {"rejection.max_length_m": None, "rejection.max_width_m": None},
     "weak contours from 0.65 on": {"rejection.min_contour": 0.65},
     "8-connected": {"partition.connectivity": 8},
     "without depth contours": {"edges.depth_contours": None},

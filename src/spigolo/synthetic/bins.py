@@ -166,9 +166,8 @@ def _tool(view: View, rng: Rng) -> SceneObject:
 def _sensor(rng: Rng) -> StructuredLight:
     """A camera on a wrist, near its least distance."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
-    return StructuredLight(
-        noise_px=0.045 * rng.uniform(0.7, 1.5),
-        noise_radius_px=2.5,
+    level = float(np.exp(rng.uniform(np.log(0.5), np.log(2.0))))
+    camera = StructuredLight(
         dark_brightness=0.13,
         patch_px=3.0,
         steepest_angle_deg=rng.uniform(56, 68),
@@ -176,3 +175,4 @@ def _sensor(rng: Rng) -> StructuredLight:
         edge_jitter_px=0.9,
         margin_px=(top, right, bottom, left),
     )
+    return camera.at_noise_level(level)

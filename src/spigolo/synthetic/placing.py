@@ -15,7 +15,7 @@ import numpy.typing as npt
 from spigolo.synthetic.household import Product, Rest
 from spigolo.synthetic.scene import SceneObject
 
-__all__ = ["Plot", "settled"]
+__all__ = ["Plot", "height_m", "settled"]
 
 FloatArray = npt.NDArray[np.float64]
 Outline = npt.NDArray[np.float32]
@@ -32,6 +32,11 @@ def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_
     hung = SceneObject(product.name, (*spot_m, 0.0), yaw_deg, product.parts, rest.tilt_deg, roll_deg)
     lowest_m = float((product.points_m @ hung.rotation[2]).min())
     return SceneObject(product.name, (*spot_m, -lowest_m), yaw_deg, product.parts, rest.tilt_deg, roll_deg)
+
+
+def height_m(product: Product, rest: Rest) -> float:
+    """How tall the product is in that rest."""
+    return float(np.ptp(product.points_m @ settled(product, rest, 0.0, 0.0, (0.0, 0.0)).rotation[2]))
 
 
 class Plot:

@@ -12,7 +12,7 @@ from spigolo.datasets import tejani, uw_scenes
 from spigolo.synthetic import furniture
 from spigolo.synthetic.household import FLAT_KINDS, Product, Rest, household, kind_of
 from spigolo.synthetic.meshes import joined, prism, rounded_rectangle
-from spigolo.synthetic.placing import Plot
+from spigolo.synthetic.placing import Plot, height_m
 from spigolo.synthetic.rendering import Lighting
 from spigolo.synthetic.rooms import block, finish, hall, room_light
 from spigolo.synthetic.scene import Part, SceneObject, View
@@ -68,10 +68,10 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     view = View(
         look_at_m, rng.uniform(0.75, 1.2), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), uw_scenes.CAMERA
     )
-    sensor = _sensor(rng, (0.5, 1.6))
+    sensor = _sensor(rng, (0.55, 1.9))
     return Stage(
         tuple(things), tuple(parts), view, _light(rng, look_at_m), sensor,
-        grey=rng.uniform(75, 135), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
+        grey=rng.uniform(80, 145), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
         sharpening=rng.uniform(0.8, 2.0), contrast=1.3,
     )  # fmt: skip
 
@@ -100,12 +100,12 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 
 
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
-    """In every second frame a fine camera of short reach, near and rather from above; else one like the Kinect."""
-    sensor = _sensor(rng, (0.65, 1.7))
+    """In two frames of five a fine camera of short reach, near and rather from above; else one like the Kinect."""
+    sensor = _sensor(rng, (0.75, 1.9))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)
-    if rng.uniform() < 0.5:
+    if rng.uniform() < 0.4:
         sensor = replace(sensor.at_noise_level(rng.uniform(0.25, 0.6)), furthest_m=1.1)
-        distance_m, pitch_deg = rng.uniform(0.6, 0.8), rng.uniform(45, 65)
+        distance_m, pitch_deg = rng.uniform(0.6, 0.8), rng.uniform(50, 70)
     view = View(look_at_m, distance_m, pitch_deg, rng.uniform(-45, 45), rng.normal(0, 3), tejani.CAMERA)
     return view, sensor
 
@@ -147,8 +147,10 @@ def _strewn(
         return float(rng.normal(middle_m[0], spread_m[0])), float(rng.normal(middle_m[1], spread_m[1]))
 
     def placed(product: Product) -> SceneObject | None:
-        down = 1.0 if flat and kind_of(product.name) in FLAT_KINDS else lying
-        return plot.place(product, _rests(product, down, rng), spot, rng, bool(rng.uniform() < touching))
+        rests = _rests(product, lying, rng)
+        if flat and kind_of(product.name) in FLAT_KINDS:
+            rests = (min(product.rests, key=lambda rest: height_m(product, rest)),)
+        return plot.place(product, rests, spot, rng, bool(rng.uniform() < touching))
 
     return [thing for thing in map(placed, products) if thing is not None]
 
@@ -191,8 +193,9 @@ def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part
 def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
     """A few sheets on the table."""
     reach = np.array(size_m) / 2 - 0.15
-    spots = rng.uniform(-reach, reach, (int(rng.integers(0, 4)), 2))
-    return [furniture.sheet_of_paper((float(x), float(y)), rng.uniform(-180, 180), rng) for x, y in spots]
+    spots = rng.uniform(-reach, reach, (int(rng.integers(1, 5)), 2))
+    places = [(float(x), float(y), 0.0003 * k) for k, (x, y) in enumerate(spots)]
+    return [furniture.sheet_of_paper(place, rng.uniform(-180, 180), rng) for place in places]
 
 
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
@@ -212,7 +215,7 @@ def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[
 
 def _light(rng: Rng, aim_m: tuple[float, float, float]) -> Lighting:
     """A room's, of so many samples that walls show no steps of shadow."""
-    return replace(room_light(rng, aim_m), lamp_samples=6, sky_samples=20)
+    return replace(room_light(rng, aim_m), lamp_samples=8, sky_samples=32, sky_tilt_deg=35.0)
 
 
 def _sensor(rng: Rng, noise_levels: tuple[float, float]) -> StructuredLight:

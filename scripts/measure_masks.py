@@ -1,8 +1,9 @@
 """Do models drawn at the truth poses give the exact masks of rendered frames? `python scripts/measure_masks.py`.
 
-In the depth that a perfect camera would have measured, of which a model may lie 2 mm behind: that tests poses and models
-alone. There by BOP's rule of 15 mm as well, by which what has no label and stands close in front hides nothing. And by that
-rule in the depth of the simulated camera, as the readers of data sets do: there an occluder without depth hides nothing.
+In the depth that a perfect camera would have measured, of which a model may lie 2 mm behind: that tests poses and
+models alone. There by BOP's rule of 15 mm as well, by which what has no label and stands close in front hides nothing.
+And by that rule in the depth of the simulated camera, as readers of data sets do: there an occluder without depth hides
+nothing.
 """
 
 from __future__ import annotations

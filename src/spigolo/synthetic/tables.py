@@ -119,7 +119,7 @@ def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float6
         for x in (0.06 - size_m[0] / 2, size_m[0] / 2 - 0.06)
         for y in (0.06 - size_m[1] / 2, size_m[1] / 2 - 0.06)
     ]
-    kind = str(rng.choice(["wood", "wood", "wood", "paint", "paint", "terrazzo", "cloth", "plain"]))
+    kind = str(rng.choice(["wood", "wood", "wood", "wood", "paint", "paint", "terrazzo", "cloth"]))
     parts = [
         Part(prism(top, -0.03, 0.0), surface(kind, rng), *finish(rng)),
         Part(joined(legs), surface("plain", rng)),

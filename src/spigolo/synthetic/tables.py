@@ -68,7 +68,7 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     view = View(
         look_at_m, rng.uniform(0.75, 1.2), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), uw_scenes.CAMERA
     )
-    sensor = _sensor(rng, (0.55, 1.9))
+    sensor = _sensor(rng, (0.6, 1.6))
     return Stage(
         tuple(things), tuple(parts), view, _light(rng, look_at_m), sensor,
         grey=rng.uniform(80, 145), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
@@ -101,7 +101,7 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
     """In two frames of five a fine camera of short reach, near and rather from above; else one like the Kinect."""
-    sensor = _sensor(rng, (0.75, 1.9))
+    sensor = _sensor(rng, (0.7, 1.8))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)
     if rng.uniform() < 0.4:
         sensor = replace(sensor.at_noise_level(rng.uniform(0.25, 0.6)), furthest_m=1.1)

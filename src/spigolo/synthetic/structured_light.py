@@ -60,8 +60,8 @@ class StructuredLight:
         """
         return replace(
             self,
-            noise_px=0.06 * level,
-            slant_noise_px=0.5 * level,
+            noise_px=0.05 * level,
+            slant_noise_px=0.7 * level,
             noise_radius_px=1.6,
             disparity_step_px=0.125 * min(level, 1.0),
         )

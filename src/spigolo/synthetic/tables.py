@@ -101,7 +101,7 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
     """In two frames of five a fine camera of short reach, near and rather from above; else one like the Kinect."""
-    sensor = _sensor(rng, (0.7, 1.8))
+    sensor = _sensor(rng, (0.65, 1.7))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)
     if rng.uniform() < 0.4:
         sensor = replace(sensor.at_noise_level(rng.uniform(0.25, 0.6)), furthest_m=1.1)

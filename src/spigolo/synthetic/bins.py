@@ -51,7 +51,7 @@ def shelf_stage(name: str, rng: Rng) -> Stage:
         _light(view, rng),
         _sensor(rng),
         (_tool(view, rng),),
-        grey=rng.uniform(26, 92),
+        grey=rng.uniform(28, 100),
         noise_levels=rng.uniform(1.0, 3.0),
         blur_px=rng.uniform(0.4, 0.6),
         sharpening=rng.uniform(1.6, 3.2),

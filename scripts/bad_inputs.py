@@ -21,6 +21,7 @@ import cv2
 import numpy as np
 
 import spigolo as sp
+from spigolo.evaluation import Row, row_to_json, score_row
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "bad-input.md"
@@ -116,6 +117,13 @@ def make_files(folder: Path) -> None:
     for name in ("rgb.png", "depth.png", "camera.json"):
         shutil.copy(SCENE / name, folder / "unlabelled" / name)
     (folder / "file").write_text("", encoding="utf-8")
+    labels = cv2.imread(str(SCENE / "label.png"), cv2.IMREAD_UNCHANGED)
+    row = Row(
+        data_set="mine", frame="rgb", group="mine/rgb", labelling="full", method="toscana2016", preset="TABLE",
+        digest=sp.TABLE.digest, parameters={}, version=sp.__version__, machine="", cpu_s=None, wall_s=None,
+        n_predicted=int(labels.max()), rejected={}, score=score_row(labels, labels),
+    )  # fmt: skip
+    (folder / "rows.jsonl").write_text(row_to_json(row) + "\n", encoding="utf-8")
 
 
 def command_line() -> list[tuple[str, Words]]:
@@ -171,6 +179,9 @@ def command_line() -> list[tuple[str, Words]]:
         ("a data set that was half downloaded", ["evaluate", "half-a-set"]),
         ("a data set nobody knows", ["fetch", "imagenet"]),
         ("a data set without a known hash", ["fetch", "tejani"]),
+        ("no such file of rows", ["report", "none.jsonl"]),
+        ("rows of none of the paper's sets", ["report", "rows.jsonl", "--paper"]),
+        ("the paper's tables against a preset", ["report", "rows.jsonl", "--against", "TABLE", "--paper"]),
         ("nothing to fit to", ["fit", "no-frames"]),
         ("frames without labels to fit to", ["fit", "unlabelled"]),
         ("a family of scenes nobody renders", ["render", "attic"]),

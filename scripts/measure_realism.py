@@ -1,7 +1,8 @@
 """Figures of rendered families beside those of real frames: `python scripts/measure_realism.py FRAMES --count 24`.
 
 FRAMES is a folder of sets as SET/FRAME/ with rgb.png, depth.png and camera.json. Frames of one scene count once. With
-`--presets` it also measures how many objects each preset finds in the rendered frames.
+`--slant` it also prints the noise by how fast the disparity changes, with `--presets` how many objects each preset
+finds in the rendered frames.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import astuple
 from fnmatch import fnmatch
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 import spigolo as sp
 from spigolo.datasets import Sample, find_labelled_frames
+from spigolo.doctor.local_planes import fit_local_planes
 from spigolo.synthetic.families import FAMILIES, render_family
 from spigolo.synthetic.realism import Realism, quartiles, realism
 
@@ -32,6 +35,9 @@ REAL = {
     ),
 }  # fmt: skip
 """Patterns SET/FRAME of the real scenes that each family is held against."""
+CHANGES_PX = (0.02, 0.04, 0.06, 0.09, 0.13, 0.2)
+"""Limits of the bands of how much the disparity changes from a pixel to the next."""
+BASELINE_M, NEAR_M, FAR_M = 0.075, 0.4, 2.5
 PRESETS = ("SHELF", "TABLE", "CLUTTER", "OBJECTS")
 
 
@@ -41,6 +47,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=24, help="rendered frames a family")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--families", nargs="+", default=list(FAMILIES), choices=list(FAMILIES))
+    parser.add_argument("--slant", action="store_true", help="also the noise in pixels of disparity, by slant")
     parser.add_argument("--presets", action="store_true", help="also segment the rendered frames")
     arguments = parser.parse_args()
     real = real_figures(arguments.frames)
@@ -53,6 +60,8 @@ def main() -> None:
         for name, values in rendered.items():
             print(f"| {family} | {name} | {numbers(values)} | {numbers(measured.get(name, ()))} |")
         found[family] = samples
+    if arguments.slant:
+        print_slant(found, arguments.frames)
     if arguments.presets:
         print("\n| cell | objects | " + " | ".join(PRESETS) + " |\n" + "|---" * (len(PRESETS) + 2) + "|")
         for family, samples in found.items():
@@ -71,6 +80,35 @@ def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
     for (family, _), figures in scenes.items():
         answer[family].append(Realism(*np.array([astuple(one) for one in figures]).mean(axis=0)))
     return answer
+
+
+def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
+    """Rms residual to planes in pixels of disparity: the median over frames, or real scenes, of their medians."""
+    print("\n| frames | " + " | ".join(f"{low}-{high}" for low, high in pairwise(CHANGES_PX)) + " |")
+    print("|---" * len(CHANGES_PX) + "|")
+    scenes: dict[str, list[list[float]]] = defaultdict(list)
+    patterns = [pattern for some in REAL.values() for pattern in some]
+    for entry in find_labelled_frames(folders) if folders else []:
+        for pattern in patterns:
+            if fnmatch(f"{entry.data_set}/{entry.name}", pattern):
+                scenes[pattern].append(noise_by_slant(entry.read()))
+    table = {"real": [np.ma.masked_invalid(some).mean(axis=0).filled(np.nan) for some in scenes.values()]}
+    table |= {family: [np.array(noise_by_slant(s.frame)) for s in samples] for family, samples in rendered.items()}
+    for name, rows in table.items():
+        print(
+            f"| {name} | {' | '.join(f'{value:.3f}' for value in np.ma.median(np.ma.masked_invalid(rows), axis=0))} |"
+        )
+
+
+def noise_by_slant(frame: sp.Frame) -> list[float]:
+    """The median in each band of change; NaN in one with fewer than 400 windows, and without a camera."""
+    planes = fit_local_planes(frame.depth)
+    focal_px = frame.camera.fx if frame.camera else float("nan")
+    there = planes.whole & (frame.depth > NEAR_M) & (frame.depth < FAR_M)
+    noise_px = planes.residual[there] * focal_px * BASELINE_M
+    change_px = np.hypot(planes.slope_x, planes.slope_y)[there] * focal_px * BASELINE_M
+    bands = [noise_px[(low <= change_px) & (change_px < high)] for low, high in pairwise(CHANGES_PX)]
+    return [float(np.median(band)) if band.size >= 400 else float("nan") for band in bands]
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:

@@ -31,7 +31,8 @@ def main() -> None:
     for name, image in images.items():
         if not cv2.imwrite(str(arguments.out / name), image, packing):
             raise OSError(f"could not write {arguments.out / name}")
-    camera = {**asdict(CAMERA), "depth_scale": DEPTH_SCALE_M}
+    camera = {key: value for key, value in asdict(CAMERA).items() if key != "distortion"}  # it has none
+    camera["depth_scale"] = DEPTH_SCALE_M
     (arguments.out / "camera.json").write_text(json.dumps(camera, indent=1) + "\n", encoding="utf-8")
 
 

@@ -39,14 +39,18 @@ def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_
 
 
 def visible_labels(
-    instances: Sequence[Instance], models: Sequence[Model], measured: DepthMap, camera: Camera
+    instances: Sequence[Instance],
+    models: Sequence[Model],
+    measured: DepthMap,
+    camera: Camera,
+    tolerance_m: float = TOLERANCE_M,
 ) -> npt.NDArray[np.int32]:
     """Labels (H, W) of the instances, models[n] being that of instances[n]; where several are visible the nearest."""
     labels = np.zeros(measured.shape, np.int32)
     nearest = np.full(measured.shape, np.inf, np.float32)
     for instance, model in zip(instances, models, strict=True):
         drawn = render_depth(model, instance.pose, camera)
-        here = visible_mask(drawn, measured, camera) & (drawn < nearest)
+        here = visible_mask(drawn, measured, camera, tolerance_m) & (drawn < nearest)
         labels[here], nearest[here] = instance.label, drawn[here]
     return labels
 

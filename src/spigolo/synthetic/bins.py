@@ -10,7 +10,7 @@ import numpy as np
 from spigolo.datasets import rutgers
 from spigolo.synthetic.household import Product, Rest, household
 from spigolo.synthetic.meshes import Mesh, joined
-from spigolo.synthetic.placing import Plot, settled
+from spigolo.synthetic.placing import Plot, height_m, settled
 from spigolo.synthetic.prints import brushed_metal
 from spigolo.synthetic.rendering import Lighting
 from spigolo.synthetic.rooms import aisle_light, block, room
@@ -34,34 +34,33 @@ _WALL_M, _BOARD_M = 0.006, 0.02
 
 def shelf_stage(name: str, rng: Rng) -> Stage:
     """One to three products in the middle one of three by three bins."""
-    width_m, height_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
+    width_m, tall_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
     plot = Plot(inner)
     names = [*rng.choice(PRODUCTS[2:], int(rng.integers(1, 4)), replace=False), "box_1"]
-    placed = [_placed(household(str(name)), plot, width_m, deep_m, height_m, rng) for name in names]
+    placed = [_placed(household(str(name)), plot, width_m, deep_m, tall_m, rng) for name in names]
     things = tuple(thing for thing in placed if thing is not None)
     things = things[: max(1, len(names) - 1)]
     yaw_deg, pitch_deg = np.array(VIEWS[name]) + rng.normal(0, 3, 2)
-    look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * height_m
+    look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * tall_m
     view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), rutgers.CAMERA)
     return Stage(
         things,
-        tuple(_shelf(width_m, height_m, deep_m, rng)),
+        tuple(_shelf(width_m, tall_m, deep_m, rng)),
         view,
         _light(view, rng),
         _sensor(rng),
         (_tool(view, rng),),
-        grey=rng.uniform(25, 85),
-        noise_levels=rng.uniform(0.8, 2.2),
+        grey=rng.uniform(28, 100),
+        noise_levels=rng.uniform(1.0, 3.0),
         blur_px=rng.uniform(0.4, 0.6),
-        sharpening=rng.uniform(1.2, 2.7),
-        contrast=1.35,
+        sharpening=rng.uniform(1.6, 3.2),
+        contrast=rng.uniform(1.1, 1.4),
+        saturation=0.6,
     )
 
 
-def _placed(
-    product: Product, plot: Plot, width_m: float, deep_m: float, height_m: float, rng: Rng
-) -> SceneObject | None:
+def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m: float, rng: Rng) -> SceneObject | None:
     """Most of them stand or lie, flat things also lean on a wall."""
     if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
         side = int(rng.choice([-1, 1]))
@@ -73,7 +72,7 @@ def _placed(
             thing = settled(product, Rest(leaning.tilt_deg, 90.0), 0.0, 0.0, spot_m)
             if plot.take(thing):
                 return thing
-    fitting = tuple(rest for rest in product.rests if _height_m(product, rest) < height_m - 0.02)
+    fitting = tuple(rest for rest in product.rests if height_m(product, rest) < room_m - 0.02)
 
     def spot() -> tuple[float, float]:
         return float(rng.uniform(-0.4, 0.4) * width_m), float(rng.uniform(0.05, 0.55) * deep_m)
@@ -81,15 +80,10 @@ def _placed(
     return plot.place(product, fitting, spot, rng)
 
 
-def _height_m(product: Product, rest: Rest) -> float:
-    thing = settled(product, rest, 0.0, 0.0, (0.0, 0.0))
-    return float(np.ptp(product.points_m @ thing.rotation[2]))
-
-
-def _shelf(width_m: float, height_m: float, deep_m: float, rng: Rng) -> list[Part]:
+def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]:
     """Walls and backs of cardboard, boards and lips of galvanised steel."""
-    pitch_x, pitch_z = width_m + _WALL_M, height_m + _BOARD_M
-    span_m, middle_m = 3 * pitch_x, 0.5 * height_m
+    pitch_x, pitch_z = width_m + _WALL_M, tall_m + _BOARD_M
+    span_m, middle_m = 3 * pitch_x, 0.5 * tall_m
     tone = rng.uniform(0.8, 1.1)
     cardboard = plaster((round(150 * tone), round(112 * tone), round(78 * tone)), rng)
     printed = _printed(cardboard, rng)
@@ -147,7 +141,7 @@ def _light(view: View, rng: Rng) -> Lighting:
     share = rng.uniform(0.3, 0.8)
     return replace(
         aisle, lamp_m=(x, y, z), lamp_radius_m=rng.uniform(0.02, 0.15), lamp_rgb=1.6 * share * np.ones(3),
-        sky_rgb=1.6 * (1 - share) * np.ones(3), lamp_samples=8, sky_samples=16,
+        sky_rgb=1.6 * (1 - share) * np.ones(3), lamp_samples=12, sky_samples=28,
     )  # fmt: skip
 
 
@@ -166,9 +160,8 @@ def _tool(view: View, rng: Rng) -> SceneObject:
 def _sensor(rng: Rng) -> StructuredLight:
     """A camera on a wrist, near its least distance."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
-    return StructuredLight(
-        noise_px=0.045 * rng.uniform(0.7, 1.5),
-        noise_radius_px=2.5,
+    level = float(np.exp(rng.uniform(np.log(0.5), np.log(2.0))))
+    camera = StructuredLight(
         dark_brightness=0.13,
         patch_px=3.0,
         steepest_angle_deg=rng.uniform(56, 68),
@@ -176,3 +169,4 @@ def _sensor(rng: Rng) -> StructuredLight:
         edge_jitter_px=0.9,
         margin_px=(top, right, bottom, left),
     )
+    return camera.at_noise_level(level)

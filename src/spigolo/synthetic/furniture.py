@@ -92,12 +92,12 @@ def _blinds(size: tuple[int, int], rng: np.random.Generator) -> Image:
     return np.ascontiguousarray(np.broadcast_to(tone[:, None, None], (*size, 3))).astype(np.uint8)
 
 
-def sheet_of_paper(spot_m: tuple[float, float], yaw_deg: float, rng: np.random.Generator) -> Part:
-    """A printed sheet on the table, so thin that things stand on it."""
+def sheet_of_paper(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> Part:
+    """A printed sheet on the table or on other sheets, so thin that things stand on it."""
     size_m = (0.297, 0.21) if rng.uniform() < 0.6 else (rng.uniform(0.07, 0.2), rng.uniform(0.1, 0.2))
     outline, _ = rounded_rectangle(size_m, 0.0005, 2)
     image: Image = page((420, 420), rng)
-    return Part(_put(prism(outline, 0.0, 0.0002), (*spot_m, 0.0), yaw_deg), image, 0.0, 0.1)
+    return Part(_put(prism(outline, 0.0, 0.0002), at_m, yaw_deg), image, 0.0, 0.1)
 
 
 def keyboard(spot_m: tuple[float, float], yaw_deg: float, rng: np.random.Generator) -> Part:

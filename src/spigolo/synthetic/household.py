@@ -16,7 +16,7 @@ from spigolo.synthetic import packages, turned
 from spigolo.synthetic.meshes import joined
 from spigolo.synthetic.scene import Part
 
-__all__ = ["KINDS", "Product", "Rest", "household"]
+__all__ = ["FLAT_KINDS", "KINDS", "Product", "Rest", "household", "kind_of"]
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -71,6 +71,8 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
     "glue": (turned.glue_bottle, (Rest(0.0, 0.0), Rest(90.0, 90.0))),
 }
 """How each kind is made, and how it rests."""
+FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
+"""Those on which other things stay, some only when they lie."""
 
 
 @cache
@@ -79,11 +81,16 @@ def household(name: str) -> Product:
 
     One name is one object, of its own size and print. Raises ConfigError for a kind that is not known.
     """
-    kind = name if name in KINDS else name.rpartition("_")[0]
+    kind = kind_of(name)
     if kind not in KINDS:
         raise ConfigError(f"unknown object {name!r}: expected one of {', '.join(KINDS)}, and a number, as soda_can_4")
     make, rests = KINDS[kind]
     return Product(name, make(np.random.default_rng(zlib.crc32(name.encode()))), rests)
+
+
+def kind_of(name: str) -> str:
+    """The kind that a name begins with: soda_can of soda_can_4."""
+    return name if name in KINDS else name.rpartition("_")[0]
 
 
 def _vertex_colours(part: Part) -> npt.NDArray[np.uint8]:

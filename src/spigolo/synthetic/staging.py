@@ -27,6 +27,7 @@ LEAST_VISIBLE_PX = 150
 """Of an object with fewer pixels in view nobody would draw a mask: it is background."""
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0
+_VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,8 @@ class Stage:
     """objects: what is labelled, 1..N; surroundings and bystanders: what is not.
 
     grey: what the exposure makes of the median of the picture, of 255; noise_levels: of colour, of 255; blur_px: of
-    lens and demosaicing, one standard deviation; sharpening: what the camera does about it; contrast: exponent.
+    lens and demosaicing, one standard deviation; sharpening: what the camera does about it; contrast: exponent;
+    saturation: share of the colours' own.
     """
 
     objects: tuple[SceneObject, ...]
@@ -48,6 +50,7 @@ class Stage:
     blur_px: float = 0.6
     sharpening: float = 0.5
     contrast: float = 1.2
+    saturation: float = 0.8
 
 
 @dataclass(frozen=True)
@@ -118,14 +121,35 @@ def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
 
 
 def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
-    """Exposed, a little blurred, with noise whose grains are larger than a pixel, as demosaicing makes them."""
+    """Through a plain lens, exposed, a little blurred, with noise whose grains are larger than a pixel."""
     toned = (light / max(float(np.median(light)), 1e-4)) ** stage.contrast
-    soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * toned).astype(np.float32), (0, 0), stage.blur_px)
-    white = np.asarray(rng.standard_normal(soft.shape), np.float32)
-    grain = cv2.GaussianBlur(white, (0, 0), 0.6)
-    crisp = soft + stage.sharpening * (soft - cv2.GaussianBlur(soft, (0, 0), 1.5))
-    noisy = crisp + stage.noise_levels / grain.std() * grain
-    return np.asarray(np.clip(np.round(noisy), 0, 255), np.uint8)
+    soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * _through_lens(toned)), (0, 0), stage.blur_px)
+    luma, red, blue = cv2.split(cv2.cvtColor(soft.astype(np.float32) / 255, cv2.COLOR_RGB2YCrCb))
+    crisp = luma + stage.sharpening * (luma - cv2.GaussianBlur(luma, (0, 0), 1.5))
+    noise = stage.noise_levels / 255
+    noisy = [crisp + noise * _grain(luma.shape, 0.6, rng)]
+    noisy += [
+        0.5 + stage.saturation * (cv2.GaussianBlur(colour, (0, 0), _COLOUR_PX) - 0.5)
+        + noise * _grain(luma.shape, _COLOUR_PX, rng)
+        for colour in (red, blue)
+    ]  # fmt: skip
+    picture = 255 * cv2.cvtColor(np.stack(noisy, axis=-1), cv2.COLOR_YCrCb2RGB)
+    return np.asarray(np.clip(np.round(picture), 0, 255), np.uint8)
+
+
+def _through_lens(light: FloatArray) -> FloatArray:
+    """Darker towards the corners, and with a veil of stray light, so that no black is quite black."""
+    height, width = light.shape[:2]
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    bright = np.minimum(light, 4.0).astype(np.float32)
+    veil = _HALO * cv2.GaussianBlur(bright, (0, 0), 12.0) + _VEIL * bright.mean(axis=(0, 1))
+    return np.asarray((1 - _DARKER_CORNERS * (x**2 + y**2)[..., None] / 2) * ((1 - _HALO - _VEIL) * light + veil))
+
+
+def _grain(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> npt.NDArray[np.float32]:
+    """Noise of unit variance (H, W) with grains of that size, as demosaicing and coding leave it."""
+    grain = cv2.GaussianBlur(np.asarray(rng.standard_normal(shape), np.float32), (0, 0), radius_px)
+    return np.asarray(grain / grain.std(), np.float32)
 
 
 def _renamed(thing: SceneObject, name: str) -> SceneObject:

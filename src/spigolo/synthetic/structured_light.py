@@ -11,7 +11,7 @@ Axes are those of a camera: x to the right of the image, y down, Z forward. The 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -31,14 +31,15 @@ _TURNED_AWAY = 0.95
 class StructuredLight:
     """What the depth camera is like.
 
-    Brightness is the mean of red, green and blue on a scale of 0 to 1. edge_jitter_px: how far the outlines in depth
-    stray from those in colour, one standard deviation. patch_px: how large are the patches in which what is barely
-    measured comes and goes. margin_px: what the depth camera does not see of the colour
-    image, at its top, right, bottom and left.
+    Brightness is the mean of red, green and blue on a scale of 0 to 1. slant_noise_px: what a disparity that changes
+    by a pixel from one pixel to the next adds to `noise_px`. edge_jitter_px: how far the outlines in depth stray from
+    those in colour, one standard deviation. patch_px: how large are the patches in which what is barely measured comes
+    and goes. margin_px: what the depth camera does not see of the colour image, at its top, right, bottom and left.
     """
 
     baseline_m: float = 0.075
     noise_px: float = 0.12
+    slant_noise_px: float = 0.0
     noise_radius_px: float = 1.2
     disparity_step_px: float = 0.125
     dark_brightness: float = 0.11
@@ -51,6 +52,19 @@ class StructuredLight:
     edge_jitter_px: float = 0.0
     patch_px: float = 1.5
     margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
+
+    def at_noise_level(self, level: float) -> StructuredLight:
+        """The same camera with the noise that real ones have, by whose residuals to planes it was set.
+
+        level: 1 = a usual first Kinect; cameras differ by half to twice that. Finer ones also have finer steps.
+        """
+        return replace(
+            self,
+            noise_px=0.05 * level,
+            slant_noise_px=0.7 * level,
+            noise_radius_px=1.6,
+            disparity_step_px=0.125 * min(level, 1.0),
+        )
 
 
 def simulate_structured_light(
@@ -89,13 +103,24 @@ def simulate_structured_light(
         disparity_px, lost = _strayed(disparity_px, lost, sensor.edge_jitter_px, rng)
     lost |= _outside(ideal.shape, raggedness, sensor)
 
-    noisy_px = disparity_px + sensor.noise_px * measuring_noise
+    noisy_px = disparity_px + _noise_level_px(disparity_px, sensor) * measuring_noise
     step_px = sensor.disparity_step_px
     measured_px = np.round(noisy_px / step_px) * step_px
     lost |= measured_px < step_px
     measured_m = fx_px * sensor.baseline_m / np.where(lost, 1.0, measured_px)
     lost |= (measured_m < sensor.nearest_m) | (measured_m > sensor.furthest_m)
     return np.where(lost, 0.0, measured_m).astype(np.float32)
+
+
+def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatArray | float:
+    """One standard deviation of the disparity's noise, (H, W).
+
+    On slanted surfaces a window of matching spans many disparities and finds their mean the worse.
+    """
+    if sensor.slant_noise_px == 0:
+        return sensor.noise_px
+    across, down = (_smooth_step(disparity_px[..., None], axis)[..., 0] for axis in (1, 0))
+    return np.hypot(sensor.noise_px, sensor.slant_noise_px * np.hypot(across, down))
 
 
 def projector_shadow(disparity_px: FloatArray) -> BoolArray:

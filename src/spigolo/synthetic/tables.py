@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from spigolo.datasets import tejani, uw_scenes
 from spigolo.synthetic import furniture
-from spigolo.synthetic.household import Product, Rest, household
+from spigolo.synthetic.household import FLAT_KINDS, Product, Rest, household, kind_of
 from spigolo.synthetic.meshes import joined, prism, rounded_rectangle
-from spigolo.synthetic.placing import Plot
+from spigolo.synthetic.placing import Plot, height_m
 from spigolo.synthetic.rendering import Lighting
 from spigolo.synthetic.rooms import block, finish, hall, room_light
 from spigolo.synthetic.scene import Part, SceneObject, View
@@ -50,45 +50,64 @@ CLUTTER = (
 
 
 def table_stage(scene: str, rng: Rng) -> Stage:
-    """All of a scene's objects on a table in a room, seen as somebody who walks by sees them."""
+    """All of a scene's objects on a table in a room, seen as somebody who walks by sees them.
+
+    In every second frame what has a flat top lies, and one of the others is on it, if the scene has such things.
+    """
     size_m = rng.uniform(1.2, 1.8), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
     plot = Plot(top)
     products = [household(name) for name in TABLES[scene]]
     middle = rng.uniform(-0.15, 0.15), rng.uniform(-0.1, 0.05)
-    things = _strewn(products, plot, middle, (0.2, 0.13), rng)
+    piled = bool(rng.uniform() < 0.5)
+    things = _strewn(products, plot, middle, (0.2, 0.13), rng, touching=0.25, flat=piled)
+    if piled:
+        things = _piled(things, plot, rng)
     parts += _desk_things(plot, size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.06), middle[1] + rng.normal(0, 0.05), 0.03
     view = View(
         look_at_m, rng.uniform(0.75, 1.2), rng.uniform(24, 46), rng.uniform(-35, 35), rng.normal(0, 2), uw_scenes.CAMERA
     )
-    sensor = _sensor(rng, 0.045)
+    sensor = _sensor(rng, (0.6, 1.6))
     return Stage(
         tuple(things), tuple(parts), view, _light(rng, look_at_m), sensor,
-        grey=rng.uniform(75, 135), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
+        grey=rng.uniform(80, 145), noise_levels=rng.uniform(0.8, 4.0), blur_px=rng.uniform(0.4, 0.6),
         sharpening=rng.uniform(0.8, 2.0), contrast=1.3,
     )  # fmt: skip
 
 
 def multi_stage(name: str, rng: Rng) -> Stage:
-    """Three instances of one object, standing or lying, and other things close about them."""
+    """Three instances of one object, standing or lying, and other things close about them; in every second a pile."""
     size_m = rng.uniform(0.9, 1.3), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
     plot = Plot(top)
     middle = rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.05)
-    things = _strewn([household(name)] * 3, plot, middle, (0.11, 0.09), rng, lying=0.4)
+    things = _strewn([household(name)] * 3, plot, middle, (0.11, 0.09), rng, lying=0.4, touching=0.4)
     others = rng.choice(CLUTTER, int(rng.integers(4, 8)), replace=False)
-    bystanders = _strewn([household(str(other)) for other in others], plot, middle, (0.2, 0.15), rng, lying=0.5)
+    clutter = [household(str(other)) for other in others]
+    bystanders = _strewn(clutter, plot, middle, (0.2, 0.15), rng, lying=0.5, touching=0.4)
+    if rng.uniform() < 0.5:
+        everything = _piled([*things, *bystanders], plot, rng)
+        things, bystanders = everything[: len(things)], everything[len(things) :]
     parts += _paper(size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.03), middle[1] + rng.normal(0, 0.03), 0.03
-    view = View(
-        look_at_m, rng.uniform(0.7, 1.05), rng.uniform(28, 65), rng.uniform(-45, 45), rng.normal(0, 3), tejani.CAMERA
-    )
+    view, sensor = _close_or_far(look_at_m, rng)
     return Stage(
-        tuple(things), tuple(parts), view, _light(rng, look_at_m), _sensor(rng, 0.04), tuple(bystanders),
+        tuple(things), tuple(parts), view, _light(rng, look_at_m), sensor, tuple(bystanders),
         grey=rng.uniform(90, 150), noise_levels=rng.uniform(0.8, 3.0), blur_px=rng.uniform(0.4, 0.7),
         sharpening=rng.uniform(0.5, 1.5),
     )  # fmt: skip
+
+
+def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
+    """In two frames of five a fine camera of short reach, near and rather from above; else one like the Kinect."""
+    sensor = _sensor(rng, (0.65, 1.7))
+    distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)
+    if rng.uniform() < 0.4:
+        sensor = replace(sensor.at_noise_level(rng.uniform(0.25, 0.6)), furthest_m=1.1)
+        distance_m, pitch_deg = rng.uniform(0.6, 0.8), rng.uniform(50, 70)
+    view = View(look_at_m, distance_m, pitch_deg, rng.uniform(-45, 45), rng.normal(0, 3), tejani.CAMERA)
+    return view, sensor
 
 
 def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float64], list[Part], float]:
@@ -100,7 +119,7 @@ def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float6
         for x in (0.06 - size_m[0] / 2, size_m[0] / 2 - 0.06)
         for y in (0.06 - size_m[1] / 2, size_m[1] / 2 - 0.06)
     ]
-    kind = str(rng.choice(["wood", "wood", "wood", "paint", "paint", "terrazzo", "cloth", "plain"]))
+    kind = str(rng.choice(["wood", "wood", "wood", "wood", "paint", "paint", "terrazzo", "cloth"]))
     parts = [
         Part(prism(top, -0.03, 0.0), surface(kind, rng), *finish(rng)),
         Part(joined(legs), surface("plain", rng)),
@@ -116,14 +135,36 @@ def _strewn(
     spread_m: tuple[float, float],
     rng: Rng,
     lying: float = 0.15,
+    touching: float = 0.0,
+    flat: bool = False,
 ) -> list[SceneObject]:
-    """Those of them that find room about the middle, in random order; lying: share of those that do not stand."""
+    """Those of them that find room about the middle.
+
+    lying, touching: shares of those that do not stand and are pushed against others; flat: what can lie flat does.
+    """
 
     def spot() -> tuple[float, float]:
         return float(rng.normal(middle_m[0], spread_m[0])), float(rng.normal(middle_m[1], spread_m[1]))
 
-    placed = [plot.place(product, _rests(product, lying, rng), spot, rng) for product in products]
-    return [thing for thing in placed if thing is not None]
+    def placed(product: Product) -> SceneObject | None:
+        rests = _rests(product, lying, rng)
+        if flat and kind_of(product.name) in FLAT_KINDS:
+            rests = (min(product.rests, key=lambda rest: height_m(product, rest)),)
+        return plot.place(product, rests, spot, rng, bool(rng.uniform() < touching))
+
+    return [thing for thing in map(placed, products) if thing is not None]
+
+
+def _piled(things: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
+    """The same with one of them moved on top of another, where any fits."""
+    flat = [k for k, thing in enumerate(things) if kind_of(thing.name) in FLAT_KINDS]
+    for below in rng.permutation(flat):
+        for k in rng.permutation(len(things)):
+            product = household(things[k].name)
+            moved = plot.pile(product, product.rests[0], things[below], rng) if k != below else None
+            if moved is not None:
+                return [moved if index == k else thing for index, thing in enumerate(things)]
+    return things
 
 
 def _rests(product: Product, lying: float, rng: Rng) -> tuple[Rest, ...]:
@@ -136,7 +177,7 @@ def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part
     back_m = size_m[1] / 2 - 0.12
     x_m = float(rng.uniform(-0.6, 0.6) * (size_m[0] / 2))
     corners = np.array([(x_m - 0.3, back_m - 0.1), (x_m + 0.3, back_m + 0.1)])
-    free = all(np.any(f.min(axis=0) > corners[1]) or np.any(f.max(axis=0) < corners[0]) for f in plot.footprints)
+    free = all(np.any(f.min(axis=0) > corners[1]) or np.any(f.max(axis=0) < corners[0]) for _, f in plot.taken)
     if free and rng.uniform() < 0.8:
         yaw_deg = rng.uniform(-15, 15)
         make = int(rng.integers(3))
@@ -152,8 +193,9 @@ def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part
 def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
     """A few sheets on the table."""
     reach = np.array(size_m) / 2 - 0.15
-    spots = rng.uniform(-reach, reach, (int(rng.integers(0, 4)), 2))
-    return [furniture.sheet_of_paper((float(x), float(y)), rng.uniform(-180, 180), rng) for x, y in spots]
+    spots = rng.uniform(-reach, reach, (int(rng.integers(1, 5)), 2))
+    places = [(float(x), float(y), 0.0003 * k) for k, (x, y) in enumerate(spots)]
+    return [furniture.sheet_of_paper(place, rng.uniform(-180, 180), rng) for place in places]
 
 
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
@@ -173,18 +215,18 @@ def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[
 
 def _light(rng: Rng, aim_m: tuple[float, float, float]) -> Lighting:
     """A room's, of so many samples that walls show no steps of shadow."""
-    return replace(room_light(rng, aim_m), lamp_samples=6, sky_samples=20)
+    return replace(room_light(rng, aim_m), lamp_samples=8, sky_samples=32, sky_tilt_deg=35.0)
 
 
-def _sensor(rng: Rng, noise_px: float) -> StructuredLight:
+def _sensor(rng: Rng, noise_levels: tuple[float, float]) -> StructuredLight:
     """Like the first Kinect and its kin, whose depth stops short of the colour image's border."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(2, 16, 4))
-    return StructuredLight(
-        noise_px=noise_px * rng.uniform(0.7, 1.5),
-        noise_radius_px=2.5,
+    camera = StructuredLight(
         dark_brightness=0.07,
         rim_loss=0.3,
         patch_px=3.0,
         edge_jitter_px=0.8,
         margin_px=(top, right, bottom, left),
     )
+    low, high = np.log(noise_levels)
+    return camera.at_noise_level(float(np.exp(rng.uniform(low, high))))

@@ -1,0 +1,104 @@
+"""What became of labelled objects with a preset: `python scripts/measure_losses.py FOLDER PRESET [--gammas 0.05 5]`.
+
+By kind: covered by a returned object by more than 70 %, as the paper's tables count; one region with its surroundings;
+split; rejected otherwise. Then the depth that exact masks lack and the rules of the preset that they break. With
+`--gammas` also what each threshold makes of every second frame: objects of which a region has an IoU above 0.7.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter, defaultdict
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+import spigolo as sp
+from spigolo.datasets import guess
+from spigolo.objects import judge_regions
+from spigolo.regions import Regions
+from spigolo.synthetic.household import kind_of
+
+Labels = npt.NDArray[np.int32]
+
+COVERED, JOINED, SPLIT, REJECTED = "covered", "with its surroundings", "split", "rejected otherwise"
+LARGER = 3.0
+"""A region so many times as large as the object that it covers holds its surroundings."""
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="What became of labelled objects with a preset.")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("preset", choices=list(sp.PRESETS))
+    parser.add_argument("--gammas", type=float, nargs="*", default=[], help="thresholds to try on every second frame")
+    arguments = parser.parse_args()
+    config = sp.PRESETS[arguments.preset]
+    fates: dict[str, Counter[str]] = defaultdict(Counter)
+    reasons: Counter[str] = Counter()
+    shares, missing, broken = [], [], []
+    found: dict[float, list[bool]] = defaultdict(list)
+    for number, entry in enumerate(guess(arguments.folder)):
+        frame, truth = entry.read_both()
+        assert truth is not None
+        trace = sp.trace(frame, config)
+        why = {region.region: str(region.reason.value) for region in trace.segmentation.rejected}
+        for label in np.unique(truth.labels[truth.labels > 0]):
+            mask = truth.labels == label
+            kind = kind_of(truth.names[int(label)]) if int(label) in truth.names else "object"
+            fate, region = judge(mask, trace.segmentation.labels, trace.regions.labels)
+            fates[kind][fate] += 1
+            if fate in (JOINED, REJECTED):
+                reasons[f"{fate}: {why.get(region, 'returned')}"] += 1
+                shares.append(float(np.mean(trace.regions.labels == region)))
+            missing.append(float(np.mean(frame.depth[mask] == 0)))
+            broken.append(breaks_a_rule(mask, trace))
+        for gamma in arguments.gammas if number % 2 == 0 else ():
+            regions = sp.trace(frame, config.replace(**{"partition.gamma": gamma})).regions.labels
+            found[gamma] += [best_iou(truth.labels == k, regions) > 0.7 for k in np.unique(truth.labels) if k]
+    print_fates(fates)
+    print("reasons:", ", ".join(f"{what} {count}" for what, count in reasons.most_common()))
+    print(f"region over what is joined or rejected: {np.median(shares or [0]):.2f} of the image in the median")
+    print(f"exact masks: {np.mean(np.array(missing) > 0.3):.0%} lack more than 30 % of their depth,", end=" ")
+    print(f"{np.mean(broken):.0%} break a rule of {config.name}")
+    for gamma, hits in found.items():
+        print(f"gamma {gamma:g}: {np.mean(hits):.0%} of {len(hits)} with a region of IoU above 0.7")
+
+
+def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple[str, int]:
+    """What became of an object (H, W), and the region that covers most of it."""
+    area = mask.sum()
+    returned = np.bincount(labels[mask])[1:]
+    counts = np.bincount(regions[mask])
+    region = int(counts.argmax())
+    if returned.size and returned.max() > 0.7 * area:
+        return COVERED, region
+    if counts.max() <= 0.7 * area:
+        return SPLIT, region
+    return (JOINED if np.sum(regions == region) >= LARGER * area else REJECTED), region
+
+
+def best_iou(mask: npt.NDArray[np.bool_], regions: Labels) -> float:
+    """The largest IoU of an object with any region."""
+    inside = np.bincount(regions[mask], minlength=regions.max() + 1)
+    return float(np.max(inside / (mask.sum() + np.bincount(regions.ravel()) - inside)))
+
+
+def breaks_a_rule(mask: npt.NDArray[np.bool_], trace: sp.Trace) -> bool:
+    """Whether the exact mask, were it a region, would be rejected."""
+    evidence = trace.segmentation.scene.evidence
+    judged = judge_regions(Regions(mask.astype(np.int32), 2), trace.frame, evidence)
+    return any(region.region == 1 for region in judged.rejected)
+
+
+def print_fates(fates: dict[str, Counter[str]]) -> None:
+    columns = (COVERED, JOINED, SPLIT, REJECTED)
+    print("| kind | objects | " + " | ".join(columns) + " |\n|---|---|---|---|---|---|")
+    total: Counter[str] = sum(fates.values(), Counter())
+    for kind, counts in [*sorted(fates.items()), ("all", total)]:
+        shares = " | ".join(f"{counts[column] / counts.total():.0%}" for column in columns)
+        print(f"| {kind} | {counts.total()} | {shares} |")
+
+
+if __name__ == "__main__":
+    main()

@@ -126,6 +126,8 @@ def bulge(x: float, y: float, radius: float, width: float, high: float) -> Surfa
 
 
 FLAT_CUP = (wall(0, 0, 0.045, 0, 0.1), bulge(0, 0, 0.2, 0.08, 0.1))
+MOVED_ASIDE = (wall(0, 0, 0.045, 0, 0.1), bulge(0.025, 0, 0.2, 0.08, 0.1))
+MOVED_BACK = (wall(0, 0, 0.03, 0, 0.1), bulge(0, 0.06, 0.2, 0.056, 0.1))
 CUT_BOWL = (wall(0, -0.26, 0.09, 0, 0.1, inner=True), disc(0, -0.26, 0.09, 0.002))
 """So near that the image ends within its bottom: its wall is out of sight."""
 
@@ -148,6 +150,8 @@ BOXES_BEHIND_EACH_OTHER = (front(0, 0, 0.1, 0.12), front(0.02, 0.08, 0.1, 0.12))
         pytest.param(BOWL_WITH_BOTTOM, [0, 1, 1, 1], id="bowl whose bottom lies on the table"),
         pytest.param(FLAT_CUP, [0, 1, 1], id="cup whose inside looks flat"),
         pytest.param(CUT_BOWL, [0, 1, 1], id="bowl that the image cuts"),
+        pytest.param(MOVED_ASIDE, [0, 1, 2], id="something flat beside a can"),
+        pytest.param(MOVED_BACK, [0, 1, 2], id="something flat farther behind a can than that is wide"),
         pytest.param(HALVES, [0, 1, 1], id="a face cut in two"),
         pytest.param(both_cans(0.075, 0), [0, 1, 2], id="two cans side by side"),
         pytest.param(both_cans(0.02, 0.08), [0, 1, 2], id="a can behind a can"),

@@ -30,6 +30,8 @@ from spigolo.support import Plane, above_mask
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
 CUT_SOLIDITY = 0.9
+LEAST_ABOVE = 0.85
+"""Least share of the columns of a vessel's inside, where that looks flat, that lie within those of the wall."""
 
 Counts = npt.NDArray[np.int64]
 
@@ -90,7 +92,8 @@ class _Parts:
         self.ids = np.flatnonzero(self.stands)
         self.number = np.full(regions.count, -1, np.int32)
         self.number[self.ids] = np.arange(self.ids.size)
-        self.hollowness = self._hollowness(frame.camera.fx)
+        self.focal_px = frame.camera.fx
+        self.hollowness = self._hollowness()
         self._tops: dict[int, float] = {}
 
     def borders(self) -> Iterator[Border]:
@@ -120,6 +123,8 @@ class _Parts:
         if rule is None:
             return False
         sure = back >= rule.sure_hollow_back and back - front >= rule.sure_contrast
+        if not sure and not self._has_room(border):
+            return False
         return (
             border.behind_m >= rule.min_behind_m
             and front <= rule.max_hollow_front
@@ -128,6 +133,15 @@ class _Parts:
             and self._ends_alike(border, rule.top_m, rule.top_share)
             and self._solidity((border.a, border.b)) >= (rule.sure_solidity if sure else rule.min_solidity)
         )
+
+    def _has_room(self, border: Border) -> bool:
+        """Whether b lies behind a as the inside of a vessel does: above it, and no farther off than a is wide."""
+        (left, right), (start, end) = self.boxes[border.a, 1::2], self.boxes[border.b, 1::2]
+        above = max(min(right, end) - max(left, start), 0)
+        y0, x0, y1, x1 = self.boxes[border.a]
+        wall = self.cues.depth[y0:y1, x0:x1][self._crop(border.a) == border.a]
+        width_m = (right - left) * float(np.median(wall[wall > 0])) / self.focal_px
+        return bool(above >= LEAST_ABOVE * (end - start)) and border.behind_m <= width_m
 
     def is_cap(self, border: Border) -> bool:
         """Whether b is the upper face of a."""
@@ -172,10 +186,10 @@ class _Parts:
         (top, left), (bottom, right) = np.maximum(self.boxes[k, :2] - margin, 0), self.boxes[k, 2:] + margin
         return self.labels[top:bottom, left:right]
 
-    def _hollowness(self, fx: float) -> npt.NDArray[np.float64]:
+    def _hollowness(self) -> npt.NDArray[np.float64]:
         """How deep each region lies behind its chords along image rows, as a share of their length (R,)."""
         sums = np.zeros((self.ids.size, 2))
-        borders.sum_hollows(self.labels, self.number, self.cues.depth, fx, self.config.margin_px, sums)
+        borders.sum_hollows(self.labels, self.number, self.cues.depth, self.focal_px, self.config.margin_px, sums)
         out = np.zeros(self.number.size)
         out[self.ids] = sums[:, 0] / np.maximum(sums[:, 1], 1e-6)
         return out

@@ -11,9 +11,10 @@ import naive
 import spigolo as sp
 from spigolo.config import Cap, Smooth, Vessel
 from spigolo.cues import gather_cues
-from spigolo.facts import find_level, measure_regions, measure_rim, measure_stance
+from spigolo.facts import find_level, measure_regions, measure_rim
 from spigolo.joining import join_parts
 from spigolo.regions import Regions
+from spigolo.stance import measure_stance
 from spigolo.support import find_support
 
 CAMERA = sp.Camera(fx=400.0, fy=400.0, cx=159.5, cy=119.5, width=320, height=240)

@@ -10,31 +10,25 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.boxes import OrientedBox, fit_box
-from spigolo.camera import Camera, kernel_numbers
-from spigolo.config import Wall
+from spigolo.camera import kernel_numbers
 from spigolo.cues import Cues
 from spigolo.depth import missing_mask
 from spigolo.errors import CameraError
 from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
-from spigolo.kernels import borders, moments, planes
+from spigolo.kernels import moments
 from spigolo.regions import Regions
+from spigolo.stance import Stance
 
 Labels = npt.NDArray[np.int32]
 Heights = npt.NDArray[np.floating[Any]]
 
 SPREAD_OF_SQUARE = 12
 """The square of a rectangle's side as a multiple of the variance along it."""
-TALL_SHARE = 0.05
-"""Least share of a region's measured pixels among the tall ones for it to be asked whether it is a wall."""
-SLOPES_SHARE = 0.1
-"""Least share of a region's measured pixels whose slope must be known for its mean normal to say something."""
 LEVEL_SHARE = 0.65
 """Least share of a level region's pixels near its median height."""
 RIM_GAP_PX = 7
 """Pieces of a rim up to so many pixels apart go on in each other, whatever the image's size."""
-REACH_INSIDE = 2.5
-"""Where a region's own slope is measured, as a multiple of the reach."""
 SUPPORTED_PX2 = 3000.0
 """Measured pixels, at 640x480, at which a score has risen to 63 % of what the rest allows (our choice)."""
 
@@ -116,15 +110,6 @@ class RegionFacts:
         return None if camera is None else fit_box(self.mask, self.frame.depth, camera)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stance:
-    """How regions stand. cut, hides, lean_deg: (R,) as `RegionFacts` has them, NaN where nothing can be said."""
-
-    cut: npt.NDArray[np.float64]
-    hides: npt.NDArray[np.float64]
-    lean_deg: npt.NDArray[np.float64]
-
-
 def measure_regions(
     regions: Regions,
     depth: DepthMap,
@@ -150,9 +135,9 @@ def measure_regions(
     moments.count_dark(regions.labels, frame.color, dark)
     strength = contour_strength(regions, contour)
     standing = None if above is None else _share(regions, above, measured)
-    wanted = None if inside is None else _share(regions, inside[0] & inside[1], _count(regions, inside[1]))
+    wanted = None if inside is None else _share(regions, inside[0] & inside[1], regions.count_where(inside[1]))
     score = region_score(strength, measured * regions.vga_scale, standing)
-    unfilled = _count(regions, missing_mask(depth)) / n
+    unfilled = regions.count_where(missing_mask(depth)) / n
     return [
         RegionFacts(
             region=k,
@@ -177,33 +162,6 @@ def measure_regions(
         )
         for k in range(regions.count)
     ]
-
-
-def measure_stance(regions: Regions, depth: DepthMap, camera: Camera, tall: Mask, rule: Wall) -> Stance:
-    """How every region stands; only those with enough pixels among the tall ones (H, W) are asked."""
-    valid, high = _count(regions, np.asarray(depth > 0)), _count(regions, tall)
-    asked = (high >= TALL_SHARE * valid) & (high > 0)
-    sums = np.zeros((regions.count, borders.STEPS))
-    near = max(round(rule.reach_px * regions.vga_scale**-0.5), 1)
-    deep, steps = round(REACH_INSIDE * near), (rule.step_m, rule.step_share)
-    borders.sum_steps(regions.labels, depth, asked.view(np.uint8), near, deep, *steps, sums)
-    pairs, known, back, edge = sums.T
-    enough = asked & (known + edge >= rule.min_measured * (pairs + edge)) & (known + edge > 0)
-    hides = np.where(enough, back / np.maximum(known + edge, 1), np.nan)
-    cut = np.where(asked, edge / np.maximum(pairs + edge, 1), np.nan)
-    return Stance(cut, hides, _lean_deg(regions, depth, camera, asked, near, valid))
-
-
-def _lean_deg(
-    regions: Regions, depth: DepthMap, camera: Camera, asked: Mask, reach_px: int, valid: npt.NDArray[np.int64]
-) -> npt.NDArray[np.float64]:
-    sums = np.zeros((regions.count, 7))
-    planes.sum_normals(regions.labels, depth, asked.view(np.uint8), kernel_numbers(camera), reach_px, sums)
-    count, normal, sight = sums[:, 0], sums[:, 1:4], sums[:, 4:]
-    lengths = np.linalg.norm(normal, axis=1) * np.linalg.norm(sight, axis=1)
-    known = asked & (count >= SLOPES_SHARE * valid) & (lengths > 0)
-    cosine = np.sum(normal * sight, axis=1) / np.where(known, lengths, 1)
-    return np.where(known, np.degrees(np.arccos(np.clip(cosine, -1, 1))), np.nan)
 
 
 def find_level(facts: RegionFacts, height: Heights, depth: DepthMap, rim_m: float) -> float | None:
@@ -287,14 +245,8 @@ def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
     return sums
 
 
-def _count(regions: Regions, mask: Mask) -> npt.NDArray[np.int64]:
-    counts = np.zeros(regions.count, np.int64)
-    moments.count_marked(regions.labels, mask.view(np.uint8), counts)
-    return counts
-
-
 def _share(regions: Regions, mask: Mask, of: npt.NDArray[np.generic]) -> npt.NDArray[np.float64]:
-    return np.asarray(_count(regions, mask) / np.maximum(of, 1))
+    return np.asarray(regions.count_where(mask) / np.maximum(of, 1))
 
 
 def _known(value: np.float64) -> float | None:

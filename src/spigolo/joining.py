@@ -22,7 +22,7 @@ import numpy.typing as npt
 
 from spigolo.config import Config, Joining, Support
 from spigolo.cues import Cues
-from spigolo.frame import Frame, Mask
+from spigolo.frame import Frame
 from spigolo.kernels import borders, moments
 from spigolo.regions import Regions
 from spigolo.support import Plane, above_mask
@@ -85,8 +85,8 @@ class _Parts:
         sums, self.boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
         moments.sum_regions(regions.labels, sums, self.boxes)
         self.area = sums[:, 0]
-        measured = _count(regions, frame.depth > 0)
-        above = _count(regions, above_mask(plane, frame.depth, frame.camera, support))
+        measured = regions.count_where(np.asarray(frame.depth > 0))
+        above = regions.count_where(above_mask(plane, frame.depth, frame.camera, support))
         self.stands = (above >= config.min_above * measured) & (measured >= config.min_measured * self.area)
         self.stands &= self.area <= config.max_share * self.labels.size
         self.ids = np.flatnonzero(self.stands)
@@ -217,9 +217,3 @@ class _Parts:
         outlines, _ = cv2.findContours(own, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         hull: Any = cv2.convexHull(np.vstack(outlines))
         return sum(map(cv2.contourArea, outlines)) / max(cv2.contourArea(hull), 1.0)
-
-
-def _count(regions: Regions, mask: Mask) -> Counts:
-    counts = np.zeros(regions.count, np.int64)
-    moments.count_marked(regions.labels, mask.view(np.uint8), counts)
-    return counts

@@ -17,18 +17,17 @@ from spigolo.cues import Cues
 from spigolo.facts import (
     Labels,
     RegionFacts,
-    Stance,
     contour_cue,
     find_level,
     measure_regions,
     measure_rim,
-    measure_stance,
 )
 from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
 from spigolo.regions import Regions
 from spigolo.rejection import Reason, Verdict, judge
 from spigolo.roi import Roi, roi_mask
+from spigolo.stance import Stance, measure_stance
 from spigolo.support import Plane, above_mask, support_mask
 
 FACTS = tuple(RegionFacts.__dataclass_fields__)

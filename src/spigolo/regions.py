@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.config import VGA_PX2, Partition
+from spigolo.frame import Mask
 from spigolo.graph import OFFSETS, Graph
 from spigolo.kernels import merging, moments, sorting
 from spigolo.workspace import Workspace
@@ -32,6 +33,12 @@ class Regions:
     def vga_scale(self) -> float:
         """What a pixel of this image counts at 640x480."""
         return VGA_PX2 / self.labels.size
+
+    def count_where(self, mask: Mask) -> npt.NDArray[np.int64]:
+        """Pixels of each region (R,) where a mask (H, W) holds."""
+        counts = np.zeros(self.count, np.int64)
+        moments.count_marked(self.labels, mask.view(np.uint8), counts)
+        return counts
 
     def spread(self, of_region: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
         """A number of each region (R,) at each of its pixels (H, W)."""

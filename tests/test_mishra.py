@@ -39,7 +39,7 @@ def table(boxes: bool = True, prints: bool = True) -> Frame:
         if prints:
             cv2.circle(color, ((x0 + x1) // 2, (y0 + y1) // 2), 15, (250, 250, 250), 2)
     color = np.clip(color + rng.normal(0, 2, color.shape), 0, 255).astype(np.uint8)
-    return Frame(color, depth.astype(np.float32), Camera(260.0, 260.0, 159.5, 119.5, SIZE[1], SIZE[0]))
+    return Frame(color, depth.astype(np.float32), Camera(330.0, 330.0, 159.5, 119.5, SIZE[1], SIZE[0]))
 
 
 def box(k: int) -> npt.NDArray[np.bool_]:

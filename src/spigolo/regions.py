@@ -84,12 +84,19 @@ class Edges:
         inner = [float(sample[int(q * sample.size)]) for q in PIVOT_QUANTILES] if sample.size else []
         return [0.0, *sorted(set(inner)), np.inf]
 
-    def sort(self, low: float, high: float, forest: Forest, least: int) -> npt.NDArray[np.uint64]:
-        """The packed edges of low <= weight < high with `least` flagged ends or more, in order."""
+    def sort(
+        self, low: float, high: float, forest: Forest, least: int, detours: bool = True
+    ) -> npt.NDArray[np.uint64]:
+        """The packed edges of low <= weight < high with `least` flagged ends or more, in order.
+
+        Without detours: but for those whose ends nearby lighter edges connect.
+        """
         merging.choose(
             self.weights, np.float32(low), np.float32(high), forest.parent, forest.flags, least, self.offsets,
             self._chosen,
         )  # fmt: skip
+        if not detours:
+            merging.drop_detours(self.weights, self.offsets[1], self._chosen)
         count = int(np.count_nonzero(self._chosen.view(bool)))
         edges = self._workspace.array("edges", count + 1, np.uint64)
         merging.pack(self.weights.view(np.uint32), self._chosen, self._eights, edges)
@@ -122,15 +129,28 @@ class Forest:
 
     def merge(self, edges: Edges) -> None:
         """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
-        for low, high in pairwise(edges.pivots()):
-            if low > 0:  # before the first round nothing has merged
+        _, *pivots = edges.pivots()
+        for low, high in pairwise([self._merge_freely(edges, pivots[0]), *pivots]):
+            if low < high:
                 merging.flag_open(np.uint64(_bits(low)), self.parent, self.records, self.flags)
-            merging.merge(edges.sort(low, high, self, BOTH), edges.steps, self.gamma, self.parent, self.records)
+                self._merge(edges.sort(low, high, self, BOTH), edges, stop=False)
+
+    def _merge_freely(self, edges: Edges, high: float) -> float:
+        """Merges over the edges below `high` up to the first that is refused; returns its weight, or `high`.
+
+        Until then whatever edges connect is one region, so that an edge whose ends lighter ones connect does nothing.
+        """
+        lightest = edges.sort(0.0, high, self, BOTH, detours=False)
+        done = self._merge(lightest, edges, stop=True)
+        return high if done == lightest.size else _weight(lightest[done])
+
+    def _merge(self, some: npt.NDArray[np.uint64], edges: Edges, stop: bool) -> int:
+        return int(merging.merge(some, edges.steps, self.gamma, stop, self.parent, self.records))
 
     def absorb_small(self, edges: Edges, min_size: float) -> None:
         """Joins regions below min_size pixels to the neighbour over their lightest edge."""
         merging.flag_small(min_size, self.parent, self.records, self.flags)
-        merging.absorb_small(edges.sort(0.0, np.inf, self, ONE), edges.steps, min_size, self.parent, self.records)
+        merging.absorb_small(edges.sort(0.0, np.inf, self, ONE, detours=False), edges.steps, min_size, self.parent, self.records)
 
     def labels(self) -> tuple[npt.NDArray[np.int32], int]:
         """Region of each pixel (H W,), 0..R-1 by first pixel, and R."""
@@ -141,3 +161,7 @@ class Forest:
 
 def _bits(weight: float) -> int:
     return int(np.float32(weight).view(np.uint32))
+
+
+def _weight(edge: np.uint64) -> float:
+    return float(np.uint32(edge >> np.uint64(sorting.WEIGHT_SHIFT)).view(np.float32))

@@ -26,7 +26,7 @@ def ends(edge, offsets):
 
 @inlined
 def find(parent, node):
-    """Root of a node's tree; the path behind is halved. Most nodes stand one step below their root."""
+    """Root of a node's tree; the path behind is halved. For trees of which most nodes stand one step below the root."""
     above = np.uint64(parent[node])
     root = np.uint64(parent[above])
     while above != root:
@@ -35,6 +35,19 @@ def find(parent, node):
         above = np.uint64(parent[node])
         root = np.uint64(parent[above])
     return above
+
+
+@inlined
+def find_deep(parent, node):
+    """Root of a node's tree, below which the node is hung. For trees that grow: three steps are taken unasked, as a
+    processor guesses wrongly where a path ends and loses more by that than by a step."""
+    root = np.uint64(parent[np.uint64(parent[np.uint64(parent[node])])])
+    above = np.uint64(parent[root])
+    while above != root:
+        root = above
+        above = np.uint64(parent[root])
+    parent[node] = np.uint32(root)
+    return root
 
 
 @inlined
@@ -158,9 +171,53 @@ def pack(weight_bits, chosen, eights, out):
 
 
 @kernel
-def merge(edges, offsets, gamma, parent, records):
-    """Eqs. 2, 3. Merges regions over sorted packed edges (K,).
+def drop_detours(weights, width, chosen):
+    """Takes back the edges that come last of a square of four pixels or, on an 8-connected grid, of three of them.
 
+    weights (P, H W) float32; width of a row; chosen (P, H W or more) uint8. Of equal weights the higher edge number
+    comes later: downwards after right, diagonals after both.
+    """
+    right, down = weights[0], weights[1]
+    if len(weights) == 2:
+        keep_right(right[width:], right, right[2 * width :], down, down[width:], chosen[0][width:])
+        keep_down(down[1:], down, down[2:], right, right[1:], width, chosen[1][1:])
+    else:
+        keep_diagonal(weights[2], right, down[1:], down, right[width:], chosen[2])
+        keep_diagonal(weights[3][width:], right[width:], down[1:], down, right, chosen[3][width:])
+
+
+@inlined
+def keep_right(weight, above, below, down_above, down_below, chosen):
+    """Of edges to the right those that come before another one in the squares above and below."""
+    next_above, next_below = down_above[1:], down_below[1:]
+    for k in range(below.size):
+        first = (weight[k] < above[k]) | (weight[k] <= max(down_above[k], next_above[k]))
+        second = (weight[k] <= below[k]) | (weight[k] <= max(down_below[k], next_below[k]))
+        chosen[k] &= first & second
+
+
+@inlined
+def keep_down(weight, before, after, right_before, right_after, width, chosen):
+    """Of edges downwards those that come before another one in the squares on both sides."""
+    low_before, low_after = right_before[width:], right_after[width:]
+    for k in range(min(low_after.size, after.size)):
+        first = (weight[k] < before[k]) | (weight[k] < max(right_before[k], low_before[k]))
+        second = (weight[k] <= after[k]) | (weight[k] < max(right_after[k], low_after[k]))
+        chosen[k] &= first & second
+
+
+@inlined
+def keep_diagonal(weight, first, second, third, fourth, chosen):
+    """Of diagonals those that come before an edge of each of the two pairs that lead to the same pixel."""
+    for k in range(min(weight.size, second.size, fourth.size)):
+        chosen[k] &= (weight[k] < max(first[k], second[k])) & (weight[k] < max(third[k], fourth[k]))
+
+
+@kernel
+def merge(edges, offsets, gamma, stop, parent, records):
+    """Eqs. 2, 3. Merges regions over sorted packed edges (K,); if it shall `stop`, up to the first that it refuses.
+
+    Returns how many edges are done.
     offsets (P,) uint64 from a pixel to its neighbour, modulo 2^64. I(R) of eq. 2 is the weight of the last merge: the
     edges come sorted, so it is the largest one in the minimum spanning tree of R.
     """
@@ -168,13 +225,16 @@ def merge(edges, offsets, gamma, parent, records):
         if k + NODES_AHEAD < edges.size:
             ask_ahead(edges, k, offsets, parent, records)
         here, there = ends(edges[k], offsets)
-        a, b = find(parent, here), find(parent, there)
+        a, b = find_deep(parent, here), find_deep(parent, there)
         if a != b:
             bits = edges[k] >> np.uint64(32)
             if may_merge(bits, bound_bits(records[a]), bound_bits(records[b])):
                 weight = np.float64(np.uint32(bits).view(np.float32))
                 size = np.float64(size_of(records[a]) + size_of(records[b]))
                 unite(parent, records, a, b, merge_bound(weight, gamma, size))
+            elif stop:
+                return k
+    return edges.size
 
 
 @kernel
@@ -193,7 +253,7 @@ def absorb_small(edges, offsets, min_size, parent, records):
 def flag_open(low_bits, parent, records, flags):
     """Makes every pixel's root its parent; flags (H W,) the pixels of regions whose bound is at least `low_bits`."""
     for pixel in range(np.uint64(parent.size)):
-        root = find(parent, pixel)
+        root = find_deep(parent, pixel)
         parent[pixel] = np.uint32(root)
         flags[pixel] = bound_bits(records[root]) >= low_bits
 

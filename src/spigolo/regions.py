@@ -125,10 +125,10 @@ class Forest:
         self.records = workspace.array("records", pixels, np.uint64)
         self.flags = workspace.array("flags", pixels, np.uint8)
         self._workspace = workspace
-        merging.plant(gamma, self.parent, self.records, self.flags)
 
     def merge(self, edges: Edges) -> None:
         """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
+        merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
         _, *pivots = edges.pivots()
         for low, high in pairwise([self._merge_freely(edges, pivots[0]), *pivots]):
             if low < high:

@@ -110,13 +110,34 @@ def ask_ahead(edges, k, offsets, parent, records):
 
 
 @kernel
-def plant(gamma, parent, records, flags):
-    """Makes every pixel a region that may still merge: parent (H W,) uint32, records (H W,) uint64, flags uint8."""
-    first = record(np.uint64(1), merge_bound(0.0, gamma, 1.0))
-    for pixel in range(parent.size):
-        parent[pixel] = np.uint32(pixel)
-        records[pixel] = first
-        flags[pixel] = 1
+def plant(weights, width, gamma, parent, records, flags):
+    """Makes regions, which may still merge, of the pixels that straight edges of weight 0 connect.
+
+    No such edge is ever refused (eq. 3), so that their order is free. weights (P, H W) float32; parent (H W,) uint32, each
+    pixel's root; records (H W,) uint64; flags (H W,) uint8.
+    """
+    right, down = weights[0], weights[1]
+    for pixel in range(np.uint64(parent.size)):
+        parent[pixel], records[pixel], flags[pixel] = pixel, 0, 1
+        if pixel > 0 and right[pixel - np.uint64(1)] == 0:
+            parent[pixel] = parent[pixel - np.uint64(1)]
+        if pixel >= width and down[pixel - width] == 0:
+            hang_below_first(parent, find(parent, pixel), find(parent, pixel - width))
+    for pixel in range(np.uint64(parent.size)):
+        root = np.uint64(parent[np.uint64(parent[pixel])])
+        parent[pixel] = root
+        records[root] += np.uint64(1)
+    single = record(np.uint64(1), merge_bound(0.0, gamma, 1.0))
+    for pixel in range(records.size):
+        size = records[pixel]
+        records[pixel] = record(size, merge_bound(0.0, gamma, np.float64(size))) if size > 1 else single
+
+
+@inlined
+def hang_below_first(parent, a, b):
+    """Joins two roots to the one that comes first in the image."""
+    if a != b:
+        parent[max(a, b)] = np.uint32(min(a, b))
 
 
 @kernel

@@ -14,7 +14,7 @@ from spigolo.graph import OFFSETS, Graph
 from spigolo.kernels import merging, moments, sorting
 from spigolo.workspace import Workspace
 
-SAMPLE_STEP = 29
+SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.25, 0.5)
 """Of the positive weights. Measured to be best: fewer rounds sort more, more rounds look at every edge once more."""
 MAX_DIGIT_BITS = 11

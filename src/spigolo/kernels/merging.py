@@ -203,8 +203,32 @@ def drop_detours(weights, width, chosen):
         keep_right(right[width:], right, right[2 * width :], down, down[width:], chosen[0][width:])
         keep_down(down[1:], down, down[2:], right, right[1:], width, chosen[1][1:])
     else:
-        keep_diagonal(weights[2], right, down[1:], down, right[width:], chosen[2])
-        keep_diagonal(weights[3][width:], right[width:], down[1:], down, right, chosen[3][width:])
+        falling, rising = weights[2], weights[3]
+        keep_diagonal(falling, right, down[1:], down, right[width:], chosen[2])
+        keep_diagonal(rising[width:], right[width:], down[1:], down, right, chosen[3][width:])
+        keep_right_8(right[width:], down, down[1:], falling, rising[width:], width, chosen[0][width:])
+        keep_down_8(down[1:], right, right[1:], falling, rising, width, chosen[1][1:])
+
+
+@inlined
+def keep_right_8(weight, down, next_down, falling, rising, width, chosen):
+    low, next_low, low_falling, low_rising = down[width:], next_down[width:], falling[width:], rising[width:]
+    for k in range(low_rising.size):
+        above = (weight[k] <= max(down[k], falling[k])) & (weight[k] <= max(next_down[k], rising[k]))
+        below = (weight[k] <= max(next_low[k], low_falling[k])) & (weight[k] <= max(low[k], low_rising[k]))
+        chosen[k] &= above & below
+
+
+@inlined
+def keep_down_8(weight, before, after, falling, rising, width, chosen):
+    low_before, low_after, right_falling = before[width:], after[width:], falling[1:]
+    low_rising, right_rising = rising[width:], rising[width + 1 :]
+    for k in range(low_after.size):
+        first = (weight[k] < before[k]) | (weight[k] <= falling[k])
+        first &= (weight[k] < low_before[k]) | (weight[k] <= low_rising[k])
+        second = (weight[k] < after[k]) | (weight[k] <= right_rising[k])
+        second &= (weight[k] < low_after[k]) | (weight[k] <= right_falling[k])
+        chosen[k] &= first & second
 
 
 @inlined

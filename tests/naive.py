@@ -489,9 +489,46 @@ def record(area: int, bound: float) -> int:
     return area << 32 | int(below.view(np.uint32))
 
 
-def plant(pixels: int, gamma: float) -> tuple[Array, Array, Array]:
-    """Parent, record and flag of every pixel before any merge."""
-    return np.arange(pixels), np.array([record(1, gamma)] * pixels, np.uint64), np.ones(pixels)
+def plant(weights: Array, gamma: float) -> tuple[list[int], list[int]]:
+    """Root of every pixel and record of that root, once straight edges of weight 0 have merged."""
+    straight = np.where(weights[:2] == 0, weights[:2], np.float32(np.inf))
+    forest = merge(straight, 1e30)
+    roots = [min(forest.members[forest.component[pixel]]) for pixel in range(straight[0].size)]
+    areas = Counter(roots)
+    return roots, [record(areas[root], gamma / areas[root]) for root in roots]
+
+
+def drop_detours(weights: Array) -> set[int]:
+    """Numbers of the edges that come last of a triangle (8-connected) or a square, by weight and number.
+
+    But for those to the right in the first and the last row and the one below the first pixel.
+    """
+    edges, flat = numbered_edges(weights), weights.reshape(-1)
+    order = {frozenset((i, j)): (float(flat[n]), n) for n, i, j in edges}
+    near: dict[int, set[int]] = {}
+    for _, i, j in edges:
+        near.setdefault(i, set()).add(j)
+        near.setdefault(j, set()).add(i)
+    found = set()
+    for number, i, j in edges:
+        if len(weights) == 4:
+            paths = [(i, k, j) for k in near[i] & near[j]]
+        else:
+            paths = [(i, k, m, j) for k in near[i] - {j} for m in near[j] - {i} if m in near[k]]
+        if any(all(order[frozenset(s)] < order[frozenset((i, j))] for s in itertools.pairwise(path)) for path in paths):
+            found.add(number)
+    _, height, width = weights.shape
+    on_rim = set(range(width)) | set(range((height - 1) * width, height * width)) | {height * width}
+    return found - on_rim
+
+
+def drop_final(edges: list[tuple[float, int, int]], roots: list[int], bounds: Array, step: int) -> list[bool]:
+    """Which of these edges (weight, pixel, neighbour) lie between regions that one of them can still merge."""
+    heavy = [w > min(bounds[roots[i]], bounds[roots[j]]) for w, i, j in edges]
+    if 2 * step * sum(heavy[::step]) < len(edges):
+        return [True] * len(edges)
+    useful = {roots[pixel] for w, i, j in edges for pixel in (i, j) if w <= bounds[roots[pixel]]}
+    return [roots[i] in useful and roots[j] in useful for _, i, j in edges]
 
 
 def choose(weights: Array, low: float, high: float, roots: list[int], flags: Array, least: int) -> list[int]:

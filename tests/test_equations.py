@@ -65,7 +65,7 @@ def test_eq_02_internal_difference() -> None:
     # I(R) = max(1/8, 1/2, 1/4) = 1/2, and the bound that is kept is I + gamma / |R| = 1/2 + 8/4 = 2.5.
     row = np.float32([0.125, 0.5, 0.25, np.inf]).reshape(1, 1, 4)
     parent, records = np.arange(4, dtype=np.uint32), np.array([naive.record(1, 8.0)] * 4, np.uint64)
-    merging.merge(naive.pack(row, [0, 2, 1]), np.array([1], np.uint64), 8.0, parent, records)
+    merging.merge(naive.pack(row, [0, 2, 1]), np.array([1], np.uint64), 8.0, False, parent, records)
     record = int(records[naive.roots_of(parent)[0]])
     assert record == naive.record(4, 2.5)
     assert record == naive.record(4, 0.5 + 8.0 / 4)

@@ -22,6 +22,7 @@ from spigolo.edges import SIGN_RULES, scharr_canny
 from spigolo.graph import OFFSETS, Graph
 from spigolo.kernels import (
     borders,
+    choosing,
     color,
     contours,
     costs,
@@ -418,30 +419,43 @@ def offsets_of(weights: naive.Array) -> naive.Array:
     return np.array([dy * weights.shape[2] + dx for dy, dx in OFFSETS[: len(weights)]], np.int64)
 
 
+def sorted_numbers(weights: naive.Array) -> list[int]:
+    """Numbers of the edges inside the image, in order."""
+    flat = weights.reshape(-1)
+    return [k for k in naive.sort_edges(flat) if flat[k] < np.inf]
+
+
 def sorted_pack(weights: naive.Array) -> naive.Array:
     """The packed edges inside the image, in order."""
-    flat = weights.reshape(-1)
-    return naive.pack(weights, [k for k in naive.sort_edges(flat) if flat[k] < np.inf])
+    return naive.pack(weights, sorted_numbers(weights))
 
 
-def planted(pixels: int, gamma: float) -> tuple[naive.Array, naive.Array, naive.Array]:
-    """Parent, records and flags before any merge."""
+def planted(weights: naive.Array, gamma: float) -> tuple[naive.Array, naive.Array, naive.Array]:
+    """Parent, records and flags before any merge but over straight edges of weight 0."""
+    pixels, width = weights[0].size, weights.shape[2]
     parent, records = np.empty(pixels, np.uint32), np.empty(pixels, np.uint64)
-    merging.plant(gamma, parent, records, flags := np.empty(pixels, np.uint8))
+    flat, flags = weights.reshape(len(weights), -1), np.empty(pixels, np.uint8)
+    merging.plant(flat, np.uint64(width), gamma, parent, records, flags)
     return parent, records, flags
 
 
 def _merged(weights: naive.Array, gamma: float) -> tuple[naive.Array, naive.Array]:
     """Parent and records after merging."""
-    parent, records, _ = planted(weights[0].size, gamma)
-    merging.merge(sorted_pack(weights), offsets_of(weights).view(np.uint64), gamma, parent, records)
+    parent, records, _ = planted(weights, gamma)
+    merging.merge(sorted_pack(weights), offsets_of(weights).view(np.uint64), gamma, False, parent, records)
     return parent, records
 
 
 @pytest.mark.parametrize("gamma", [*GAMMAS, 1e-50, 1e300])
-def test_plant(gamma: float) -> None:
-    for ours, twin in zip(planted(5, gamma), naive.plant(5, gamma), strict=True):
-        np.testing.assert_array_equal(ours, twin)
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_plant(kind: str, size: tuple[int, int], gamma: float) -> None:
+    weights = planes(kind, size)
+    weights[weights == 0] *= np.random.default_rng(1).choice([-1, 1], np.sum(weights == 0))
+    parent, records, flags = planted(weights, gamma)
+    roots, kept = naive.plant(weights, gamma)
+    assert (parent.tolist(), records[parent].tolist()) == (roots, kept)
+    assert flags.all()
 
 
 @pytest.mark.parametrize("gamma", GAMMAS)
@@ -458,6 +472,25 @@ def test_merge(kind: str, size: tuple[int, int], gamma: float) -> None:
         assert int(records[root]) == naive.record(area, forest.internal[component] + gamma / area)
 
 
+@pytest.mark.parametrize("gamma", GAMMAS)
+@pytest.mark.parametrize("kind", KINDS)
+def test_merge_stops_at_the_first_refusal(kind: str, gamma: float) -> None:
+    weights = planes(kind, (9, 12))
+    edges, steps = sorted_pack(weights), offsets_of(weights).view(np.uint64)
+    parent, records, _ = planted(weights, gamma)
+    done = merging.merge(edges, steps, gamma, True, parent, records)
+    joined = np.full(weights.shape, np.float32(np.inf))
+    for number in sorted_numbers(weights)[:done]:
+        joined.reshape(-1)[number] = weights.reshape(-1)[number]
+    assert naive.number_regions(naive.roots_of(parent)).tolist() == naive.merge(joined, 1e30).labels().tolist()
+    if done < edges.size:
+        before = parent.tolist(), records.tolist()
+        merging.merge(edges[done : done + 1], steps, gamma, False, parent, records)
+        roots = naive.roots_of(np.array(before[0]))
+        assert naive.roots_of(parent) == roots
+        assert len(set(roots)) > 1
+
+
 @pytest.mark.parametrize("min_size", [0.0, 2.0, 7.5, 1e6])
 @pytest.mark.parametrize("kind", KINDS)
 def test_absorb_small(kind: str, min_size: float) -> None:
@@ -469,6 +502,39 @@ def test_absorb_small(kind: str, min_size: float) -> None:
     roots = naive.roots_of(parent)
     np.testing.assert_array_equal(naive.number_regions(roots), forest.labels())
     assert (records[roots] >> 32).min() >= min(min_size, parent.size)
+
+
+@pytest.mark.parametrize("connectivity", [4, 8])
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_drop_detours(kind: str, size: tuple[int, int], connectivity: int) -> None:
+    weights = planes(kind, size, connectivity)
+    pixels = weights[0].size
+    chosen = np.ones((len(weights), -(-pixels // 8) * 8), np.uint8)
+    choosing.drop_detours(weights.reshape(len(weights), -1), size[1], chosen)
+    inside = {number for number, _, _ in naive.numbered_edges(weights)}
+    dropped = set(np.flatnonzero(chosen[:, :pixels] == 0).tolist())
+    assert dropped & inside == naive.drop_detours(weights)
+
+
+@pytest.mark.parametrize("gamma", [0.02, 0.1, 0.3])
+@pytest.mark.parametrize("kind", KINDS)
+def test_drop_final(kind: str, gamma: float) -> None:
+    weights = planes(kind, (14, 19))
+    flat, low = weights.reshape(-1), 0.2
+    steps = offsets_of(weights).view(np.uint64)
+    lightest = naive.pack(weights, [k for k in sorted_numbers(weights) if flat[k] < low])
+    parent, records, flags = planted(weights, gamma)
+    merging.merge(lightest, steps, gamma, False, parent, records)
+    roots = naive.roots_of(parent)
+    parent[:] = roots
+    wanted = [(n, i, j) for n, i, j in naive.numbered_edges(weights) if flat[n] >= low and roots[i] != roots[j]]
+    edges = naive.pack(weights, [n for n, _, _ in wanted])
+    bounds = (records & np.uint64(0xFFFFFFFF)).astype(np.uint32).view(np.float32)
+    some = [(float(flat[n]), i, j) for n, i, j in wanted]
+    kept = edges[naive.drop_final(some, roots, bounds, choosing.SAMPLE_STEP)].tolist() if some else []
+    count = choosing.drop_final(edges, steps, parent, records, flags)
+    assert edges[:count].tolist() == kept
 
 
 @pytest.mark.parametrize("least", [0, 1, 2])
@@ -484,12 +550,12 @@ def test_choose_and_pack(kind: str, size: tuple[int, int], window: tuple[float, 
     low, high = (np.float32(edge) for edge in window)
     eights = np.full((len(weights), -(-pixels // 8)), 99, np.uint64)
     chosen, flat = eights.view(np.uint8), weights.reshape(len(weights), -1)
-    merging.choose(flat, low, high, parent, flags, least, offsets_of(weights), chosen)
+    choosing.choose(flat, low, high, parent, flags, least, offsets_of(weights), chosen)
     kept = naive.choose(weights, float(low), float(high), parent.tolist(), flags, least)
     assert np.flatnonzero(chosen[:, :pixels]).tolist() == kept
     assert not chosen[:, pixels:].any()
     out = np.empty(len(kept) + 1, np.uint64)
-    merging.pack(flat.view(np.uint32), chosen, eights, out)
+    choosing.pack(flat.view(np.uint32), chosen, eights, out)
     np.testing.assert_array_equal(out[:-1], naive.pack(weights, kept))
 
 
@@ -500,11 +566,11 @@ def test_flag_open_and_flag_small(kind: str) -> None:
     roots, flags = naive.roots_of(parent), np.empty(parent.size, np.uint8)
     bounds = (records & np.uint64(0xFFFFFFFF)).astype(np.uint32).view(np.float32)
     for low in np.float32([0, 0.1, 0.3, 1]):
-        merging.flag_open(np.uint64(int(low.view(np.uint32))), parent, records, flags)
+        choosing.flag_open(np.uint64(int(low.view(np.uint32))), parent, records, flags)
         assert flags.view(bool).tolist() == naive.flag_open(float(low), roots, bounds)
         assert parent.tolist() == roots
     for min_size in (1.0, 4.5, 1e9):
-        merging.flag_small(min_size, parent, records, flags)
+        choosing.flag_small(min_size, parent, records, flags)
         assert flags.view(bool).tolist() == naive.flag_small(min_size, roots)
 
 

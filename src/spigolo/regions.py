@@ -11,13 +11,15 @@ import numpy.typing as npt
 from spigolo.config import VGA_PX2, Partition
 from spigolo.frame import Mask
 from spigolo.graph import OFFSETS, Graph
-from spigolo.kernels import merging, moments, sorting
+from spigolo.kernels import choosing, merging, moments, sorting
 from spigolo.workspace import Workspace
 
 SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.25, 0.5)
 """Of the positive weights. Measured to be best: fewer rounds sort more, more rounds look at every edge once more."""
 MAX_DIGIT_BITS = 11
+MANY_WEIGHTLESS = 0.25
+"""With so many edges of weight 0 there are large regions from the start, which refuse early."""
 ONE, BOTH = 1, 2
 """How many ends of an edge must carry a flag."""
 
@@ -76,30 +78,35 @@ class Edges:
         eights = -(-self.weights.shape[1] // 8)
         self._eights = workspace.array("chosen", len(weights) * eights, np.uint64).reshape(len(weights), eights)
         self._chosen = self._eights.view(np.uint8)
+        sample = self.weights.reshape(-1)[::SAMPLE_STEP]
+        self._sample = sample[np.isfinite(sample)]
 
     def pivots(self) -> list[float]:
         """Where the rounds of merging begin and end: two quantiles of a sample, so that each sorts what it needs."""
-        sample = self.weights.reshape(-1)[::SAMPLE_STEP]
-        sample = np.sort(sample[np.isfinite(sample) & (sample > 0)])
-        inner = [float(sample[int(q * sample.size)]) for q in PIVOT_QUANTILES] if sample.size else []
+        positive = np.sort(self._sample[self._sample > 0])
+        inner = [float(positive[int(q * positive.size)]) for q in PIVOT_QUANTILES] if positive.size else []
         return [0.0, *sorted(set(inner)), np.inf]
 
-    def sort(
-        self, low: float, high: float, forest: Forest, least: int, detours: bool = True
-    ) -> npt.NDArray[np.uint64]:
+    def weightless_share(self) -> float:
+        """Share of the edges that weigh nothing."""
+        return float(np.mean(self._sample == 0)) if self._sample.size else 0.0
+
+    def sort(self, low: float, high: float, forest: Forest, least: int, detours: bool = True) -> npt.NDArray[np.uint64]:
         """The packed edges of low <= weight < high with `least` flagged ends or more, in order.
 
-        Without detours: but for those whose ends nearby lighter edges connect.
+        detours: whether those are among them that come last of a triangle or a square.
         """
-        merging.choose(
+        choosing.choose(
             self.weights, np.float32(low), np.float32(high), forest.parent, forest.flags, least, self.offsets,
             self._chosen,
         )  # fmt: skip
         if not detours:
-            merging.drop_detours(self.weights, self.offsets[1], self._chosen)
+            choosing.drop_detours(self.weights, self.offsets[1], self._chosen)
         count = int(np.count_nonzero(self._chosen.view(bool)))
         edges = self._workspace.array("edges", count + 1, np.uint64)
-        merging.pack(self.weights.view(np.uint32), self._chosen, self._eights, edges)
+        choosing.pack(self.weights.view(np.uint32), self._chosen, self._eights, edges)
+        if low > 0:
+            count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0]
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
@@ -129,10 +136,12 @@ class Forest:
     def merge(self, edges: Edges) -> None:
         """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
         merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
-        _, *pivots = edges.pivots()
-        for low, high in pairwise([self._merge_freely(edges, pivots[0]), *pivots]):
+        lowest, *pivots = edges.pivots()
+        if edges.weightless_share() < MANY_WEIGHTLESS:
+            lowest = self._merge_freely(edges, pivots[0])
+        for low, high in pairwise([lowest, *pivots]):
             if low < high:
-                merging.flag_open(np.uint64(_bits(low)), self.parent, self.records, self.flags)
+                choosing.flag_open(np.uint64(_bits(low)), self.parent, self.records, self.flags)
                 self._merge(edges.sort(low, high, self, BOTH), edges, stop=False)
 
     def _merge_freely(self, edges: Edges, high: float) -> float:
@@ -149,8 +158,9 @@ class Forest:
 
     def absorb_small(self, edges: Edges, min_size: float) -> None:
         """Joins regions below min_size pixels to the neighbour over their lightest edge."""
-        merging.flag_small(min_size, self.parent, self.records, self.flags)
-        merging.absorb_small(edges.sort(0.0, np.inf, self, ONE, detours=False), edges.steps, min_size, self.parent, self.records)
+        choosing.flag_small(min_size, self.parent, self.records, self.flags)
+        lightest = edges.sort(0.0, np.inf, self, ONE, detours=False)
+        merging.absorb_small(lightest, edges.steps, min_size, self.parent, self.records)
 
     def labels(self) -> tuple[npt.NDArray[np.int32], int]:
         """Region of each pixel (H W,), 0..R-1 by first pixel, and R."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -97,6 +99,28 @@ def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, rea
     assert reason in verdict[1]
     assert judge(region(**kept), rules, 1.0) is None
     assert judge(region(**broken), sp.Rejection(), 1.0) is None
+
+
+@pytest.mark.parametrize(
+    ("stance", "words"),
+    [
+        ((0.16, 39.0, 0.0, 60), None),
+        ((0.14, 39.0, 0.0, 60), "hides what is behind along 14%, least 15%"),
+        ((0.16, 39.0, 0.1, 60), "hides what is behind along 16%, least 22%"),
+        ((0.36, 41.0, 0.0, 60), None),
+        ((0.34, 41.0, 0.0, 60), "hides what is behind along 34%, least 35%"),
+        ((0.9, 49.0, 0.0, 60), "leans away by 49 deg, limit 48 deg"),
+        ((0.9, 20.0, 0.1, 60), None),
+        ((0.9, 20.0, 0.1, 100), "the image cuts it off, and it is 4.0 times as long as wide, limit 3.5"),
+        ((0.9, 20.0, 0.0, 100), None),
+        ((None, None, None, 100), None),
+    ],
+)
+def test_a_wall_hides_little_turns_away_or_is_a_rail_that_the_image_cuts(stance, words) -> None:
+    hides, lean_deg, cut, width = stance
+    facts = replace(region(width=width, height=25), hides=hides, lean_deg=lean_deg, cut=cut)
+    verdict = judge(facts, sp.Rejection(wall=sp.Wall()), 1.0)
+    assert verdict == (None if words is None else (sp.Reason.WALL, f"wall: {words}"))
 
 
 def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:

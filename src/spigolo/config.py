@@ -282,6 +282,12 @@ class Wall(_Stage):
     max_lean_deg: Annotated[float, Field(ge=0, le=180)] = 48.0
     """Largest angle between a region's mean normal and the line of sight. The faces of a whole object look towards the
     camera on average, three faces of a box at a corner straight at it; the side of a compartment is seen at a slant."""
+    leaning_deg: Annotated[float, Field(ge=0, le=180)] = 40.0
+    """Beyond this angle already more is asked:"""
+    min_hides_leaning: Share = 0.35
+    """an object that leans so far stands free, the side of a compartment goes over into its back."""
+    max_cut_ratio: Annotated[float, Field(ge=1)] = 3.5
+    """Largest length over width of a region that the image cuts off: longer ones are rails, rims or legs."""
     rim_m: Positive = 0.01
     """A level region, 65 % of which lie within this of its median height above the support, may be part of a rim;"""
     max_rim: NotNegative = 1.5

@@ -51,12 +51,18 @@ def _judge_place(facts: RegionFacts, rules: Rejection) -> Verdict | None:
 
 
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
-    """What makes a tall region a wall: it hides little, or turns away."""
-    least = rule.min_hides + rule.min_hides_cut * (facts.cut or 0.0)
+    """What makes a tall region a wall: it hides little, turns away, or is a rail of which the image shows a part."""
+    lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
+    least = (rule.min_hides_leaning if lean_deg > rule.leaning_deg else rule.min_hides) + rule.min_hides_cut * cut
     if facts.hides is not None and facts.hides < least:
         return f"wall: hides what is behind along {facts.hides:.0%}, least {least:.0%}"
-    if facts.lean_deg is not None and facts.lean_deg > rule.max_lean_deg:
-        return f"wall: leans away by {facts.lean_deg:.0f} deg, limit {rule.max_lean_deg:.0f} deg"
+    if lean_deg > rule.max_lean_deg:
+        return f"wall: leans away by {lean_deg:.0f} deg, limit {rule.max_lean_deg:.0f} deg"
+    if cut > 0 and facts.size_m is not None and facts.size_m[0] > rule.max_cut_ratio * facts.size_m[1]:
+        ratio = facts.size_m[0] / facts.size_m[1]
+        return (
+            f"wall: the image cuts it off, and it is {ratio:.1f} times as long as wide, limit {rule.max_cut_ratio:.1f}"
+        )
     return None
 
 

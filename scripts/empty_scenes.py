@@ -1,6 +1,6 @@
 """Counts the objects that presets see in rendered scenes without any, and the boxes that they find in the same scenes.
 
-`python scripts/empty_scenes.py` takes the fifty scenes that the rules were made while looking at, `--first 34` as many
+`python scripts/empty_scenes.py` takes the fifty scenes that the rules were made while looking at, `--first 120` as many
 that nobody had looked at.
 """
 

@@ -52,7 +52,7 @@ class Plot:
         self.taken: list[tuple[SceneObject, Outline]] = []
 
     def keep_off(self, gap_m: float) -> None:
-        """Whatever comes now keeps that far from what is there, and does not stand on it."""
+        """Whatever comes now keeps that far from what is there."""
         self.taken = [(thing, _grown(footprint, gap_m)) for thing, footprint in self.taken]
 
     def take(self, thing: SceneObject) -> bool:

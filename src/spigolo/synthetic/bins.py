@@ -181,7 +181,7 @@ def _sensor(rng: Rng) -> StructuredLight:
     camera = StructuredLight(
         dark_brightness=0.13,
         patch_px=3.0,
-        steepest_angle_deg=rng.uniform(56, 68),
+        steepest_angle_deg=rng.uniform(53, 65),
         rim_loss=0.35,
         edge_jitter_px=0.9,
         margin_px=(top, right, bottom, left),

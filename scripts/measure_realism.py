@@ -92,7 +92,8 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
         for pattern in patterns:
             if fnmatch(f"{entry.data_set}/{entry.name}", pattern):
                 scenes[pattern].append(noise_by_slant(entry.read()))
-    table = {"real": [np.ma.masked_invalid(some).mean(axis=0).filled(np.nan) for some in scenes.values()]}
+    real = [np.ma.masked_invalid(some).mean(axis=0).filled(np.nan) for some in scenes.values()]
+    table = {"real": real} if real else {}
     table |= {family: [np.array(noise_by_slant(s.frame)) for s in samples] for family, samples in rendered.items()}
     for name, rows in table.items():
         print(

@@ -5,23 +5,33 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from itertools import permutations
+from dataclasses import replace
+from functools import cache
+from itertools import permutations, product
 from pathlib import Path
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
-from scipy.spatial import Delaunay
+from scipy.spatial import ConvexHull
 
 import spigolo as sp
 from spigolo.datasets import Sample, guess
-from spigolo.datasets.visibility import visible_labels
+from spigolo.datasets.visibility import TOLERANCE_M, visible_labels
 from spigolo.doctor.local_planes import fit_local_planes
 from spigolo.errors import ConfigError, FileError
 from spigolo.synthetic import layouts
 from spigolo.synthetic.bins import VIEWS, shelf_stage
-from spigolo.synthetic.families import FAMILIES, family_models, record_family, render_family
+from spigolo.synthetic.families import (
+    FAMILIES,
+    LEAST_IOU,
+    drawn_iou,
+    family_models,
+    is_told_by_poses,
+    record_family,
+    render_family,
+)
 from spigolo.synthetic.household import KINDS, Rest, household
 from spigolo.synthetic.placing import Plot, settled
 from spigolo.synthetic.realism import Realism, quartiles, realism
@@ -114,14 +124,15 @@ def test_what_is_pushed_touches_and_what_is_piled_up_lies_on_top() -> None:
     assert plot.pile(household("bowl_2"), Rest(180.0), below, rng) is None  # wider than the box
 
 
-def edge_points(thing: SceneObject) -> npt.NDArray[np.float64]:
-    """Points (N, 2) along the outline of its footprint."""
+def edge_points(thing: SceneObject, count: int = 50) -> npt.NDArray[np.float64]:
+    """Points (N, 2) along the outline of its footprint, so many an edge."""
     hull = cv2.convexHull(world_points(thing)[:, :2].astype(np.float32))[:, 0]
-    steps = np.linspace(0, 1, 50, endpoint=False)[:, None, None]
+    steps = np.linspace(0, 1, count, endpoint=False)[:, None, None]
     return np.asarray(((1 - steps) * hull + steps * np.roll(hull, -1, axis=0)).reshape(-1, 2), np.float64)
 
 
-def stages() -> list[Stage]:
+@cache
+def stages() -> Sequence[Stage]:
     made = []
     for seed in range(3):
         for make, scenes in ((shelf_stage, VIEWS), (table_stage, TABLES), (multi_stage, INSTANCES)):
@@ -140,8 +151,27 @@ def test_nothing_goes_through_anything_and_some_things_are_piled_up() -> None:
         piles += len(above)
         for points, others in permutations(things, 2):
             near = points[np.all((points > others.min(axis=0)) & (points < others.max(axis=0)), axis=1)]
-            assert near.size == 0 or not np.any(Delaunay(others).find_simplex(near) >= 0)
+            if near.size:
+                faces = ConvexHull(others).equations
+                assert not np.any(np.all(near @ faces[:, :3].T + faces[:, 3] < -1e-9, axis=1))
     assert piles >= 3
+
+
+def test_clutter_stands_clear_of_instances_and_products_in_order_of_distance() -> None:
+    near = 0
+    for stage in stages():
+        if any(thing.name == "tool" for thing in stage.bystanders):
+            ways = [world_points(thing) - stage.view.position_m for thing in stage.objects]
+            distances_m = [np.linalg.norm(way, axis=1).min() for way in ways]
+            assert distances_m == sorted(distances_m)
+            continue
+        on_table = [thing for thing in stage.objects if world_points(thing)[:, 2].min() < 1e-6]
+        for bystander, thing in product(stage.bystanders, on_table):
+            outline = cv2.convexHull(world_points(thing)[:, :2].astype(np.float32))
+            gap_m = min(-cv2.pointPolygonTest(outline, (x, y), True) for x, y in edge_points(bystander, 5))
+            assert gap_m > TOLERANCE_M
+            near += gap_m < 0.03
+    assert near > 0
 
 
 def test_products_stay_within_their_bin() -> None:
@@ -168,19 +198,43 @@ def test_each_scene_shows_what_it_is_said_to_show(samples: Samples) -> None:
         assert all(instance.model in names for sample in some for instance in sample.instances)
 
 
-def test_masks_drawn_at_the_poses_are_the_exact_ones(recordings: Mapping[str, Sequence[Recording]]) -> None:
-    """In ideal depth: the camera's gaps, in which what hides an object is not seen, are no matter of poses."""
+@pytest.mark.parametrize(("ideal", "tolerance_m"), [(True, 0.002), (False, TOLERANCE_M)])
+def test_masks_drawn_at_the_poses_are_the_exact_ones(
+    recordings: Mapping[str, Sequence[Recording]], ideal: bool, tolerance_m: float
+) -> None:
+    """In ideal depth, which tests poses and models, and in measured depth by the rule of readers."""
     for family, some in recordings.items():
-        models = {model.name: model for model in family_models(family)}
         for recording in some:
             sample = recording.sample
             assert list(np.unique(sample.labels)) == list(range(len(sample.instances) + 1))
-            assert sample.frame.camera is not None
-            shown = [models[instance.model] for instance in sample.instances]
-            drawn = visible_labels(sample.instances, shown, recording.ideal_m, sample.frame.camera, 0.002)
-            for instance in sample.instances:
-                mask, here = sample.labels == instance.label, drawn == instance.label
-                assert np.sum(mask & here) / np.sum(mask | here) >= 0.98, (sample.frame.name, instance.model)
+            depth = recording.ideal_m if ideal else sample.frame.depth
+            ious = drawn_iou(family, sample, depth, tolerance_m)
+            assert len(ious) == len(sample.instances)
+            assert ious.min() >= LEAST_IOU, sample.frame.name
+
+
+def test_what_poses_do_not_tell_is_not_kept(samples: Samples) -> None:
+    sample = samples["multi"][0]
+    assert is_told_by_poses("multi", sample)
+    assert not is_told_by_poses("multi", replace(sample, labels=np.zeros_like(sample.labels), instances=()))
+    half_hidden = sample.labels.copy()
+    half_hidden[:, : int(np.median(np.nonzero(sample.labels == 1)[1]))] = 0
+    assert not is_told_by_poses("multi", replace(sample, labels=half_hidden))
+
+
+def test_where_the_first_alone_is_labelled_others_hide_it_unless_measured(samples: Samples) -> None:
+    """A set that labels one object knows no pose of what stands before it."""
+    sample = samples["shelf"][0]
+    first = sample.instances[0]
+    nearer = first.pose.copy()
+    nearer[:3, 3] = 0.9 * nearer[:3, 3] + [0.04, 0.0, 0.0]
+    both = (first, replace(first, label=2, pose=nearer))
+    unseen = np.zeros_like(sample.frame.depth)
+    assert sample.frame.camera is not None
+    labels = visible_labels(both, [household(first.model).model()] * 2, unseen, sample.frame.camera)
+    hidden = replace(sample, labels=labels, instances=both)
+    assert drawn_iou("multi", hidden, unseen) == pytest.approx(1)
+    assert drawn_iou("shelf", hidden, unseen)[0] < 0.8
 
 
 def test_poses_are_rotations_and_depth_is_that_of_the_objects(samples: Samples) -> None:
@@ -317,9 +371,11 @@ def test_what_is_written_is_read_back(
         assert truth is not None
         several = layout != "original" or family != "shelf"
         assert len(np.unique(truth.labels)) - 1 == (len(sample.instances) if several else 1)
-        wanted = (sample.labels > 0) if several else (sample.labels == 1)
-        # Where masks are drawn at the poses, an occluder without depth hides nothing: there may be more, but not less.
-        assert np.sum(wanted & (truth.labels > 0)) > 0.95 * np.sum(wanted)
+        wanted = sample.labels if several else np.where(sample.labels == 1, 1, 0)
+        for label in np.unique(wanted[wanted > 0]):
+            mask = wanted == label
+            here = truth.labels == np.bincount(truth.labels[mask]).argmax()
+            assert np.sum(mask & here) / np.sum(mask | here) >= LEAST_IOU, (frame.name, label)
 
 
 def test_the_command_renders_and_refuses(tmp_path: Path) -> None:

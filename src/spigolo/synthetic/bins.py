@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import islice
 
 import cv2
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from spigolo.datasets import rutgers
 from spigolo.synthetic.household import Product, Rest, household
 from spigolo.synthetic.meshes import Mesh, joined
-from spigolo.synthetic.placing import Plot, height_m, settled
+from spigolo.synthetic.placing import Plot, height_m, settled, world_points
 from spigolo.synthetic.prints import brushed_metal
 from spigolo.synthetic.rendering import Lighting
 from spigolo.synthetic.rooms import aisle_light, block, room
@@ -30,22 +31,26 @@ PRODUCTS = (
 VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
 """Where the camera is: turned to the side and pitched down, degrees."""
 _WALL_M, _BOARD_M = 0.006, 0.02
+_LIPS_M = 0.035, 0.05
+"""How tall the lips are at least and at most."""
 
 
 def shelf_stage(name: str, rng: Rng) -> Stage:
-    """One to three products in the middle one of three by three bins."""
+    """One to three products in the middle one of three by three bins, whose edges hide nothing of them.
+
+    The first is the nearest to the camera: a data set that labels one object a frame labels this.
+    """
     width_m, tall_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
-    plot = Plot(inner)
-    names = [*rng.choice(PRODUCTS[2:], int(rng.integers(1, 4)), replace=False), "box_1"]
-    placed = [_placed(household(str(name)), plot, width_m, deep_m, tall_m, rng) for name in names]
-    things = tuple(thing for thing in placed if thing is not None)
-    things = things[: max(1, len(names) - 1)]
     yaw_deg, pitch_deg = np.array(VIEWS[name]) + rng.normal(0, 3, 2)
     look_at_m = float(rng.normal(0, 0.02)), 0.1, 0.42 * tall_m
     view = View(look_at_m, rng.uniform(0.58, 0.72), pitch_deg, yaw_deg, rng.normal(0, 1.5), rutgers.CAMERA)
+    plot = Plot(inner, lambda thing: _in_sight(thing, view, width_m, tall_m))
+    placed = (_placed(household(str(name)), plot, width_m, deep_m, tall_m, rng) for name in rng.permutation(PRODUCTS))
+    things = list(islice((thing for thing in placed if thing is not None), int(rng.integers(1, 4))))
+    things.sort(key=lambda thing: float(np.linalg.norm(world_points(thing) - view.position_m, axis=1).min()))
     return Stage(
-        things,
+        tuple(things),
         tuple(_shelf(width_m, tall_m, deep_m, rng)),
         view,
         _light(view, rng),
@@ -80,6 +85,18 @@ def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m:
     return plot.place(product, fitting, spot, rng)
 
 
+def _in_sight(thing: SceneObject, view: View, width_m: float, tall_m: float) -> bool:
+    """Whether all of it is seen through the opening of the bin, between its walls, its lip and the one above."""
+    rays = world_points(thing) - view.position_m
+    x, _, z = (view.position_m + rays * (-view.position_m[1] / rays[:, 1])[:, None]).T
+    low_m, high_m = _lip_middle_m(0.0) + _LIPS_M[1] / 2, _lip_middle_m(tall_m + _BOARD_M) - _LIPS_M[1] / 2
+    return bool(np.all((np.abs(x) < width_m / 2) & (low_m < z) & (z < high_m)))
+
+
+def _lip_middle_m(board_top_m: float) -> float:
+    return board_top_m - 0.012
+
+
 def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]:
     """Walls and backs of cardboard, boards and lips of galvanised steel."""
     pitch_x, pitch_z = width_m + _WALL_M, tall_m + _BOARD_M
@@ -92,7 +109,7 @@ def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]
     back = block((0.0, deep_m + 0.016, middle_m), (span_m, 0.006, 3 * pitch_z))
     boards = [block((0.0, deep_m / 2, k * pitch_z - _BOARD_M / 2), (span_m, deep_m, _BOARD_M)) for k in range(-1, 3)]
     lips: list[Mesh] = [
-        block((0.0, -0.003, k * pitch_z - 0.012), (span_m, 0.004, rng.uniform(0.035, 0.05))) for k in range(-1, 3)
+        block((0.0, -0.003, _lip_middle_m(k * pitch_z)), (span_m, 0.004, rng.uniform(*_LIPS_M))) for k in range(-1, 3)
     ]
     return [
         Part(joined([*uprights, back]), printed, 0.0, 0.1),
@@ -164,7 +181,7 @@ def _sensor(rng: Rng) -> StructuredLight:
     camera = StructuredLight(
         dark_brightness=0.13,
         patch_px=3.0,
-        steepest_angle_deg=rng.uniform(56, 68),
+        steepest_angle_deg=rng.uniform(53, 65),
         rim_loss=0.35,
         edge_jitter_px=0.9,
         margin_px=(top, right, bottom, left),

@@ -6,36 +6,56 @@ as RGB-D Scenes; `multi`: three instances of one object among clutter, as the se
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
-from spigolo.datasets.sample import Model, Sample
+from spigolo.datasets.sample import Instance, Model, Sample
+from spigolo.datasets.visibility import TOLERANCE_M, visible_labels
 from spigolo.errors import ConfigError
+from spigolo.frame import DepthMap
 from spigolo.synthetic.bins import PRODUCTS, VIEWS, shelf_stage
 from spigolo.synthetic.household import household
 from spigolo.synthetic.staging import Recording, Stage, record
 from spigolo.synthetic.tables import INSTANCES, TABLES, multi_stage, table_stage
 
-__all__ = ["FAMILIES", "Family", "family_models", "record_family", "render_family"]
+__all__ = [
+    "FAMILIES",
+    "LEAST_IOU",
+    "Family",
+    "arrangements",
+    "drawn_iou",
+    "family_models",
+    "is_told_by_poses",
+    "record_family",
+    "render_family",
+]
+
+FloatArray = npt.NDArray[np.float64]
+
+LEAST_IOU = 0.98
+"""How well the mask that a reader draws at an object's pose agrees with the exact one, at least."""
 
 
 @dataclass(frozen=True)
 class Family:
     """scenes: their names, which frames take in turn; objects: names of what may be labelled in them.
 
-    fully_labelled: whether everything that stands there is labelled.
+    fully_labelled: whether everything that stands there is labelled; first_alone: whether the data set that it stands
+    in for labels one object a frame, the first.
     """
 
     stage: Callable[[str, np.random.Generator], Stage]
     scenes: tuple[str, ...]
     objects: tuple[str, ...]
     fully_labelled: bool
+    first_alone: bool = False
 
 
 FAMILIES: Mapping[str, Family] = {
-    "shelf": Family(shelf_stage, tuple(VIEWS), PRODUCTS, True),
+    "shelf": Family(shelf_stage, tuple(VIEWS), PRODUCTS, True, True),
     "table": Family(table_stage, tuple(TABLES), tuple(sorted({name for t in TABLES.values() for name in t})), True),
     "multi": Family(multi_stage, INSTANCES, INSTANCES, False),
 }
@@ -52,14 +72,46 @@ def render_family(family: str, number: int, seed: int = 0) -> Sample:
 
 def record_family(family: str, number: int, seed: int = 0) -> Recording:
     """The same with the depth that a perfect camera would have measured."""
+    return next(made for made in arrangements(family, number, seed) if is_told_by_poses(family, made.sample))
+
+
+def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]:
+    """One after another, without end, what `record_family` takes the first of that will do."""
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
     rng = np.random.default_rng([list(FAMILIES).index(family), seed, number])
     name = f"{scene}_{number // len(chosen.scenes) + 1}"
     while True:
-        recording = record(chosen.stage(scene, rng), name, rng)
-        if recording.sample.instances:  # else everything was hidden or out of view: another arrangement
-            return recording
+        yield record(chosen.stage(scene, rng), name, rng)
+
+
+def is_told_by_poses(family: str, sample: Sample) -> bool:
+    """Whether any object is in view, and readers that draw masks at the poses get the exact ones, or nearly so.
+
+    Where something hides an object and returns no depth they cannot tell.
+    """
+    ious = drawn_iou(family, sample, sample.frame.depth)
+    return bool(ious.size and ious.min() >= LEAST_IOU)
+
+
+def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
+    """Intersection over union (N,) of each exact mask of a family's frame with that which a reader draws at the pose.
+
+    measured: depth (H, W) in metres by which it is judged what is visible. Where the set labels the first object alone,
+    that one counts as it is drawn without the others, if that is worse.
+    """
+    ious = _ious(sample, sample.instances, measured, tolerance_m)
+    if _family(family).first_alone:
+        ious[:1] = np.minimum(ious[:1], _ious(sample, sample.instances[:1], measured, tolerance_m))
+    return ious
+
+
+def _ious(sample: Sample, shown: tuple[Instance, ...], measured: DepthMap, tolerance_m: float) -> FloatArray:
+    assert sample.frame.camera is not None
+    models = [household(instance.model).model() for instance in shown]
+    drawn = visible_labels(shown, models, measured, sample.frame.camera, tolerance_m)
+    pairs = [(sample.labels == one.label, drawn == one.label) for one in shown]
+    return np.array([np.sum(exact & here) / np.sum(exact | here) for exact, here in pairs])
 
 
 def family_models(family: str) -> tuple[Model, ...]:

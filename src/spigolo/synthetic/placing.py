@@ -15,13 +15,14 @@ import numpy.typing as npt
 from spigolo.synthetic.household import Product, Rest
 from spigolo.synthetic.scene import SceneObject
 
-__all__ = ["Plot", "height_m", "settled"]
+__all__ = ["Plot", "height_m", "settled", "world_points"]
 
 FloatArray = npt.NDArray[np.float64]
 Outline = npt.NDArray[np.float32]
 Spot = tuple[float, float]
 
 _GAP_M = 0.0002
+_ALL_ROUND = np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)], axis=-1)
 _LEVEL_M = 0.001
 _TRIES = 40
 
@@ -40,16 +41,24 @@ def height_m(product: Product, rest: Rest) -> float:
 
 
 class Plot:
-    """A level within a convex outline (N, 2) in metres, and what stands there already with its footprint."""
+    """A level within a convex outline (N, 2) in metres, and what stands there already with its footprint.
 
-    def __init__(self, outline_m: npt.ArrayLike) -> None:
+    allows: says of a thing whether it may stand as it does.
+    """
+
+    def __init__(self, outline_m: npt.ArrayLike, allows: Callable[[SceneObject], bool] = lambda thing: True) -> None:
         self.outline = _hull(np.asarray(outline_m, np.float64))
+        self.allows = allows
         self.taken: list[tuple[SceneObject, Outline]] = []
+
+    def keep_off(self, gap_m: float) -> None:
+        """Whatever comes now keeps that far from what is there."""
+        self.taken = [(thing, _grown(footprint, gap_m)) for thing, footprint in self.taken]
 
     def take(self, thing: SceneObject) -> bool:
         """Whether the thing fits; if so its place is taken."""
         footprint = _footprint(thing)
-        if not self._is_free(footprint):
+        if not (self._is_free(footprint) and self.allows(thing)):
             return False
         self.taken.append((thing, footprint))
         return True
@@ -70,7 +79,7 @@ class Plot:
             rest = rests[int(rng.integers(len(rests)))]
             yaw_deg, roll_deg = rng.uniform(-180, 180, 2)
             thing = settled(product, rest, float(yaw_deg), float(roll_deg), spot())
-            if self._is_free(_footprint(thing)):
+            if self._is_free(_footprint(thing)) and self.allows(thing):
                 thing = self._pushed(thing) if touching else thing
                 self.taken.append((thing, _footprint(thing)))
                 return thing
@@ -78,7 +87,7 @@ class Plot:
 
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
         """The product on the flat top of something that is there; None where it does not fit or would meet others."""
-        points = _world_points(below)
+        points = world_points(below)
         top_m = float(points[:, 2].max())
         face = _hull(points[points[:, 2] > top_m - _LEVEL_M, :2])
         middle, reach = face.mean(axis=0), np.ptp(face, axis=0) / 4
@@ -86,7 +95,7 @@ class Plot:
         for _ in range(_TRIES):
             x, y = map(float, rng.uniform(middle - reach, middle + reach))
             thing = settled(product, rest, float(rng.uniform(-180, 180)), 0.0, (x, y))
-            points = _world_points(thing)
+            points = world_points(thing)
             footprint = _footprint(thing)
             rests_on_it = _within(_hull(points[points[:, 2] < _LEVEL_M, :2]), face)
             if rests_on_it and all(_apart(footprint, other) for other in others):
@@ -113,13 +122,15 @@ class Plot:
         return replace(thing, position_m=(x + free * float(way[0]), y + free * float(way[1]), z))
 
 
-def _world_points(thing: SceneObject) -> FloatArray:
+def world_points(thing: SceneObject) -> FloatArray:
+    """Its vertices (N, 3) where it stands."""
     points = np.concatenate([part.mesh.vertices_m for part in thing.parts])
     return np.asarray(points @ thing.rotation.T + np.array(thing.position_m))
 
 
 def _footprint(thing: SceneObject) -> Outline:
-    return _grown(_hull(_world_points(thing)[:, :2]))
+    """A hair larger than the thing, so that neighbours that touch share no point."""
+    return _grown(_hull(world_points(thing)[:, :2]), _GAP_M)
 
 
 def _within(corners: Outline, outline: Outline) -> bool:
@@ -141,7 +152,6 @@ def _apart(a: Outline, b: Outline) -> bool:
     return False
 
 
-def _grown(hull_m: Outline) -> Outline:
-    """A hair larger, so that neighbours that touch share no point."""
-    out = hull_m - hull_m.mean(axis=0)
-    return np.asarray(hull_m + _GAP_M * out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-9), np.float32)
+def _grown(hull_m: Outline, by_m: float) -> Outline:
+    """By so much to all sides."""
+    return _hull((hull_m[:, None] + by_m * _ALL_ROUND).reshape(-1, 2))

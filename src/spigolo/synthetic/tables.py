@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.datasets import tejani, uw_scenes
+from spigolo.datasets.visibility import TOLERANCE_M
 from spigolo.synthetic import furniture
 from spigolo.synthetic.household import FLAT_KINDS, Product, Rest, household, kind_of
 from spigolo.synthetic.meshes import joined, prism, rounded_rectangle
@@ -47,6 +48,8 @@ CLUTTER = (
     "flashlight_1",
     "pouch_1",
 )
+_CLEAR_M = TOLERANCE_M + 0.001
+"""What has no label keeps so far from the instances: nearer before one it would hide nothing, by the rule of masks."""
 
 
 def table_stage(scene: str, rng: Rng) -> Stage:
@@ -62,7 +65,7 @@ def table_stage(scene: str, rng: Rng) -> Stage:
     piled = bool(rng.uniform() < 0.5)
     things = _strewn(products, plot, middle, (0.2, 0.13), rng, touching=0.25, flat=piled)
     if piled:
-        things = _piled(things, plot, rng)
+        things = _piled(things, things, plot, rng)
     parts += _desk_things(plot, size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.06), middle[1] + rng.normal(0, 0.05), 0.03
     view = View(
@@ -82,13 +85,13 @@ def multi_stage(name: str, rng: Rng) -> Stage:
     top, parts, wall_y_m = _table(size_m, rng)
     plot = Plot(top)
     middle = rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.05)
-    things = _strewn([household(name)] * 3, plot, middle, (0.11, 0.09), rng, lying=0.4, touching=0.4)
+    things = _strewn([household(name)] * 3, plot, middle, (0.09, 0.075), rng, lying=0.4, touching=0.4)
+    plot.keep_off(_CLEAR_M)
     others = rng.choice(CLUTTER, int(rng.integers(4, 8)), replace=False)
     clutter = [household(str(other)) for other in others]
-    bystanders = _strewn(clutter, plot, middle, (0.2, 0.15), rng, lying=0.5, touching=0.4)
+    bystanders = _strewn(clutter, plot, middle, (0.16, 0.12), rng, lying=0.5, touching=0.4)
     if rng.uniform() < 0.5:
-        everything = _piled([*things, *bystanders], plot, rng)
-        things, bystanders = everything[: len(things)], everything[len(things) :]
+        things = _piled(things, [*things, *bystanders], plot, rng)
     parts += _paper(size_m, rng) + _background(size_m, wall_y_m, rng)
     look_at_m = middle[0] + rng.normal(0, 0.03), middle[1] + rng.normal(0, 0.03), 0.03
     view, sensor = _close_or_far(look_at_m, rng)
@@ -155,13 +158,13 @@ def _strewn(
     return [thing for thing in map(placed, products) if thing is not None]
 
 
-def _piled(things: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
-    """The same with one of them moved on top of another, where any fits."""
-    flat = [k for k, thing in enumerate(things) if kind_of(thing.name) in FLAT_KINDS]
-    for below in rng.permutation(flat):
+def _piled(things: list[SceneObject], onto: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
+    """The things with one of them moved on top of another or of what else is there, where any fits."""
+    flat = [thing for thing in onto if kind_of(thing.name) in FLAT_KINDS]
+    for below in rng.permutation(len(flat)):
         for k in rng.permutation(len(things)):
             product = household(things[k].name)
-            moved = plot.pile(product, product.rests[0], things[below], rng) if k != below else None
+            moved = None if things[k] is flat[below] else plot.pile(product, product.rests[0], flat[below], rng)
             if moved is not None:
                 return [moved if index == k else thing for index, thing in enumerate(things)]
     return things

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
-from spigolo.kernels.edges import SIGN_TANGENT, back_project, cosine_limits, makes_contact
+from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
@@ -99,10 +99,7 @@ def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosi
     """Whether both sides of a pixel along (n_y, n_x) make a contact (eqs. 14-19)."""
     fx, fy, cx, cy = camera
     v, u = crease_px * n_y, crease_px * n_x
-    here = back_project(filled, y, x, fx, fy, cx, cy)
-    plus = back_project(filled, y + v, x + u, fx, fy, cx, cy)
-    minus = back_project(filled, y - v, x - u, fx, fy, cx, cy)
-    return makes_contact(here, plus, minus, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
+    return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 
 
 @kernel

@@ -130,16 +130,31 @@ def cosine_limits(low_deg, high_deg):
 
 
 @inlined
-def makes_contact(here, plus, minus, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
-    """Eqs. 15-19 at an edge point between two others; for most without the angle, by its sign and its cosine."""
-    a, b = difference(plus, here), difference(minus, here)
+def scaled_point(depth, y, x, fx, fy, cx, cy):
+    """The point of eq. 14 times fx fy: angles stay, and nothing is divided."""
+    d = float(depth[y, x])
+    return (x - cx) * d * fy, (y - cy) * d * fx, d * fx * fy
+
+
+@inlined
+def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
+    """Eqs. 14-19 at an edge point (y, x) between those (v, u) away on both sides.
+
+    For most without the angle, by its sign and its cosine: `cosine_limits` of both thresholds.
+    """
+    fx, fy, cx, cy = camera
     if low_deg >= 0.0:
-        if along_edge(cross(a, b), n_y, n_x, sign_rule) < 0.0:
-            return False
-        lengths = np.sqrt(dot(a, a) * dot(b, b))
-        below, above = cosines[0] * lengths - dot(a, b), dot(a, b) - cosines[1] * lengths
-        if abs(below) > ROUNDING * lengths and abs(above) > ROUNDING * lengths:
-            return below > 0.0 and above > 0.0
+        here = scaled_point(depth, y, x, fx, fy, cx, cy)
+        a = difference(scaled_point(depth, y + v, x + u, fx, fy, cx, cy), here)
+        b = difference(scaled_point(depth, y - v, x - u, fx, fy, cx, cy), here)
+        along, lengths = along_edge(cross(a, b), n_y, n_x, sign_rule), np.sqrt(dot(a, a) * dot(b, b))
+        below, above, rounding = cosines[0] * lengths - dot(a, b), dot(a, b) - cosines[1] * lengths, ROUNDING * lengths
+        between = below > 0.0 and above > 0.0
+        if abs(below) > rounding and abs(above) > rounding and (not between or abs(along) > rounding):
+            return between and along > 0.0
+    here = back_project(depth, y, x, fx, fy, cx, cy)
+    plus = back_project(depth, y + v, x + u, fx, fy, cx, cy)
+    minus = back_project(depth, y - v, x - u, fx, fy, cx, cy)
     angle = contact_angle_deg(unit_vector(plus, here), unit_vector(minus, here), n_y, n_x, sign_rule)
     return is_contact(angle, low_deg, high_deg)
 
@@ -153,7 +168,6 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
     depth_boundary and contact (H, W) uint8, zero where nothing is written.
     """
     height, width = edges.shape
-    fx, fy, cx, cy = camera
     margin = max(step_px, contact_px) + 1
     cosines = cosine_limits(low_deg, high_deg)
     for y in range(margin, height - margin):
@@ -170,8 +184,5 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
             v, u = contact_px * n_y, contact_px * n_x
             if depth[y, x] == 0.0 or depth[y + v, x + u] == 0.0 or depth[y - v, x - u] == 0.0:
                 continue
-            here = back_project(depth, y, x, fx, fy, cx, cy)
-            plus = back_project(depth, y + v, x + u, fx, fy, cx, cy)
-            minus = back_project(depth, y - v, x - u, fx, fy, cx, cy)
-            if makes_contact(here, plus, minus, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
+            if makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
                 contact[y, x] = 1

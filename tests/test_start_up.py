@@ -86,7 +86,7 @@ def test_the_cache_lies_where_it_is_asked_for_and_the_first_run_says_what_it_doe
         subprocess.run([sys.executable, "-c", SEGMENT], env=environment, capture_output=True, text=True, check=True)
         for _ in range(2)
     )
-    assert first.stderr == "compiling the kernels, once on this machine: about 15 s\n"
+    assert first.stderr == "compiling the kernels, once on this machine: about 20 s\n"
     assert second.stderr == ""
     kept = [path.relative_to(tmp_path).parts for path in tmp_path.rglob("*.nbi")]
     assert len(kept) > 20

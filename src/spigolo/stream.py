@@ -42,7 +42,7 @@ class Segmenter:
 def warm_up(config: Config | None = None) -> None:
     """Compiles the kernels, or loads them, before the first frame: of one configuration, or of all.
 
-    The first time on a machine this takes about 15 s, later well under a second.
+    The first time on a machine this takes about 20 s, later well under a second.
     """
     rng = np.random.default_rng(0)
     depth = np.full((48, 64), 1.0, np.float32)

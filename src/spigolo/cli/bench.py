@@ -56,7 +56,7 @@ def bench(
     latency
         Segments this many frames in a row for median, 99th percentile and worst.
     startup
-        Also start once with nothing compiled: about 15 s more.
+        Also start once with nothing compiled: about 20 s more.
     json
         File for everything that was measured, raw rounds included.
     plot

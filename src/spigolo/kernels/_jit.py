@@ -91,7 +91,7 @@ class _Cache(FunctionCache):
 def _announce() -> None:
     """Says once in a process that this is the first run on a machine."""
     if CACHE_FOLDER is not None and not any(CACHE_FOLDER.iterdir()):
-        logging.getLogger("spigolo").warning("compiling the kernels, once on this machine: about 15 s")
+        logging.getLogger("spigolo").warning("compiling the kernels, once on this machine: about 20 s")
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -97,7 +97,6 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, margin, maybe):
 @inlined
 def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
     """Whether both sides of a pixel along (n_y, n_x) make a contact (eqs. 14-19)."""
-    fx, fy, cx, cy = camera
     v, u = crease_px * n_y, crease_px * n_x
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 

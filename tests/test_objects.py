@@ -111,7 +111,7 @@ def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, rea
         ((0.34, 41.0, 0.0, 60), "hides what is behind along 34%, least 35%"),
         ((0.9, 49.0, 0.0, 60), "leans away by 49 deg, limit 48 deg"),
         ((0.9, 20.0, 0.1, 60), None),
-        ((0.9, 20.0, 0.1, 100), "the image cuts it off, and it is 4.0 times as long as wide, limit 3.5"),
+        ((0.9, 20.0, 0.1, 100), "the image cuts it off, and 0.20 m are more than 3.5 x 0.05 m"),
         ((0.9, 20.0, 0.0, 100), None),
         ((None, None, None, 100), None),
     ],
@@ -121,6 +121,12 @@ def test_a_wall_hides_little_turns_away_or_is_a_rail_that_the_image_cuts(stance,
     facts = replace(region(width=width, height=25), hides=hides, lean_deg=lean_deg, cut=cut)
     verdict = judge(facts, sp.Rejection(wall=sp.Wall()), 1.0)
     assert verdict == (None if words is None else (sp.Reason.WALL, f"wall: {words}"))
+
+
+def test_a_line_of_pixels_that_the_image_cuts_is_a_rail() -> None:
+    facts = replace(region(height=1), hides=0.9, lean_deg=None, cut=0.1)
+    verdict = judge(facts, sp.Rejection(wall=sp.Wall()), 1.0)
+    assert verdict == (sp.Reason.WALL, "wall: the image cuts it off, and 0.12 m are more than 3.5 x 0.00 m")
 
 
 def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:

@@ -58,11 +58,9 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
         return f"wall: hides what is behind along {facts.hides:.0%}, least {least:.0%}"
     if lean_deg > rule.max_lean_deg:
         return f"wall: leans away by {lean_deg:.0f} deg, limit {rule.max_lean_deg:.0f} deg"
-    if cut > 0 and facts.size_m is not None and facts.size_m[0] > rule.max_cut_ratio * facts.size_m[1]:
-        ratio = facts.size_m[0] / facts.size_m[1]
-        return (
-            f"wall: the image cuts it off, and it is {ratio:.1f} times as long as wide, limit {rule.max_cut_ratio:.1f}"
-        )
+    length, width = facts.size_m or (0.0, 0.0)
+    if cut > 0 and length > rule.max_cut_ratio * width:
+        return f"wall: the image cuts it off, and {length:.2f} m are more than {rule.max_cut_ratio:.1f} x {width:.2f} m"
     return None
 
 

@@ -531,14 +531,16 @@ def drop_final(edges: list[tuple[float, int, int]], roots: list[int], bounds: Ar
     return [roots[i] in useful and roots[j] in useful for _, i, j in edges]
 
 
-def choose(weights: Array, low: float, high: float, roots: list[int], flags: Array, least: int) -> list[int]:
-    """Numbers of the edges of these weights between two regions, with so many flagged ends."""
-    kept = []
+def collect(
+    weights: Array, low: float, high: float, roots: list[int], flags: Array, least: int, detours: bool
+) -> list[int]:
+    """Numbers of the edges of these weights between two regions, with so many flagged ends; maybe without detours."""
+    kept, left_out = [], set() if detours else drop_detours(weights)
     for number, i, j in numbered_edges(weights):
         flagged = int(flags[i]) + int(flags[j])
         if low <= float(weights.reshape(-1)[number]) < high and roots[i] != roots[j] and flagged >= least:
             kept.append(number)
-    return kept
+    return [number for number in kept if number not in left_out]
 
 
 def roots_of(parent: Array) -> list[int]:

@@ -19,6 +19,7 @@ from spigolo.bench import report as bench_report
 from spigolo.bench.contestants import CONFIGS, Comparison, check_merging, compare, mergings
 from spigolo.bench.figures import fit_power_law, paired_ratio, percentile, summarise
 from spigolo.bench.peers import PACKAGES, open_peers
+from spigolo.bench.resources import measure_memory
 from spigolo.bench.scaling import growth, rescaled
 from spigolo.bench.stages import STAGES, time_stages
 from spigolo.bench.textbook import sort_and_merge
@@ -293,7 +294,14 @@ def test_the_report_as_json_has_everything(report: Report) -> None:
 def test_memory_is_counted_by_pixel(report: Report) -> None:
     for name, memory in report.memory.items():
         assert 10 < memory.workspace < 200, name
-        assert 10 < memory.frame < 1000, name
+        assert 10 < memory.answer < memory.frame < 1000, name
+
+
+@compiled
+@pytest.mark.parametrize("preset", ["TABLE", "SHELF", "OBJECTS"])
+def test_a_frame_takes_60_bytes_a_pixel_beyond_its_answer(preset: str, scene: sp.Frame) -> None:
+    memory = measure_memory(scene, CONFIGS[f"{preset} 8c"])
+    assert memory.workspace + memory.frame - memory.answer <= 60
 
 
 @compiled

@@ -206,12 +206,10 @@ def cues(
     depth: Array,
     saliency: Array | None = None,
     boundary: Array | None = None,
-    points: Array | None = None,
 ) -> Cues:
     nothing = dict.fromkeys((f.name for f in dataclasses.fields(EdgeMaps)), np.zeros(depth.shape, bool))
     return Cues(
         depth=depth,
-        color=np.zeros((3, *depth.shape), np.float32) if points is None else points,
         missing=0.0,
         cost=cost,
         saliency=saliency,
@@ -408,18 +406,19 @@ def test_eq_23_second_cost() -> None:
     assert costs.boundary_cost(0.25, 0.5, 1.0, 7.5, 0.66) == approx(0.228827)
 
 
-def first_weight(of_frame: Cues, depth_range: float | None = None) -> float:
-    return float(weigh(of_frame, 4, Depth(depth_range=depth_range)).weights[0, 0, 0])
+def first_weight(of_frame: Cues, depth_range: float | None = None, points: Array | None = None) -> float:
+    points = np.zeros((3, *of_frame.depth.shape), np.float32) if points is None else points
+    return float(weigh(of_frame, points, 4, Depth(depth_range=depth_range)).weights[0, 0, 0])
 
 
 def test_eq_22_and_23_on_a_graph() -> None:
     # Two pixels at 1.0 and 1.5 m, points 0.25 apart; over a range of 1 m d_depth = 0.5: the numbers worked out above
     depth, points = rows([1.0, 1.5]), np.zeros((3, 1, 2), np.float32)
     points[1, 0, 1] = 0.25
-    of_saliency = cues(SaliencyCost(), depth, saliency=rows([0.64, 0.0]), points=points)
-    of_boundary = cues(BoundaryCost(), depth, boundary=rows([1.0, 0.0]), points=points)
-    assert first_weight(of_saliency, 1.0) == approx(0.350980)
-    assert first_weight(of_boundary, 1.0) == approx(0.228827)
+    of_saliency = cues(SaliencyCost(), depth, saliency=rows([0.64, 0.0]))
+    of_boundary = cues(BoundaryCost(), depth, boundary=rows([1.0, 0.0]))
+    assert first_weight(of_saliency, 1.0, points) == approx(0.350980)
+    assert first_weight(of_boundary, 1.0, points) == approx(0.228827)
 
 
 def test_fixed_depth_range_does_not_ask_the_frame() -> None:

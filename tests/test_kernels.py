@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -504,19 +505,6 @@ def test_absorb_small(kind: str, min_size: float) -> None:
     assert (records[roots] >> 32).min() >= min(min_size, parent.size)
 
 
-@pytest.mark.parametrize("connectivity", [4, 8])
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("kind", KINDS)
-def test_drop_detours(kind: str, size: tuple[int, int], connectivity: int) -> None:
-    weights = planes(kind, size, connectivity)
-    pixels = weights[0].size
-    chosen = np.ones((len(weights), -(-pixels // 8) * 8), np.uint8)
-    choosing.drop_detours(weights.reshape(len(weights), -1), size[1], chosen)
-    inside = {number for number, _, _ in naive.numbered_edges(weights)}
-    dropped = set(np.flatnonzero(chosen[:, :pixels] == 0).tolist())
-    assert dropped & inside == naive.drop_detours(weights)
-
-
 @pytest.mark.parametrize("gamma", [0.02, 0.1, 0.3])
 @pytest.mark.parametrize("kind", KINDS)
 def test_drop_final(kind: str, gamma: float) -> None:
@@ -537,26 +525,48 @@ def test_drop_final(kind: str, gamma: float) -> None:
     assert edges[:count].tolist() == kept
 
 
+def collected(
+    weights: naive.Array, low: float, high: float, parent: naive.Array, flags: naive.Array, least: int, detours: bool,
+    room: int,
+) -> naive.Array | None:  # fmt: skip
+    """What `collect` packs into memory for so many edges and one, None where it says that they do not fit."""
+    out, flat = np.full(room + 2, 99, np.uint64), weights.reshape(len(weights), -1)
+    limits = np.float32(low), np.float32(high)
+    offsets, width = offsets_of(weights), weights.shape[2]
+    count = choosing.collect(flat, width, *limits, parent, flags, least, offsets, detours, out[:-1])
+    assert out[-1] == 99
+    return None if count < 0 else out[:count]
+
+
+@pytest.mark.parametrize("detours", [True, False])
 @pytest.mark.parametrize("least", [0, 1, 2])
 @pytest.mark.parametrize("window", [(0.0, 0.1), (0.1, 0.3), (0.2, np.inf)])
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("kind", KINDS)
-def test_choose_and_pack(kind: str, size: tuple[int, int], window: tuple[float, float], least: int) -> None:
-    weights = planes(kind, size)
-    weights[weights == 0] = -0.0
+def test_collect(kind: str, size: tuple[int, int], window: tuple[float, float], least: int, detours: bool) -> None:
+    for connectivity in (4, 8):
+        weights = planes(kind, size, connectivity)
+        weights[weights == 0] = -0.0
+        pixels = weights[0].size
+        parent = np.array(naive.roots_of(_merged(weights, 0.3)[0]), np.uint32)
+        flags = np.random.default_rng(pixels).integers(0, 2, pixels).astype(np.uint8)
+        low, high = map(float, np.float32(window))
+        kept = naive.collect(weights, low, high, parent.tolist(), flags, least, detours)
+        found = collected(weights, *window, parent, flags, least, detours, len(kept))
+        np.testing.assert_array_equal(found, naive.pack(weights, kept))
+        if kept:
+            assert collected(weights, *window, parent, flags, least, detours, len(kept) - 1) is None
+
+
+@pytest.mark.parametrize("connectivity", [4, 8])
+@pytest.mark.parametrize("size", [(2, 2 * choosing.BLOCK + 3), (3 * choosing.BLOCK // 100, 100), (choosing.BLOCK, 2)])
+def test_collect_takes_block_after_block(size: tuple[int, int], connectivity: int) -> None:
+    weights = planes("tied", size, connectivity)
     pixels = weights[0].size
-    parent = np.array(naive.roots_of(_merged(weights, 0.3)[0]), np.uint32)
-    flags = np.random.default_rng(pixels).integers(0, 2, pixels).astype(np.uint8)
-    low, high = (np.float32(edge) for edge in window)
-    eights = np.full((len(weights), -(-pixels // 8)), 99, np.uint64)
-    chosen, flat = eights.view(np.uint8), weights.reshape(len(weights), -1)
-    choosing.choose(flat, low, high, parent, flags, least, offsets_of(weights), chosen)
-    kept = naive.choose(weights, float(low), float(high), parent.tolist(), flags, least)
-    assert np.flatnonzero(chosen[:, :pixels]).tolist() == kept
-    assert not chosen[:, pixels:].any()
-    out = np.empty(len(kept) + 1, np.uint64)
-    choosing.pack(flat.view(np.uint32), chosen, eights, out)
-    np.testing.assert_array_equal(out[:-1], naive.pack(weights, kept))
+    parent, flags = np.arange(pixels, dtype=np.uint32), np.ones(pixels, np.uint8)
+    kept = naive.collect(weights, 0.0, np.inf, parent.tolist(), flags, 2, False)
+    found = collected(weights, 0.0, np.inf, parent, flags, 2, False, len(kept))
+    np.testing.assert_array_equal(found, naive.pack(weights, kept))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -595,6 +605,20 @@ def test_partition_equals_the_textbook(kind: str, size: tuple[int, int], gamma: 
         expected = naive.partition(weights, gamma, min_size_px2 * weights[0].size / VGA_PX2)
         np.testing.assert_array_equal(regions.labels, expected)
         assert regions.count == expected.max() + 1
+
+
+@pytest.mark.parametrize("room", [1, 20, 200])
+@pytest.mark.parametrize("kind", KINDS)
+def test_partition_where_edges_do_not_fit(kind: str, room: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    begin = Edges.__init__
+
+    def begin_cramped(self: Edges, *args: Any) -> None:
+        begin(self, *args)
+        self._room = room
+
+    monkeypatch.setattr(Edges, "__init__", begin_cramped)
+    for gamma in GAMMAS:
+        test_partition_equals_the_textbook(kind, (14, 19), gamma, 8)
 
 
 @pytest.mark.frames

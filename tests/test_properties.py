@@ -297,7 +297,8 @@ def test_graph_weights_are_shares_inside_the_image_and_infinite_outside(
     points = color_points(rng.integers(0, 256, (*depth.shape, 3), dtype=np.uint8), Color())
     cue = rng.random(depth.shape, np.float32)
     maps = dict.fromkeys((f.name for f in dataclasses.fields(EdgeMaps)), cue > 2) | {"boundary": cue}
-    graph = weigh(Cues(depth, points, 0.0, cost, cue, EdgeMaps(**maps)), connectivity, Depth(depth_range=depth_range))
+    cues = Cues(depth, 0.0, cost, cue, EdgeMaps(**maps))
+    graph = weigh(cues, points, connectivity, Depth(depth_range=depth_range))
     assert graph.weights.shape == (connectivity // 2, *depth.shape)
     for plane, (dy, dx) in zip(graph.weights, OFFSETS, strict=False):
         is_inside = np.array(

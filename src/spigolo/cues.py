@@ -1,4 +1,4 @@
-"""The cues of every pixel, side by side: depth, colour, and saliency or boundary (eqs. 11, 21).
+"""The cues of every pixel beside its colour: depth, and saliency or boundary (eqs. 11, 21).
 
 The cost function decides what is needed: the first one reads saliency, the second one the boundary.
 """
@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.color import Points, color_points
 from spigolo.config import AutoCost, BoundaryCost, Config, SaliencyCost
 from spigolo.depth import missing_share, prepare_depth
 from spigolo.edges import EdgeMaps, find_edges
@@ -23,14 +22,13 @@ from spigolo.support import Plane, find_support, foot_contour
 class Cues:
     """What the graph is weighed by; every map is (H, W).
 
-    depth: D_s in metres, 0 where missing. color: points (3, H, W) of eq. 4. missing: share of the frame without depth
-    inside the working range, None where no AutoCost asks. cost: the function this frame is weighed by, AutoCost
-    resolved. saliency: for SaliencyCost, else None. edges: for BoundaryCost, else None. support: the plane that objects
-    stand on, where the rejection asks for it and there is one.
+    depth: D_s in metres, 0 where missing. missing: share of the frame without depth inside the working range, None
+    where no AutoCost asks. cost: the function this frame is weighed by, AutoCost resolved. saliency: for SaliencyCost,
+    else None. edges: for BoundaryCost, else None. support: the plane that objects stand on, where the rejection asks
+    for it and there is one.
     """
 
     depth: DepthMap
-    color: Points
     missing: float | None
     cost: SaliencyCost | BoundaryCost
     saliency: npt.NDArray[np.float32] | None
@@ -62,7 +60,6 @@ def gather_cues(frame: Frame, config: Config) -> Cues:
     support = None if rule is None or camera is None else find_support(frame.depth, camera, rule)
     return Cues(
         depth=depth,
-        color=color_points(frame.color, config.color),
         missing=missing,
         cost=cost,
         support=support,

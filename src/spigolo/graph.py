@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.color import Points
 from spigolo.config import BoundaryCost, Depth, SaliencyCost
 from spigolo.cues import Cues
 from spigolo.frame import DepthMap
@@ -34,12 +35,15 @@ class Graph:
     shadows: bool = False
 
 
-def weigh(cues: Cues, connectivity: int, config: Depth) -> Graph:
-    """The graph of a frame, weighed by `cues.cost`; `depth_range` and `noise_per_m` of the config shape eq. 9."""
+def weigh(cues: Cues, color: Points, connectivity: int, config: Depth) -> Graph:
+    """The graph of a frame, weighed by `cues.cost`.
+
+    color: the points of eq. 4 (3, H, W). `depth_range` and `noise_per_m` of the config shape eq. 9.
+    """
     weights = np.empty((connectivity // 2, *cues.depth.shape), np.float32)
     scale = depth_scale(cues.depth, config.depth_range)
     for plane, offset in zip(weights, OFFSETS, strict=False):
-        _weigh_plane(cues, scale, config.noise_per_m, offset, plane)
+        _weigh_plane(cues, color, scale, config.noise_per_m, offset, plane)
     return Graph(weights, shadows=isinstance(cues.cost, SaliencyCost))
 
 
@@ -51,14 +55,12 @@ def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
     return 1.0 / (farthest - nearest) if farthest > nearest else 0.0
 
 
-def _weigh_plane(cues: Cues, scale: float, noise: float, offset: tuple[int, int], out: Plane) -> None:
+def _weigh_plane(cues: Cues, color: Points, scale: float, noise: float, offset: tuple[int, int], out: Plane) -> None:
     cost = cues.cost
     ends = costs.ENDS_I if cost.ends == "i" else costs.ENDS_MAX
     if isinstance(cost, BoundaryCost):
-        costs.boundary_plane(
-            cues.color, cues.depth, cues.delta_bound, scale, noise, cost.k_x, cost.k_b, ends, *offset, out
-        )
+        costs.boundary_plane(color, cues.depth, cues.delta_bound, scale, noise, cost.k_x, cost.k_b, ends, *offset, out)
     else:
         costs.saliency_plane(
-            cues.color, cues.depth, cues.delta_sal, scale, noise, cost.k_x, cost.k_y, cost.k_s, ends, *offset, out
+            color, cues.depth, cues.delta_sal, scale, noise, cost.k_x, cost.k_y, cost.k_s, ends, *offset, out
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from spigolo.color import color_points
 from spigolo.config import Config
 from spigolo.cues import Cues, gather_cues
 from spigolo.frame import Frame
@@ -21,6 +22,7 @@ class Trace:
     """One run with every stage kept."""
 
     frame: Frame
+    config: Config
     cues: Cues
     graph: Graph
     regions: Regions
@@ -30,11 +32,13 @@ class Trace:
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segments a frame and keeps what each stage made. workspace: scratch kept between frames, one per thread."""
     cues = gather_cues(frame, config)  # eqs. 5-21
-    graph = weigh(cues, config.partition.connectivity, config.depth)  # eqs. 4, 9, 22 or 23
+    color = color_points(frame.color, config.color)  # eq. 4
+    graph = weigh(cues, color, config.partition.connectivity, config.depth)  # eqs. 9, 22 or 23
+    del color  # three times as large as another cue, and not needed again
     regions = partition(graph, config.partition, workspace)  # eqs. 2, 3
     regions = join_parts(regions, cues, frame, config)  # ours, off in the paper's presets
     segmentation = select_objects(regions, graph, cues, frame, config, roi)  # section III-F
-    return Trace(frame, cues, graph, regions, segmentation)
+    return Trace(frame, config, cues, graph, regions, segmentation)
 
 
 def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -68,16 +67,14 @@ def partition(graph: Graph, config: Partition, workspace: Workspace | None = Non
 
 
 class Edges:
-    """The edges of a graph and the buffers to sort them in."""
+    """The edges of a graph, and room to sort as many as there are pixels."""
 
     def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64], workspace: Workspace) -> None:
         self.weights = np.ascontiguousarray(weights).reshape(len(weights), -1)
         self.offsets = offsets
         self.steps = offsets.view(np.uint64)
         self._workspace = workspace
-        eights = -(-self.weights.shape[1] // 8)
-        self._eights = workspace.array("chosen", len(weights) * eights, np.uint64).reshape(len(weights), eights)
-        self._chosen = self._eights.view(np.uint8)
+        self._room = self.weights.shape[1]
         sample = self.weights.reshape(-1)[::SAMPLE_STEP]
         self._sample = sample[np.isfinite(sample)]
 
@@ -91,23 +88,35 @@ class Edges:
         """Share of the edges that weigh nothing."""
         return float(np.mean(self._sample == 0)) if self._sample.size else 0.0
 
-    def sort(self, low: float, high: float, forest: Forest, least: int, detours: bool = True) -> npt.NDArray[np.uint64]:
-        """The packed edges of low <= weight < high with `least` flagged ends or more, in order.
+    def sort(
+        self, low: float, high: float, forest: Forest, least: int, detours: bool = True
+    ) -> tuple[npt.NDArray[np.uint64], float]:
+        """The packed edges with `least` flagged ends or more from weight `low` to below `high`, in order.
 
-        detours: whether those are among them that come last of a triangle or a square.
+        Or, where there is no room for all, to below a weight that it returns beside them. detours: whether those are
+        among them that come last of a triangle or a square.
         """
-        choosing.choose(
-            self.weights, np.float32(low), np.float32(high), forest.parent, forest.flags, least, self.offsets,
-            self._chosen,
-        )  # fmt: skip
-        if not detours:
-            choosing.drop_detours(self.weights, self.offsets[1], self._chosen)
-        count = int(np.count_nonzero(self._chosen.view(bool)))
-        edges = self._workspace.array("edges", count + 1, np.uint64)
-        choosing.pack(self.weights.view(np.uint32), self._chosen, self._eights, edges)
-        if low > 0:
+        width = self.offsets[1]
+        while True:
+            edges = self._workspace.array("edges", self._room + 1, np.uint64)
+            count = choosing.collect(
+                self.weights, width, np.float32(low), np.float32(high), forest.parent, forest.flags, least,
+                self.offsets, detours, edges,
+            )  # fmt: skip
+            if count >= 0:
+                break
+            high = self._make_room(low, high)
+        if least == BOTH and low > 0:  # a small region is never final
             count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
-        return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0]
+        return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
+
+    def _make_room(self, low: float, high: float) -> float:
+        """A weight below `high` to stop at, halfway to `low`; where there is none, `high` and more memory."""
+        between = np.sort(self._sample[(self._sample > low) & (self._sample < high)])
+        if between.size:
+            return float(between[between.size // 2])
+        self._room *= 2
+        return high
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
         """As many stable passes as the weights' range asks for: heavier rounds span few powers of two."""
@@ -115,7 +124,7 @@ class Edges:
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)
         starts = np.empty(1 << digit_bits, np.uint32)
-        spare = self._workspace.array("spare", edges.size, np.uint64)
+        spare = self._workspace.array("spare", self._room, np.uint64)[: edges.size]
         for k in range(passes):
             mask = np.uint64((1 << digit_bits) - 1)
             sorting.scatter(edges, np.uint64(base), np.uint64(k * digit_bits), mask, starts, spare)
@@ -136,20 +145,21 @@ class Forest:
     def merge(self, edges: Edges) -> None:
         """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
         merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
-        lowest, *pivots = edges.pivots()
+        low, *pivots = edges.pivots()
         if edges.weightless_share() < MANY_WEIGHTLESS:
-            lowest = self._merge_freely(edges, pivots[0])
-        for low, high in pairwise([lowest, *pivots]):
-            if low < high:
+            low = self._merge_freely(edges, pivots[0])
+        for high in pivots:
+            while low < high:
                 choosing.flag_open(np.uint64(_bits(low)), self.parent, self.records, self.flags)
-                self._merge(edges.sort(low, high, self, BOTH), edges, stop=False)
+                lightest, low = edges.sort(low, high, self, BOTH)
+                self._merge(lightest, edges, stop=False)
 
     def _merge_freely(self, edges: Edges, high: float) -> float:
-        """Merges over the edges below `high` up to the first that is refused; returns its weight, or `high`.
+        """Merges over the edges below `high` up to the first that is refused; returns up to which weight.
 
         Until then whatever edges connect is one region, so that an edge whose ends lighter ones connect does nothing.
         """
-        lightest = edges.sort(0.0, high, self, BOTH, detours=False)
+        lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)
         return high if done == lightest.size else _weight(lightest[done])
 
@@ -158,9 +168,11 @@ class Forest:
 
     def absorb_small(self, edges: Edges, min_size: float) -> None:
         """Joins regions below min_size pixels to the neighbour over their lightest edge."""
-        choosing.flag_small(min_size, self.parent, self.records, self.flags)
-        lightest = edges.sort(0.0, np.inf, self, ONE, detours=False)
-        merging.absorb_small(lightest, edges.steps, min_size, self.parent, self.records)
+        low = 0.0
+        while low < np.inf:
+            choosing.flag_small(min_size, self.parent, self.records, self.flags)
+            lightest, low = edges.sort(low, np.inf, self, ONE, detours=False)
+            merging.absorb_small(lightest, edges.steps, min_size, self.parent, self.records)
 
     def labels(self) -> tuple[npt.NDArray[np.int32], int]:
         """Region of each pixel (H W,), 0..R-1 by first pixel, and R."""

@@ -7,9 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-ROOM_TO_GROW = 8
-"""An eighth more than asked for, as frames differ a little in what they need."""
-
 
 class Workspace:
     """Named pieces of scratch memory. One per thread; no result ever lies in it."""
@@ -25,7 +22,7 @@ class Workspace:
         bytes_ = size * np.dtype(dtype).itemsize
         held = self._memory.get(name)
         if held is None or held.size < bytes_:
-            held = self._memory[name] = np.empty(bytes_ + bytes_ // ROOM_TO_GROW, np.uint8)
+            held = self._memory[name] = np.empty(bytes_, np.uint8)
         return held[:bytes_].view(dtype)
 
     @property

@@ -11,6 +11,7 @@ from spigolo.bench.figures import paired_ratio
 from spigolo.bench.peers import Peers
 from spigolo.bench.textbook import sort_and_merge
 from spigolo.bench.timing import Run, Sample, timed
+from spigolo.color import color_points
 from spigolo.config import Config
 from spigolo.cues import gather_cues
 from spigolo.errors import SpigoloError
@@ -66,7 +67,8 @@ def mergings(frame: Frame) -> dict[str, Run]:
     runs: dict[str, Run] = {}
     for name in MERGED:
         config = CONFIGS[name].replace(partition={"min_size_px2": 0})
-        graph = weigh(gather_cues(frame, config), config.partition.connectivity, config.depth)
+        color = color_points(frame.color, config.color)
+        graph = weigh(gather_cues(frame, config), color, config.partition.connectivity, config.depth)
         check_merging(graph, config)
         runs[merging_name(name)] = _merging(graph, config)
         runs[textbook_name(name)] = _textbook(graph, config)

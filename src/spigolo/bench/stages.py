@@ -56,14 +56,14 @@ def time_stages(
 
 def _run_stages(frame: Frame, config: Config, workspace: Workspace, clock: Clock) -> None:
     """As `pipeline.trace` does."""
-    cues = clock("cues", lambda: gather_cues(frame, config))
-    graph = clock("weights", lambda: weigh(cues, config.partition.connectivity, config.depth))
+    cues, color = clock("cues", lambda: (gather_cues(frame, config), color_points(frame.color, config.color)))
+    graph = clock("weights", lambda: weigh(cues, color, config.partition.connectivity, config.depth))
     regions = clock("partition", lambda: partition(graph, config.partition, workspace))
     clock("objects", lambda: select_objects(regions, graph, cues, frame, config))
 
 
 def _run_parts(frame: Frame, config: Config, clock: Clock) -> None:
-    """As `cues.gather_cues` does; these runs come on top of those of the stages."""
+    """The parts of the cues; these runs come on top of those of the stages."""
     depth, rule, camera = frame.depth, config.rejection.support, frame.camera
     inpainting, smoothing = config.depth.inpainting, config.depth.smoothing
     if inpainting is not None:

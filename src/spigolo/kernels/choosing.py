@@ -13,104 +13,153 @@ from spigolo.kernels.merging import PLANE_BITS, bound_bits, ends, find, find_dee
 
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
+BLOCK = 4096
+"""Edges that are looked at together, so that what is known of them stays close to the processor; a multiple of 8."""
 
 
 @kernel
-def choose(weights, low, high, parent, flags, least, offsets, chosen):
-    """Marks the edges with low <= weight < high between two regions of which `least` or more ends carry a flag.
+def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
+    """Packs the edges with low <= weight < high between two regions of which `least` or more ends carry a flag.
 
-    weights (P, H W) float32; parent (H W,) every pixel's root; flags (H W,) uint8, 0 or 1; offsets (P,) int64;
-    chosen (P, H W or more) uint8, 0 from H W on.
+    In the order of their numbers; without `detours` but for those that come last of one. weights (P, H W) float32;
+    width of a row; parent (H W,) every pixel's root; flags (H W,) uint8, 0 or 1; offsets (P,) int64; out (E,) with
+    room for one more than there are. Returns how many, or -1 where there is no room.
     """
-    pixels = parent.size
+    count, pixels = np.uint64(0), parent.size
+    chosen = np.empty(BLOCK, np.uint8)
+    eights = chosen.view(np.uint64)
     for plane in range(len(weights)):
-        offset = offsets[plane]
-        begin = min(max(0, -offset), pixels)
-        end = max(pixels - max(0, offset), begin)
-        chosen[plane, :begin] = 0
-        chosen[plane, end:] = 0
-        out, weight = chosen[plane, begin:end], weights[plane, begin:end]
-        root_a, root_b = parent[begin:end], parent[begin + offset : end + offset]
-        flag_a, flag_b = flags[begin:end], flags[begin + offset : end + offset]
-        for k in range(out.size):
-            inside = (weight[k] >= low) & (weight[k] < high)
-            out[k] = inside & (root_a[k] != root_b[k]) & (flag_a[k] + flag_b[k] >= least)
-
-
-@kernel
-def drop_detours(weights, width, chosen):
-    """Takes back the edges that come last of a triangle of neighbours or, on a 4-connected grid, of a square.
-
-    weights (P, H W) float32; width of a row; chosen (P, H W or more) uint8. Of equal weights the higher edge number
-    comes later: downwards after right, diagonals after both. Some at the image border stay.
-    """
-    right, down = weights[0], weights[1]
-    if len(weights) == 2:
-        drop_right(right, down, width, chosen[0])
-        drop_down(right, down, width, chosen[1])
-    else:
-        falling, rising = weights[2], weights[3]
-        drop_diagonal(falling, right, down[1:], down, right[width:], chosen[2])
-        drop_diagonal(rising[width:], right[width:], down[1:], down, right, chosen[3][width:])
-        drop_right_8(right, down, falling, rising, width, chosen[0])
-        drop_down_8(right, down, falling, rising, width, chosen[1])
+        bits = weights[plane].view(np.uint32)
+        for first in range(0, pixels, BLOCK):
+            last = min(first + BLOCK, pixels)
+            choose(weights[plane], low, high, parent, flags, least, offsets[plane], first, last, chosen)
+            if not detours:
+                drop_detours(weights, plane, width, first, last, chosen)
+            if count + np.uint64(last - first) >= out.size and count + np.uint64(chosen.sum()) >= out.size:
+                return -1
+            count = pack(bits[first:last], plane, np.uint64(first), np.uint64(last), chosen, eights, count, out)
+    return np.int64(count)
 
 
 @inlined
-def drop_right(right, down, width, chosen):
-    """In the square above, the one below. Slices let the compiler make vectors of it."""
-    weight, kept = right[width:], chosen[width:]
-    above, below = right, right[2 * width :]
+def choose(weights, low, high, parent, flags, least, offset, first, last, chosen):
+    """Marks those of a block of edges, first..last - 1 of a plane, that may join something; chosen (BLOCK,) uint8."""
+    begin = min(max(first, -offset), last)
+    end = max(min(last, parent.size - max(0, offset)), begin)
+    chosen[: begin - first] = 0
+    chosen[end - first :] = 0
+    out, weight = chosen[begin - first : end - first], weights[begin:end]
+    root_a, root_b = parent[begin:end], parent[begin + offset : end + offset]
+    flag_a, flag_b = flags[begin:end], flags[begin + offset : end + offset]
+    for k in range(out.size):
+        inside = (weight[k] >= low) & (weight[k] < high)
+        out[k] = inside & (root_a[k] != root_b[k]) & (flag_a[k] + flag_b[k] >= least)
+
+
+@inlined
+def drop_detours(weights, plane, width, first, last, chosen):
+    """Takes back the edges that come last of a triangle of neighbours or, on a 4-connected grid, of a square.
+
+    Of equal weights the higher edge number comes later: downwards after right, diagonals after both. Some at the image
+    border stay.
+    """
+    right, down, pixels = weights[0], weights[1], weights.shape[1]
+    begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
+    end = max(min(last, pixels if plane == 3 else pixels - width), begin)
+    kept, n = chosen[begin - first :], end - begin
+    before, here, after = begin - width, begin, begin + width
+    if plane == 2:
+        drop_diagonal(weights[2][here:], right[here:], down[here + 1 :], down[here:], right[after:], n, kept)
+    elif plane == 3:
+        drop_diagonal(weights[3][here:], right[here:], down[before + 1 :], down[before:], right[before:], n, kept)
+    elif len(weights) == 2 and plane == 0:
+        drop_right(right[before:], down[before:], width, n, kept)
+    elif len(weights) == 2:
+        drop_down(right[here - 1 :], down[here - 1 :], width, n, kept)
+    elif plane == 0:
+        drop_right_8(right[before:], down[before:], weights[2][before:], weights[3][before:], width, n, kept)
+    else:
+        drop_down_8(right[here - 1 :], down[here - 1 :], weights[2][here - 1 :], weights[3][here - 1 :], width, n, kept)
+
+
+@inlined
+def drop_right(right, down, width, n, kept):
+    """In the square above, the one below. Arrays begin a row before the n edges; slices make vectors of it."""
+    weight, above, below = right[width:], right, right[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
-    for k in range(below.size):
+    for k in range(n):
         first = (weight[k] < above[k]) | (weight[k] <= max(left_above[k], right_above[k]))
         second = (weight[k] <= below[k]) | (weight[k] <= max(left_below[k], right_below[k]))
         kept[k] &= first & second
 
 
 @inlined
-def drop_down(right, down, width, chosen):
-    """In the square on the left, the one on the right."""
-    weight, kept = down[1:], chosen[1:]
-    before, after = down, down[2:]
+def drop_down(right, down, width, n, kept):
+    """In the square on the left, the one on the right. Arrays begin a pixel before the n edges."""
+    weight, before, after = down[1:], down, down[2:]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
-    for k in range(right_below.size):
+    for k in range(n):
         first = (weight[k] < before[k]) | (weight[k] < max(left_above[k], left_below[k]))
         second = (weight[k] <= after[k]) | (weight[k] < max(right_above[k], right_below[k]))
         kept[k] &= first & second
 
 
 @inlined
-def drop_diagonal(weight, first, second, third, fourth, kept):
+def drop_diagonal(weight, first, second, third, fourth, n, kept):
     """Two pairs of straight edges lead where a diagonal does."""
-    for k in range(min(weight.size, second.size, fourth.size)):
+    for k in range(n):
         kept[k] &= (weight[k] < max(first[k], second[k])) & (weight[k] < max(third[k], fourth[k]))
 
 
 @inlined
-def drop_right_8(right, down, falling, rising, width, chosen):
-    """Over both pixels above, both below."""
-    weight, kept, rising_here = right[width:], chosen[width:], rising[width:]
-    falling_here, rising_below = falling[width:], rising[2 * width :]
+def drop_right_8(right, down, falling, rising, width, n, kept):
+    """Over both pixels above, both below. Arrays begin a row before the n edges."""
+    weight, falling_here = right[width:], falling[width:]
+    rising_here, rising_below = rising[width:], rising[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
-    for k in range(rising_below.size):
+    for k in range(n):
         above = (weight[k] <= max(left_above[k], falling[k])) & (weight[k] <= max(right_above[k], rising_here[k]))
         below = weight[k] <= max(left_below[k], rising_below[k])
         kept[k] &= above & below & (weight[k] <= max(right_below[k], falling_here[k]))
 
 
 @inlined
-def drop_down_8(right, down, falling, rising, width, chosen):
-    """Over both pixels on the left, both on the right."""
-    weight, kept, falling_here = down[1:], chosen[1:], falling[1:]
-    rising_left, rising_here = rising[width:], rising[width + 1 :]
+def drop_down_8(right, down, falling, rising, width, n, kept):
+    """Over both pixels on the left, both on the right. Arrays begin a pixel before the n edges."""
+    weight, falling_here, rising_left, rising_here = down[1:], falling[1:], rising[width:], rising[width + 1 :]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
-    for k in range(right_below.size):
+    for k in range(n):
         first = (weight[k] < left_above[k]) | (weight[k] <= falling[k])
         second = (weight[k] < left_below[k]) | (weight[k] <= rising_left[k])
         third = (weight[k] < right_above[k]) | (weight[k] <= rising_here[k])
         fourth = (weight[k] < right_below[k]) | (weight[k] <= falling_here[k])
         kept[k] &= first & second & third & fourth
+
+
+@inlined
+def pack_edge(weight_bits, plane, pixel):
+    """64 bits of an edge: its weight's, its pixel, its plane."""
+    without_sign = np.uint64(weight_bits) & np.uint64(SIGN_BIT - 1)  # -0 sorts as 0
+    return (without_sign << np.uint64(32)) | (pixel << np.uint64(PLANE_BITS)) | np.uint64(plane)
+
+
+@inlined
+def pack(bits, plane, first, last, chosen, eights, count, out):
+    """Packs the chosen ones of a block of edges, first..last - 1 of a plane, behind the `count` that are there.
+
+    Without a branch but to skip eight of which none is chosen: what is not chosen is overwritten.
+    """
+    whole = np.uint64(last - first) // np.uint64(8)
+    for eight in range(whole):
+        if eights[eight] != 0:
+            for k in range(np.uint64(8)):
+                at = eight * np.uint64(8) + k
+                out[count] = pack_edge(bits[at], plane, first + at)
+                count += np.uint64(chosen[at])
+    for at in range(whole * np.uint64(8), last - first):
+        out[count] = pack_edge(bits[at], plane, first + at)
+        count += np.uint64(chosen[at])
+    return count
 
 
 @inlined
@@ -147,35 +196,6 @@ def drop_final(edges, offsets, parent, records, useful):
         edges[count] = edges[k]
         count += useful[np.uint64(parent[here])] & useful[np.uint64(parent[there])]
     return count
-
-
-@inlined
-def pack_edge(weight_bits, plane, pixel):
-    """64 bits of an edge: its weight's, its pixel, its plane."""
-    without_sign = np.uint64(weight_bits) & np.uint64(SIGN_BIT - 1)  # -0 sorts as 0
-    return (without_sign << np.uint64(32)) | (pixel << np.uint64(PLANE_BITS)) | np.uint64(plane)
-
-
-@kernel
-def pack(weight_bits, chosen, eights, out):
-    """Packs the chosen edges in the order of their numbers; out holds one more than there are.
-
-    weight_bits (P, H W) uint32; chosen as `choose` leaves it, eights the same memory as uint64, to skip what holds
-    none. Without a branch otherwise: what is not chosen is overwritten.
-    """
-    count, pixels = np.uint64(0), np.uint64(weight_bits.shape[1])
-    whole = pixels // np.uint64(8)
-    for plane in range(len(weight_bits)):
-        bits, wanted, some = weight_bits[plane], chosen[plane], eights[plane]
-        for eight in range(whole):
-            if some[eight] != 0:
-                for k in range(np.uint64(8)):
-                    pixel = eight * np.uint64(8) + k
-                    out[count] = pack_edge(bits[pixel], plane, pixel)
-                    count += np.uint64(wanted[pixel])
-        for pixel in range(whole * np.uint64(8), pixels):
-            out[count] = pack_edge(bits[pixel], plane, pixel)
-            count += np.uint64(wanted[pixel])
 
 
 @kernel

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.color import color_points
 from spigolo.frame import Color
 from spigolo.pipeline import Trace
 from spigolo.view.overlay import depth_picture, overlay, palette, region_picture, tile
@@ -55,7 +56,7 @@ def stages(trace: Trace) -> dict[str, Array]:
     arrays: dict[str, Array] = {
         "depth": trace.frame.depth,
         "smoothed_depth": cues.depth,
-        "color_points": cues.color,
+        "color_points": color_points(trace.frame.color, trace.config.color),
         "weights": trace.graph.weights,
         "regions": trace.regions.labels,
         "labels": trace.segmentation.labels,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gc
+import os
+import platform
 import subprocess
 import sys
 import threading
@@ -68,6 +70,30 @@ def test_a_workspace_keeps_its_memory() -> None:
     segmenter(variant(2))
     segmenter(variant(1))
     assert segmenter.workspace.size_bytes == size
+
+
+COUNT_FAULTS = """
+import resource, sys
+from pathlib import Path
+import spigolo as sp
+folder = Path(sp.__file__).parent / "demo_scene"
+frame = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
+segmenter = sp.Segmenter(sp.PRESETS[sys.argv[1]])
+for k in range(15):
+    if k == 5:
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    segmenter(frame)
+print((resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before) / 10)
+"""
+
+
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="memory is freed as glibc does it")
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels")
+@pytest.mark.parametrize("name", ["TABLE", "SHELF", "OBJECTS"])
+def test_a_frame_asks_the_system_for_no_memory(name: str) -> None:
+    """In a process of its own, as it depends on what was freed before. A frame has 15 MB, which are 3800 pages."""
+    run = subprocess.run([sys.executable, "-c", COUNT_FAULTS, name], capture_output=True, text=True, check=True)
+    assert float(run.stdout) < 200
 
 
 def test_eight_at_once_answer_as_one_after_the_other() -> None:

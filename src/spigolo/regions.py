@@ -14,7 +14,7 @@ from spigolo.kernels import choosing, merging, moments, sorting
 from spigolo.workspace import Workspace
 
 SAMPLE_STEP = 97
-PIVOT_QUANTILES = (0.25, 0.5)
+PIVOT_QUANTILES = (0.3, 0.6)
 """Of the positive weights. Measured to be best: fewer rounds sort more, more rounds look at every edge once more."""
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25

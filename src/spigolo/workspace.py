@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-
 LARGEST_HEAP_BLOCK = 32 * 2**20 - 2**13
 """The largest block whose release moves glibc's thresholds (mallopt(3), M_MMAP_THRESHOLD), its header aside."""
 

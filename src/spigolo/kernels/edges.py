@@ -29,24 +29,20 @@ def steepest(gx, gy):
 def normal_direction(gx, gy):
     """N = (n_y, n_x), the gradient's direction in one of four bins of 45 degrees, whatever its polarity.
 
-    Bins 0, 45, 90, 135 degrees give right, right and up, up, left and up (rows count downwards).
+    Bins 0, 45, 90, 135 degrees give right, right and up, up, left and up (rows count downwards). Nothing is branched
+    on here, nor in eqs. 12 and 13: noise lets the processor guess wrongly.
     """
     along_x, along_y = abs(float(gx)), abs(float(gy))
-    if along_y <= TAN_HALF_BIN * along_x:
-        return 0, 1
-    if along_x <= TAN_HALF_BIN * along_y:
-        return -1, 0
-    if (gx > 0) == (gy < 0):
-        return -1, 1
-    return -1, -1
+    level, upright = along_y <= TAN_HALF_BIN * along_x, along_x <= TAN_HALF_BIN * along_y
+    sideways = 0 if upright else (1 if (gx > 0) == (gy < 0) else -1)
+    return (0 if level else -1), (1 if level else sideways)
 
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
     """Eq. 12. rho: depth of the edge pixel less that of a sample beside it; 0 where either is missing."""
-    if depth[y, x] == 0.0 or depth[v, u] == 0.0:
-        return 0.0
-    return float(depth[y, x]) - float(depth[v, u])
+    here, there = float(depth[y, x]), float(depth[v, u])
+    return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
 
 @inlined
@@ -54,7 +50,7 @@ def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
     """Eq. 13. Texture where both depth gradients stay below the threshold, else a depth boundary."""
     if not signed:
         rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
-    return not (rho_plus < step_m and rho_minus < step_m)
+    return not ((rho_plus < step_m) & (rho_minus < step_m))
 
 
 @inlined
@@ -170,19 +166,21 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
     height, width = edges.shape
     margin = max(step_px, contact_px) + 1
     cosines = cosine_limits(low_deg, high_deg)
+    columns = np.empty(width, np.int64)
     for y in range(margin, height - margin):
+        count = np.uint64(0)
         for x in range(margin, width - margin):
-            if edges[y, x] == 0:
-                continue
+            columns[count] = x
+            count += np.uint64(edges[y, x] != 0)
+        for x in columns[:count]:
             n_y, n_x = normal_direction(gx[y, x], gy[y, x])
             v, u = step_px * n_y, step_px * n_x
-            hole = depth[y, x] == 0.0 or depth[y + v, x + u] == 0.0 or depth[y - v, x - u] == 0.0
+            hole = (depth[y, x] == 0.0) | (depth[y + v, x + u] == 0.0) | (depth[y - v, x - u] == 0.0)
             rho_plus = depth_gradient(depth, y, x, y + v, x + u)
             rho_minus = depth_gradient(depth, y, x, y - v, x - u)
-            if is_depth_boundary(rho_plus, rho_minus, step_m, signed) or (hole and missing_is_boundary):
-                depth_boundary[y, x] = 1
+            steps = is_depth_boundary(rho_plus, rho_minus, step_m, signed)
+            depth_boundary[y, x] = steps | (hole & missing_is_boundary)
             v, u = contact_px * n_y, contact_px * n_x
             if depth[y, x] == 0.0 or depth[y + v, x + u] == 0.0 or depth[y - v, x - u] == 0.0:
                 continue
-            if makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
-                contact[y, x] = 1
+            contact[y, x] = makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_deg, cosines)

@@ -12,7 +12,6 @@ import pytest
 
 import spigolo as sp
 from spigolo.cli import FAILED
-from spigolo.config import parse_toml
 from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.evaluation import Row, pool, read_rows
 from spigolo.experiments import Method, Toscana2016, evaluate, find_labelled_frames
@@ -36,6 +35,7 @@ from spigolo.fitting import (
 )
 from spigolo.fitting.spaces import CONTOURS, JOINING, SUPPORT
 from spigolo.fitting.trials import Place
+from spigolo.parameters import parse_toml
 from test_experiments import BOXES, Counting, row, spigolo, write_frame
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -1,4 +1,4 @@
-"""Every number of the method, one frozen model per stage, and the presets.
+"""Every number of the method, one frozen model per stage.
 
 Each field says its unit, its range and where its value comes from: "paper" (printed in Toscana & Rosa 2016),
 "authors' release" (a fact about the code they published), "our choice" (the paper is silent, see docs/paper.md).
@@ -7,42 +7,17 @@ Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) scale w
 
 from __future__ import annotations
 
-import difflib
-import hashlib
-import json
-import sys
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from spigolo.errors import ConfigError
-
-if sys.version_info >= (3, 11):
-    import tomllib
-else:
-    import tomli as tomllib
+from spigolo.parameters import Length_px, NotNegative, Parameters, Positive, Share, Stage, parse_toml
 
 VGA_PX2 = 640 * 480
 """The image size that pixel areas are given for."""
 
-Share = Annotated[float, Field(ge=0, le=1)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Length_px = Annotated[int, Field(ge=0, le=1000)]
 
-
-class _Stage(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
-
-    def __init__(self, **values: Any) -> None:
-        try:
-            super().__init__(**values)
-        except ValidationError as error:
-            raise ConfigError(_sentence(error, type(self))) from None
-
-
-class Smoothing(_Stage):
+class Smoothing(Stage):
     """Depth-dependent smoothing of Holzer et al. 2012 and the paper's mean over valid pixels (eqs. 5-8)."""
 
     mean: Literal["valid", "plain", "none"] = "valid"
@@ -60,7 +35,7 @@ class Smoothing(_Stage):
     """Leave pixels on a depth step out of every mean (authors' release); not with `plain`."""
 
 
-class Inpainting(_Stage):
+class Inpainting(Stage):
     """Small gaps are filled, large shadows stay missing (paper, section III-E; limits are our choice)."""
 
     sampling_holes: bool = True
@@ -76,7 +51,7 @@ class Inpainting(_Stage):
     """The same as a share of the distance; the larger of both holds."""
 
 
-class Depth(_Stage):
+class Depth(Stage):
     """What happens to depth before it is compared."""
 
     smoothing: Smoothing = Smoothing()
@@ -89,7 +64,7 @@ class Depth(_Stage):
     borders of those steps would stay in a large region of equal depths (our addition; the paper has 0)."""
 
 
-class Color(_Stage):
+class Color(Stage):
     """The colour difference (eq. 4)."""
 
     sigma_px: NotNegative = 0.8
@@ -100,7 +75,7 @@ class Color(_Stage):
     """Weight of the hue and saturation difference (paper)."""
 
 
-class Saliency(_Stage):
+class Saliency(Stage):
     """Centre-surround saliency of Montabone & Soto 2010 and the power law (eq. 10)."""
 
     surrounds_px: tuple[Annotated[int, Field(ge=1, le=10_000)], ...] = (12, 24, 48, 28, 56, 112)
@@ -109,7 +84,7 @@ class Saliency(_Stage):
     """Exponent of eq. 10 (paper)."""
 
 
-class DepthContours(_Stage):
+class DepthContours(Stage):
     """Boundaries found in the depth map alone and joined to the final map (our addition, not in the paper).
 
     Shadows are filled with the farther side of their row for this purpose only, so that the contour of an object
@@ -132,7 +107,7 @@ class DepthContours(_Stage):
     """Largest angle of a crease; 0 looks for no creases."""
 
 
-class Edges(_Stage):
+class Edges(Stage):
     """Canny on Scharr gradients, and which of its pixels are boundaries of objects (eqs. 12-20)."""
 
     canny_low: Share = 0.05
@@ -178,7 +153,7 @@ class Edges(_Stage):
 Ends = Literal["max", "i"]
 
 
-class SaliencyCost(_Stage):
+class SaliencyCost(Stage):
     """First cost function (eq. 22): colour, depth and saliency; for frames with large shadows."""
 
     kind: Literal["saliency"] = "saliency"
@@ -192,7 +167,7 @@ class SaliencyCost(_Stage):
     """Saliency at the first end of an edge as printed (`i`), or the larger of both ends (our choice)."""
 
 
-class BoundaryCost(_Stage):
+class BoundaryCost(Stage):
     """Second cost function (eq. 23): depth times colour, and the boundary map; for frames with full depth."""
 
     kind: Literal["boundary"] = "boundary"
@@ -210,7 +185,7 @@ class BoundaryCost(_Stage):
         return self
 
 
-class AutoCost(_Stage):
+class AutoCost(Stage):
     """Chooses a cost function for each frame by its missing depth, as the paper does by hand."""
 
     kind: Literal["auto"] = "auto"
@@ -229,7 +204,7 @@ class AutoCost(_Stage):
 Cost = Annotated[SaliencyCost | BoundaryCost | AutoCost, Field(discriminator="kind")]
 
 
-class Partition(_Stage):
+class Partition(Stage):
     """Merging by internal difference (eqs. 2, 3)."""
 
     gamma: NotNegative = 0.0016
@@ -242,7 +217,7 @@ class Partition(_Stage):
     """Smaller regions are joined to the neighbour they differ from least (authors' release)."""
 
 
-class Support(_Stage):
+class Support(Stage):
     """The largest plane of the frame, and what stands on it (our addition, not in the paper)."""
 
     min_height_m: Positive = 0.008
@@ -260,7 +235,7 @@ class Support(_Stage):
     pixels: the table in place of the floor below it. None takes the largest."""
 
 
-class Wall(_Stage):
+class Wall(Stage):
     """Walls and rims of bins and shelves, which stand as tall as objects do (our addition, not in the paper)."""
 
     min_hides: Share = 0.15
@@ -294,7 +269,7 @@ class Wall(_Stage):
     """it is one if at that height there lie more than so many times its pixels that belong to no object."""
 
 
-class Rejection(_Stage):
+class Rejection(Stage):
     """Which regions are no objects (paper, section III-F). None switches a rule off."""
 
     support: Support | None = None
@@ -322,7 +297,7 @@ class Rejection(_Stage):
     """Share of pixels in the first three of 32 brightness bins, 0..23 of 255 (paper: 0.3)."""
 
 
-class Vessel(_Stage):
+class Vessel(Stage):
     """Wall and inside of a cup, bowl or pot. Hollowness: depth of a region's middle behind its chords along image rows,
     as a share of their length; positive where it curves away from the camera.
     """
@@ -349,7 +324,7 @@ class Vessel(_Stage):
     """then this share is enough."""
 
 
-class Cap(_Stage):
+class Cap(Stage):
     """The upper face of an object, or the inside of a cup that the camera saw filled."""
 
     max_gap_m: Positive = 0.02
@@ -362,7 +337,7 @@ class Cap(_Stage):
     """Least share of their convex hull that both fill together."""
 
 
-class Smooth(_Stage):
+class Smooth(Stage):
     """A surface that goes on, flat or convex, where noise looked like a contour."""
 
     max_gap_m: Positive = 0.025
@@ -373,7 +348,7 @@ class Smooth(_Stage):
     """Largest mean boundary along the border."""
 
 
-class Joining(_Stage):
+class Joining(Stage):
     """Which regions are parts of one object (our addition, not in the paper). None leaves a rule out."""
 
     vessel: Vessel | None = None
@@ -395,7 +370,7 @@ class Joining(_Stage):
     """Regions with a larger share of the image are no parts."""
 
 
-class Config(_Stage):
+class Config(Parameters):
     """All of the method's parameters. Frozen: `replace` gives a changed copy."""
 
     name: str = "custom"
@@ -418,23 +393,6 @@ class Config(_Stage):
             raise ValueError("joining needs rejection.support: its rules ask what stands on the plane")
         return self
 
-    @property
-    def digest(self) -> str:
-        """Eight hexadecimal digits that change with any value but the name."""
-        values = json.dumps(self.model_dump(exclude={"name"}), sort_keys=True)
-        return hashlib.sha256(values.encode()).hexdigest()[:8]
-
-    def replace(self, **changes: Any) -> Config:
-        """A validated copy. Names may be dotted: `replace(**{"partition.gamma": 0.004})`.
-
-        A mapping changes only the fields it names: `replace(partition={"gamma": 0.004})`.
-        """
-        values = self.model_dump()
-        for key, value in changes.items():
-            stage, _, rest = key.partition(".")
-            _merge(values, {stage: _nest(rest, _plain(value))})
-        return Config(**values)
-
     def to_toml(self) -> str:
         """The values as TOML; `from_toml` reads them back."""
         import tomli_w
@@ -445,59 +403,3 @@ class Config(_Stage):
     def from_toml(cls, text: str) -> Config:
         """Reads the TOML that `to_toml` writes; a key left out keeps its default, an unknown one is refused."""
         return cls(**parse_toml(text))
-
-
-def parse_toml(text: str) -> dict[str, Any]:
-    """The tables of a TOML text. Raises ConfigError with the line where it is none."""
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"expected TOML: {error}") from None
-
-
-def _plain(value: Any) -> Any:
-    return value.model_dump() if isinstance(value, BaseModel) else value
-
-
-def _nest(dotted: str, value: Any) -> Any:
-    for key in reversed(dotted.split(".") if dotted else []):
-        value = {key: value}
-    return value
-
-
-def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Changes `values` in place, mapping by mapping; another `kind` of cost starts afresh."""
-    for key, new in changes.items():
-        old = values.get(key)
-        if isinstance(old, dict) and isinstance(new, Mapping) and new.get("kind", old.get("kind")) == old.get("kind"):
-            _merge(old, new)
-        else:
-            values[key] = new
-
-
-def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
-    first = error.errors()[0]
-    # the kind of a cost stands in the location like a field: it is none of the user's
-    kinds = ("saliency", "boundary", "auto")
-    inner = first.get("ctx", {}).get("error")
-    if isinstance(inner, ConfigError):
-        return str(inner)
-    where = ".".join(str(part) for i, part in enumerate(first["loc"]) if i == 0 or part not in kinds)
-    if first["type"] == "extra_forbidden":
-        wrong = str(first["loc"][-1])
-        near = difflib.get_close_matches(wrong, _keys(model), n=1, cutoff=0.5)
-        hint = f"did you mean {near[0]!r}? " if near else ""
-        return f"unknown parameter {where!r} in {model.__name__}: {hint}It has {', '.join(model.model_fields)}"
-    got = "" if isinstance(first["input"], dict | BaseModel) else f", got {first['input']!r}"
-    message = first["msg"].removeprefix("Value error, ")
-    return f"{where + ': ' if where else ''}{message}{got} (in {model.__name__})"
-
-
-def _keys(model: type[BaseModel]) -> set[str]:
-    keys: set[str] = set()
-    for name, field in model.model_fields.items():
-        keys.add(name)
-        for part in (field.annotation, *getattr(field.annotation, "__args__", ())):
-            if isinstance(part, type) and issubclass(part, BaseModel):
-                keys |= _keys(part)
-    return keys

@@ -26,9 +26,9 @@ from spigolo.config import (
     Support,
     Vessel,
     Wall,
-    parse_toml,
 )
 from spigolo.errors import ConfigError
+from spigolo.parameters import parse_toml
 
 _RELEASE = Rejection(max_distance_m=1.8, max_lambda1_px2=3800.0, max_lambda2_px2=950.0, max_eccentricity=0.978)
 

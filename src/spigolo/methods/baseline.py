@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -12,10 +10,11 @@ from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Inpainting, Rejection, _merge, _nest, _plain, _Stage
+from spigolo.config import Inpainting, Rejection
 from spigolo.depth import inpaint_small_gaps
 from spigolo.frame import Frame
 from spigolo.objects import Evidence, Segmentation, judge_regions
+from spigolo.parameters import Parameters
 from spigolo.presets import OBJECTS_2
 from spigolo.regions import Regions
 from spigolo.support import find_support
@@ -27,28 +26,14 @@ C = TypeVar("C", bound="MethodConfig")
 B = TypeVar("B", bound="Baseline[Any]")
 
 
-class MethodConfig(_Stage):
-    """The parameters of a method. Frozen: `replace` gives a changed copy.
+class MethodConfig(Parameters):
+    """The parameters of a method.
 
     Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) scale with the number of pixels.
     """
 
     rejection: Rejection = REJECTION
     """Which regions are no objects: the same rules for all methods, so that their regions are what is compared."""
-
-    @property
-    def digest(self) -> str:
-        """Eight hexadecimal digits that change with any value."""
-        values = json.dumps(self.model_dump(mode="json"), sort_keys=True)
-        return hashlib.sha256(values.encode()).hexdigest()[:8]
-
-    def replace(self: C, **changes: Any) -> C:
-        """A validated copy. Names may be dotted, mappings change only what they name, as in `Config.replace`."""
-        values = self.model_dump()
-        for key, value in changes.items():
-            stage, _, rest = key.partition(".")
-            _merge(values, {stage: _nest(rest, _plain(value))})
-        return type(self)(**values)
 
 
 class Division(NamedTuple):
@@ -78,7 +63,7 @@ class Baseline(ABC, Generic[C]):
         return self.config.model_dump(mode="json")
 
     def replace(self: B, **changes: Any) -> B:
-        """The same method with other parameters, as `MethodConfig.replace` makes them. Raises ConfigError."""
+        """The same method with other parameters, as `Parameters.replace` makes them. Raises ConfigError."""
         return type(self)(self.config.replace(**changes))
 
     @abstractmethod

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from typing import Literal
 
-from spigolo.config import NotNegative, Partition
+from spigolo.config import Partition
 from spigolo.facts import weight_contour
 from spigolo.frame import Frame
 from spigolo.graph import Graph
 from spigolo.methods.baseline import Baseline, Division, MethodConfig
 from spigolo.methods.features import color_features, feature_graph
+from spigolo.parameters import NotNegative
 from spigolo.regions import partition
 
 

@@ -16,12 +16,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import NotNegative, Positive, Share
 from spigolo.frame import Frame, Mask
 from spigolo.kernels import polar as kernel
 from spigolo.methods.baseline import Baseline, Division
 from spigolo.methods.ownership import Boundary, BoundaryConfig, Floats, find_boundary
 from spigolo.objects import ObjectMask
+from spigolo.parameters import NotNegative, Positive, Share
 from spigolo.regions import Regions
 
 Points = npt.NDArray[np.float64]

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from spigolo.config import NotNegative
 from spigolo.facts import weight_contour
 from spigolo.frame import Frame
 from spigolo.graph import Graph
 from spigolo.methods.baseline import Baseline, Division
 from spigolo.methods.features import color_features, depth_feature, feature_graph
 from spigolo.methods.felzenszwalb2004 import FelzenszwalbConfig, merging
+from spigolo.parameters import NotNegative
 from spigolo.regions import partition
 
 

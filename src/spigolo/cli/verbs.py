@@ -1,8 +1,7 @@
-"""The verbs: segment, trace, doctor, presets, warmup, demo; and those that other modules define."""
+"""The verbs presets, warmup and demo, and the list of all."""
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,27 +9,22 @@ import cyclopts
 from cyclopts import Parameter
 
 from spigolo import __version__
-from spigolo.cli import DONE, SOME_FAILED
+from spigolo.cli import DONE
 from spigolo.cli.bench import bench
 from spigolo.cli.compare import compare
 from spigolo.cli.datasets import datasets, fetch
 from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.figures import figures
 from spigolo.cli.fit import fit
-from spigolo.cli.inputs import FramePaths, configure, field_names, find_frames, split_flags
+from spigolo.cli.inputs import field_names
 from spigolo.cli.render import render
-from spigolo.errors import FileError, SpigoloError
-from spigolo.frame import MAX_PIXELS
+from spigolo.cli.segment import doctor, segment, trace
 
 if TYPE_CHECKING:
-    from spigolo.frame import Color, Frame
+    from spigolo.frame import Color
     from spigolo.pipeline import Trace
-    from spigolo.roi import Roi
 
-Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Out = Annotated[Path, Parameter(alias="-o")]
-PixelBox = Annotated[tuple[int, int, int, int], Parameter(negative=())]
-SpaceBox = Annotated[tuple[float, float, float, float, float, float], Parameter(negative=())]
 
 app = cyclopts.App(
     name="spigolo",
@@ -38,6 +32,9 @@ app = cyclopts.App(
     help="Finds the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.",
     help_epilogue="Begin with `spigolo demo`; then `spigolo doctor` on a frame of your own, then `spigolo segment`.",
 )
+app.command(segment)
+app.command(trace)
+app.command(doctor)
 app.command(evaluate)
 app.command(report)
 app.command(fit)
@@ -46,160 +43,7 @@ app.command(compare)
 app.command(datasets)
 app.command(fetch)
 app.command(render)
-
 app.command(bench)
-
-
-@app.command
-def segment(
-    *inputs: Inputs,
-    camera: str | None = None,
-    preset: str = "OBJECTS",
-    depth_scale: float | None = None,
-    roi: PixelBox | None = None,
-    roi_mask: Path | None = None,
-    roi_box: SpaceBox | None = None,
-    check: bool = True,
-    max_pixels: int = MAX_PIXELS,
-    out: Out = Path("spigolo-out"),
-) -> int:
-    """Segments frames and writes labels.png, objects.json and overlay.png of each.
-
-    Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
-    kinect-v1 --preset TABLE --partition.gamma 0.004`.
-
-    Parameters
-    ----------
-    inputs
-        Colour and depth image of one size, or several such pairs, or folders: with rgb.png and depth.png, with
-        subfolders that have them, or with folders rgb/ and depth/ of equally named files. Any field of the preset is a
-        flag as well: `--partition.gamma 0.004`; `spigolo presets OBJECTS` lists them.
-    camera
-        Intrinsics: a JSON file (fx, fy, cx, cy, width, height, depth_scale), a YAML file of ROS CameraInfo, or a
-        camera's name such as kinect-v1. Default: camera.json beside the images; without one, what needs no 3-D works.
-    preset
-        OBJECTS for your own data; SHELF, TABLE or CLUTTER for the paper's; or a TOML file.
-    depth_scale
-        Metres per unit of the depth image: 0.001 for millimetres. Default: that of the camera file.
-    roi
-        Region of interest in pixels: first row, first column, row and column after the last.
-    roi_mask
-        Region of interest as an image: everything but black is inside.
-    roi_box
-        Region of interest in metres, in the camera's frame (X right, Y down, Z forward): low X Y Z, high X Y Z.
-    check
-        Warn of what `spigolo doctor` warns of.
-    max_pixels
-        Larger images are refused; raise it if the memory suffices (about 150 bytes a pixel).
-    out
-        Folder for the results. Of several frames each gets a folder of its own in it.
-
-    """
-    words, flags = split_flags(inputs)
-    config = configure(preset, flags)
-    frames = find_frames(words)
-    wanted = _roi(roi, roi_mask, roi_box)
-    from spigolo.cli import show
-    from spigolo.stream import Segmenter
-
-    run = Segmenter(config)
-    if len(frames) == 1:
-        frame = _read(frames[0], camera, depth_scale, max_pixels)
-        _check(frame, frames[0].name, check)
-        result = run(frame, wanted)
-        show.write_result(result, frame, out)
-        show.print_result(result, out)
-        return DONE
-    failed = 0
-    for paths in show.progress(frames, "segmenting"):
-        try:
-            frame = _read(paths, camera, depth_scale, max_pixels)
-            _check(frame, paths.name, check)
-            result = run(frame, wanted)
-            show.write_result(result, frame, out / paths.name)
-            print(f"{paths.name}: {len(result)} objects")
-        except SpigoloError as error:
-            failed += 1
-            print(f"spigolo: {paths.name}: {error}", file=sys.stderr)
-    print(f"{len(frames) - failed} of {len(frames)} frames written to {out} ({config.name} {config.digest})")
-    return SOME_FAILED if failed else DONE
-
-
-@app.command
-def trace(
-    *inputs: Inputs,
-    camera: str | None = None,
-    preset: str = "OBJECTS",
-    depth_scale: float | None = None,
-    stages: bool = False,
-    max_pixels: int = MAX_PIXELS,
-    out: Out = Path("spigolo-trace"),
-) -> int:
-    """Draws what each stage makes of a frame: the seven panels of the paper's Figure 1 in trace.png.
-
-    Parameters
-    ----------
-    inputs
-        Colour and depth image, or a folder with rgb.png and depth.png; and fields of the preset as flags.
-    camera
-        Intrinsics, as for `segment`.
-    preset
-        Preset, as for `segment`.
-    depth_scale
-        Metres per unit of the depth image.
-    stages
-        Also write each stage's array to stages/NAME.npy.
-    max_pixels
-        Larger images are refused; raise it if the memory suffices.
-    out
-        Folder for the results.
-
-    """
-    words, flags = split_flags(inputs)
-    config = configure(preset, flags)
-    paths = _only(find_frames(words))
-    from spigolo import io, pipeline
-    from spigolo.cli import show
-    from spigolo.view import figure1
-
-    frame = _read(paths, camera, depth_scale, max_pixels)
-    run = pipeline.trace(frame, config)
-    io.write_png(out / "trace.png", figure1.figure1(run))
-    if stages:
-        for name, array in figure1.stages(run).items():
-            show.write_array(out / "stages" / f"{name}.npy", array)
-            print(f"  {name:18s} {array.dtype!s:8s} {array.shape}")
-    print(f"written: {out / 'trace.png'}{f' and {out}/stages' if stages else ''} ({config.name} {config.digest})")
-    return DONE
-
-
-@app.command
-def doctor(
-    *inputs: str, camera: str | None = None, depth_scale: float | None = None, max_pixels: int = MAX_PIXELS
-) -> int:
-    """Says what is wrong with a frame: units, alignment, intrinsics, missing depth; and which cost function fits.
-
-    Exit code 1 when there is a warning.
-
-    Parameters
-    ----------
-    inputs
-        Colour and depth image, or a folder with rgb.png and depth.png.
-    camera
-        Intrinsics, as for `segment`.
-    depth_scale
-        Metres per unit of the depth image: 0.001 for millimetres.
-    max_pixels
-        Larger images are refused; raise it if the memory suffices.
-
-    """
-    paths = _only(find_frames(inputs))
-    from spigolo.cli import show
-    from spigolo.doctor import diagnose
-
-    diagnosis = diagnose(_read(paths, camera, depth_scale, max_pixels))
-    show.print_diagnosis(diagnosis)
-    return SOME_FAILED if diagnosis.warnings else DONE
 
 
 @app.command
@@ -266,45 +110,6 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
     show.print_result(run.segmentation, out)
     print(f"picture: {out / 'demo.png'}")
     return DONE
-
-
-def _read(paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int) -> Frame:
-    from spigolo import io
-
-    given = camera if camera is not None else paths.camera
-    return io.read_frame(paths.color, paths.depth, given, depth_scale, max_pixels=max_pixels)
-
-
-def _check(frame: Frame, name: str, wanted: bool) -> None:
-    if wanted:
-        from spigolo.cli import show
-        from spigolo.doctor import diagnose
-
-        show.warn_of(diagnose(frame), name)
-
-
-def _only(frames: list[FramePaths]) -> FramePaths:
-    if len(frames) != 1:
-        raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
-    return frames[0]
-
-
-def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Roi | None:
-    if sum(given is not None for given in (pixels, mask, box)) > 1:
-        raise FileError(
-            "expected one region of interest, got several: --roi, --roi-mask and --roi-box exclude each other"
-        )
-    if mask is not None:
-        import numpy as np
-
-        from spigolo.io import read_color
-
-        return np.asarray(read_color(mask).any(axis=2))
-    if box is not None:
-        from spigolo.roi import MetricBox
-
-        return MetricBox(box[:3], box[3:])
-    return pixels
 
 
 def _value(config: object, field: str) -> object:

@@ -373,7 +373,7 @@ def packed_edges(weights: naive.Array) -> naive.Array:
 @pytest.mark.parametrize(("shift", "bits"), [(0, 10), (10, 10), (20, 11), (22, 9), (8, 1)])
 def test_scatter(weights: naive.Array, shift: int, bits: int) -> None:
     packed = np.random.default_rng(4).permutation(packed_edges(weights))
-    for base in {0, int(packed.min() >> 32) if packed.size else 0}:
+    for base in {0, int(packed.min()) >> 32 if packed.size else 0}:
         out, starts, mask = np.empty_like(packed), np.full(1 << bits, 7, np.uint32), (1 << bits) - 1
         sorting.scatter(packed, np.uint64(base), np.uint64(shift), np.uint64(mask), starts, out)
         assert out.tolist() == naive.scatter(packed, base, shift, mask)

@@ -136,7 +136,7 @@ class Edges(Stage):
     component as printed in eq. 19, which is zero for upright edges; `none` takes none: internal boundaries stay."""
     boundary: Literal["soft", "thin"] = "soft"
     """`soft` blurs the final map and rescales it to 1, which closes its gaps (authors' release); `thin` is eq. 20."""
-    blur_px: Annotated[int, Field(ge=1, le=99, multiple_of=1)] = 7
+    blur_px: Annotated[int, Field(ge=1, le=99)] = 7
     """Width of the Gaussian that makes the map soft, odd (authors' release)."""
     depth_contours: DepthContours | None = None
     """Boundaries from depth alone, joined to the map before it is made soft; None is the paper's method."""
@@ -277,7 +277,8 @@ class Rejection(Stage):
     wall: Wall | None = None
     """Tall regions that hide nothing, lean away or lie in a rim are walls; asks for a support (our addition)."""
     min_contour: Share | None = None
-    """Least mean of the boundary along a region's border, where the cost reads a boundary (our addition)."""
+    """Least mean strength of a region's border, of the boundary or, where the cost reads none, of the weights (our
+    addition)."""
     max_distance_m: Positive | None = None
     """Out of reach: distance of the centroid from the camera (authors' release: 1.8)."""
     max_lambda1_px2: Positive | None = None

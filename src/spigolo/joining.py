@@ -29,6 +29,8 @@ from spigolo.support import Plane, above_mask
 
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
+MOST_PARTS = 1000
+"""Of more regions than that only the largest are looked at: sums over all their borders would take gigabytes."""
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
 """Least share of the columns of a vessel's inside, where that looks flat, that lie within those of the wall."""
@@ -90,6 +92,8 @@ class _Parts:
         self.stands = (above >= config.min_above * measured) & (measured >= config.min_measured * self.area)
         self.stands &= self.area <= config.max_share * self.labels.size
         self.ids = np.flatnonzero(self.stands)
+        if self.ids.size > MOST_PARTS:
+            self.ids = np.sort(self.ids[np.argsort(-self.area[self.ids], kind="stable")[:MOST_PARTS]])
         self.number = np.full(regions.count, -1, np.int32)
         self.number[self.ids] = np.arange(self.ids.size)
         self.focal_px = frame.camera.fx
@@ -105,7 +109,8 @@ class _Parts:
         borders.sum_borders(
             self.labels, self.number, self.cues.depth, boundary, self.config.reach_px, GAP_LIMIT_M, BEND_LIMIT_M, sums
         )
-        for a, b in np.argwhere(sums[:, :, borders.BEHIND] > 0):
+        behind, known = sums[:, :, borders.BEHIND], sums[:, :, borders.MEASURED] > 0
+        for a, b in np.argwhere((behind > 0) | (np.triu(behind == 0) & known)):
             pairs, measured, gap, behind, bend, strength = sums[a, b].tolist()
             if pairs >= self.config.min_border_px and measured >= self.config.min_measured * pairs:
                 yield Border(

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
+from spigolo.errors import SpigoloError
 from spigolo.facts import (
     Labels,
     RegionFacts,
@@ -138,15 +139,22 @@ class Segmentation:
         return next(r for r in everything if r.region == region)
 
     def keep(self, region: RegionFacts) -> Segmentation:
-        """The answer with a rejected region as an object."""
+        """The answer with a rejected region as an object. Raises SpigoloError for a region of other regions."""
+        self._check_own(region)
         return self._with({region.region: None})
 
     def drop(self, region: RegionFacts) -> Segmentation:
-        """The answer without an object."""
+        """The answer without an object. Raises SpigoloError for one of other regions."""
+        self._check_own(region)
         return self._with({region.region: (Reason.BY_HAND, "dropped by hand")})
 
     def merge(self, a: RegionFacts, b: RegionFacts) -> Segmentation:
-        """The answer with two objects or regions as one object, measured anew."""
+        """The answer with two objects or regions as one object, measured anew.
+
+        Its regions are numbered anew as well: keep, drop and merge of it take what its own `at` gives. Raises
+        SpigoloError for others.
+        """
+        self._check_own(a, b)
         if a.region == b.region:
             return self.keep(a)
         first, second = sorted((a.region, b.region))
@@ -158,6 +166,13 @@ class Segmentation:
         verdicts[first] = None
         del verdicts[second]
         return assemble(dataclasses.replace(self.scene, regions=regions), self.scene.measure(regions), verdicts)
+
+    def _check_own(self, *regions: RegionFacts) -> None:
+        if any(region.regions is not self.scene.regions.labels for region in regions):
+            raise SpigoloError(
+                "expected an object or region of this answer, got one of regions that were numbered otherwise, such as"
+                " those before a merge: ask this answer's `at`"
+            )
 
     def _with(self, changes: dict[int, Verdict | None]) -> Segmentation:
         verdicts = self._verdicts()

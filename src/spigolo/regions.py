@@ -120,7 +120,7 @@ class Edges:
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
         """As many stable passes as the weights' range asks for: heavier rounds span few powers of two."""
-        width = max((int(edges.max() >> sorting.WEIGHT_SHIFT) - base).bit_length(), 1)
+        width = max(((int(edges.max()) >> sorting.WEIGHT_SHIFT) - base).bit_length(), 1)
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)
         starts = np.empty(1 << digit_bits, np.uint32)

@@ -116,16 +116,12 @@ def _sizes(text: str) -> tuple[Size, ...]:
 
 
 def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
-    """The frames by name, or by path where two are named alike."""
+    """The frames by name."""
     from spigolo import io
 
     found = find_frames(folders or [str(Path(__file__).parents[1] / "demo_scene")])
-    names = [paths.name for paths in found]
-    keys = names if len(set(names)) == len(names) else [str(paths.color) for paths in found]
-    frames = {
-        key: io.read_frame(paths.color, paths.depth, paths.camera) for key, paths in zip(keys, found, strict=True)
-    }
-    if small := [key for key, frame in frames.items() if min(frame.shape) < 16]:
+    frames = {paths.name: io.read_frame(paths.color, paths.depth, paths.camera) for paths in found}
+    if small := [name for name, frame in frames.items() if min(frame.shape) < 16]:
         raise FrameError(f"expected frames of at least 16x16 pixels to time, got {small[0]}")
     return frames
 

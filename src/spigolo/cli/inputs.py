@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
+from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -104,6 +105,7 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
 
     Two files are a frame, colour first; more files are pairs. A folder is a frame if it holds a colour and a depth
     image (rgb.png and depth.png), else its subfolders are, or the equally named files of its folders rgb/ and depth/.
+    No two have one name.
     """
     paths = [Path(word) for word in inputs]
     if not paths:
@@ -118,7 +120,24 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     frames = [FramePaths(color.stem, color, depth, _camera_in(color.parent)) for color, depth in pairs]
     for folder in (path for path in paths if path.is_dir()):
         frames += _frames_in(folder)
-    return frames
+    return _named_apart(frames)
+
+
+def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
+    """Frames of equal name get that of the folder around them before it, and a number where that is not enough."""
+    count, taken = Counter(frame.name for frame in frames), Counter[str]()
+    apart = []
+    for frame in frames:
+        name = frame.name if count[frame.name] == 1 else f"{_around(frame)}_{frame.name}"
+        taken[name] += 1
+        apart.append(replace(frame, name=name if taken[name] == 1 else f"{name}_{taken[name]}"))
+    return apart
+
+
+def _around(frame: FramePaths) -> str:
+    """Name of the folder that holds a frame, or the folder of its colour images."""
+    folder = frame.color.resolve().parent
+    return folder.parent.name if folder.name in (frame.name, *COLOR_NAMES) else folder.name
 
 
 def _frames_in(folder: Path) -> list[FramePaths]:

@@ -72,12 +72,14 @@ class Worker:
         """The row of a task; an error that spigolo raises on purpose becomes a row as well."""
         method = self._methods[task.method, task.digest]
         truth: Truth | None = None
+        content = ""
         try:
+            content = task.frame.content
             frame, truth = task.frame.read_both()
             run = self._time(method, frame)
         except SpigoloError as error:
-            return _row(task.frame, method, None, _score_of_nothing(truth), str(error))
-        return _row(task.frame, method, run, None if truth is None else _score(truth, run.result))
+            return _row(task.frame, content, method, None, _score_of_nothing(truth), str(error))
+        return _row(task.frame, content, method, run, None if truth is None else _score(truth, run.result))
 
     def _time(self, method: Method, frame: Frame) -> Run:
         key = method.name, method.digest
@@ -195,7 +197,9 @@ def _score_of_nothing(truth: Truth | None) -> RowScore | None:
     return score_row(truth.labels, np.zeros_like(truth.labels), None, truth.ignore, truth.names)
 
 
-def _row(frame: Entry, method: Method, run: Run | None, score: RowScore | None, error: str | None = None) -> Row:
+def _row(
+    frame: Entry, content: str, method: Method, run: Run | None, score: RowScore | None, error: str | None = None
+) -> Row:
     rejected = Counter(region.reason.value for region in run.result.rejected) if run is not None else {}
     return Row(
         data_set=frame.data_set,
@@ -214,5 +218,5 @@ def _row(frame: Entry, method: Method, run: Run | None, score: RowScore | None, 
         rejected=dict(sorted(rejected.items())),
         score=score,
         error=error,
-        content=frame.content,
+        content=content,
     )

@@ -54,6 +54,8 @@ def test_regions_outside_are_rejected_with_that_reason(form: str) -> None:
     [
         ((0, 0, 121, 10), "inside 120 rows and 160 columns"),
         ((5, 0, 5, 10), "inside 120 rows"),
+        ((0.0, 0.0, 20.0, 10.0), "whole numbers"),
+        ((0, 0, 20), "pixel box"),
         (np.ones((3, 3), bool), "image's shape"),
     ],
 )
@@ -65,8 +67,26 @@ def test_a_region_of_interest_that_does_not_fit_is_refused(roi, words: str) -> N
 def test_a_metric_box_must_have_an_inside() -> None:
     with pytest.raises(sp.FrameError, match="low < high"):
         sp.MetricBox((0, 0, 1), (1, 1, 1))
-    with pytest.raises(sp.FrameError, match=r"\(4, 4\)"):
-        sp.MetricBox((0, 0, 0), (1, 1, 1), np.eye(3))
+
+
+@pytest.mark.parametrize(
+    ("turned", "words"),
+    [
+        (np.eye(3), r"\(4, 4\)"),
+        (np.full((4, 4), np.nan), "NaN"),
+        (np.diag([1000.0, 1000, 1000, 1]), "scales"),
+        (np.array([[1, 0, 0, 450.0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]), "in metres"),
+    ],
+)
+def test_a_metric_box_is_turned_by_a_rigid_transform_alone(turned, words: str) -> None:
+    with pytest.raises(sp.CameraError, match=words):
+        sp.MetricBox((0, 0, 0), (1, 1, 1), turned)
+
+
+@pytest.mark.parametrize("form", [list, np.array])
+def test_a_pixel_box_comes_in_any_sequence(form) -> None:
+    box = (0, 0, 120, 75)
+    assert np.array_equal(sp.segment(scene(), CONFIG, form(box)).labels, sp.segment(scene(), CONFIG, box).labels)
 
 
 def test_a_click_gives_the_object_there_whatever_its_rule() -> None:
@@ -89,6 +109,18 @@ def test_keep_and_drop_give_new_answers() -> None:
     consistent(third)
     assert np.array_equal(third.labels, first.labels)
     assert first.labels[LEFT] > 0
+
+
+def test_a_region_of_another_answer_is_refused() -> None:
+    answer = result()
+    left, right = answer.at(LEFT), answer.at(RIGHT)
+    merged = answer.merge(left, right)
+    for change in (merged.drop, merged.keep, lambda r: merged.merge(r, left)):
+        with pytest.raises(sp.SpigoloError, match="ask this answer's `at`"):
+            change(right)
+    with pytest.raises(sp.SpigoloError, match="of this answer"):
+        result().drop(left)
+    consistent(answer.drop(left).keep(left))
 
 
 def test_merging_measures_anew() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.cli.inputs import configure, find_frames
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 
@@ -225,3 +227,39 @@ def test_a_reader_that_stops_early_is_no_error() -> None:
     assert run.stderr.read() == ""
     run.stderr.close()
     assert run.wait() == 0
+
+
+def test_frames_of_one_name_keep_their_own_results(tmp_path: Path) -> None:
+    for folder in ("a/f0", "b/f0", "c"):
+        shutil.copytree(SCENE, tmp_path / folder)
+    names = {
+        ("a", "b"): ["a_f0", "b_f0"],
+        ("a/f0", "a/f0", "c"): ["a_f0", "a_f0_2", "c"],
+        ("a/f0/rgb.png", "a/f0/depth.png", "c/rgb.png", "c/depth.png"): ["f0_rgb", "c_rgb"],
+    }
+    for words, expected in names.items():
+        assert [f.name for f in find_frames([str(tmp_path / word) for word in words])] == expected
+
+
+def test_images_without_depth_are_named(tmp_path: Path) -> None:
+    shutil.copytree(SCENE, tmp_path / "set" / "f0")
+    (tmp_path / "set" / "f1").mkdir()
+    shutil.copy(SCENE / "rgb.png", tmp_path / "set" / "f1")
+    with pytest.warns(UserWarning, match=r"1 colour images have no depth image of their name: .*f1"):
+        assert [f.name for f in find_frames([str(tmp_path / "set")])] == ["f0"]
+    for folder, numbers in (("rgb", "123"), ("depth", "3")):
+        (tmp_path / "tum" / folder).mkdir(parents=True)
+        for number in numbers:
+            shutil.copy(SCENE / f"{folder}.png", tmp_path / "tum" / folder / f"{number}.png")
+    with pytest.warns(UserWarning, match="2 colour images"):
+        assert [f.name for f in find_frames([str(tmp_path / "tum")])] == ["3"]
+
+
+def test_a_flag_takes_several_values() -> None:
+    for text in ("12,24", "(12, 24)", "[12, 24]"):
+        assert configure("SHELF", {"saliency.surrounds_px": text}).saliency.surrounds_px == (12, 24)
+
+
+def test_the_package_runs_as_a_module() -> None:
+    done = subprocess.run([sys.executable, "-m", "spigolo", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == sp.__version__

@@ -288,8 +288,20 @@ def test_a_method_that_fails_has_found_nothing(root: Path, tmp_path: Path, count
     assert failed.score is not None and failed.score.overlap_f == 0 and failed.score.true_positives == 0
     assert failed.score.n_objects == failed.score.false_negatives == 2
     assert (failed.n_predicted, failed.cpu_s, failed.rejected) == (0, None, {})
-    assert unread.score is None and unread.error is not None and "0 bytes" in unread.error
+    assert unread.error is not None and "0 bytes" in unread.error
+    assert unread.score is not None and unread.score.true_positives == 0 < unread.score.n_objects
     assert pool(rows).n_failed == 2
+
+
+@pytest.mark.parametrize("name", ["label.png", "rgb.png", "camera.json"])
+def test_a_frame_that_cannot_be_read_becomes_a_row(name: str, root: Path, tmp_path: Path, counting: Counting) -> None:
+    entries = find_labelled_frames([root / "osd-small"])
+    file = root / "osd-small" / "f2" / name
+    file.unlink()
+    file.mkdir()  # neither read nor summed up
+    row = evaluate(entries, [counting], tmp_path / "rows.jsonl")[2]
+    assert row.error is not None and row.content == ""
+    assert row.score is None
 
 
 def test_jobs_and_methods_that_cannot_be_are_refused(tmp_path: Path) -> None:

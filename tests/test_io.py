@@ -204,3 +204,16 @@ def test_every_public_name_is_there() -> None:
 def test_the_camera_file_of_the_bundled_scene_is_ours() -> None:
     scene = Path(sp.__file__).parent / "demo_scene"
     assert set(json.loads((scene / "camera.json").read_text())) == set(CAMERA) | {"depth_scale"}
+
+
+def test_a_scale_that_is_given_holds_for_floating_point_too(tmp_path: Path) -> None:
+    np.save(tmp_path / "depth.npy", np.full((8, 8), 900.0, np.float32))
+    cv2.imwrite(str(tmp_path / "rgb.png"), np.zeros((8, 8, 3), np.uint8))
+    for scale, metres in ((0.001, 0.9), (None, 900.0)):
+        frame = sp.read_frame(tmp_path / "rgb.png", tmp_path / "depth.npy", None, scale)
+        np.testing.assert_allclose(frame.depth, metres, rtol=1e-6)
+
+
+def test_what_is_no_configuration_is_refused() -> None:
+    with pytest.raises(sp.ConfigError, match=r"expected a Config .* got 'TABLE'"):
+        sp.segment(sp.Frame(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8), np.float32), None), "TABLE")

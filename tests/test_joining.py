@@ -9,6 +9,7 @@ import pytest
 
 import naive
 import spigolo as sp
+from spigolo import joining
 from spigolo.config import Cap, Smooth, Vessel
 from spigolo.cues import gather_cues
 from spigolo.facts import find_level, measure_regions, measure_rim
@@ -291,3 +292,16 @@ def test_a_frame_of_edges_is_no_second_support() -> None:
     found = find_support(wide.astype(np.float32), CAMERA, sp.Support(stacked_share=0.3))
     assert found is not None
     assert found.offset_m == pytest.approx(DISTANCE_M + 0.4, abs=0.005)
+
+
+@pytest.mark.parametrize(("most", "regions"), [(1000, 2), (2, 2), (1, 3)])
+def test_a_border_without_any_step_is_looked_at(most: int, regions: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its sides are at one depth to the last bit, so that none lies behind the other; of too many regions none is."""
+    monkeypatch.setattr(joining, "MOST_PARTS", most)
+    depth = np.full((240, 320), 1.0, np.float32)
+    depth[80:160, 100:220] = 0.9
+    frame = sp.Frame(np.zeros((240, 320, 3), np.uint8), depth, sp.Camera(300, 300, 160, 120, 320, 240))
+    labels = np.zeros((240, 320), np.int32)
+    labels[80:160, 100:160], labels[80:160, 160:220] = 1, 2
+    answer = join_parts(Regions(labels, 3), gather_cues(frame, sp.OBJECTS_2), frame, sp.OBJECTS_2)
+    assert answer.count == regions

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from spigolo.errors import ConfigError
 from spigolo.parameters import Length_px, NotNegative, Parameters, Positive, Share, Stage, parse_toml
 
 VGA_PX2 = 640 * 480
@@ -404,3 +405,9 @@ class Config(Parameters):
     def from_toml(cls, text: str) -> Config:
         """Reads the TOML that `to_toml` writes; a key left out keeps its default, an unknown one is refused."""
         return cls(**parse_toml(text))
+
+
+def check_config(value: object) -> None:
+    """Raises ConfigError for what is no configuration, such as a preset's name."""
+    if not isinstance(value, Config):
+        raise ConfigError(f"expected a Config such as spigolo.TABLE or spigolo.preset(NAME), got {value!r}")

@@ -125,9 +125,9 @@ def _check_color(color: npt.NDArray[Any], max_pixels: int) -> None:
 
 def _check_depth(depth: npt.NDArray[Any], depth_scale: float | None) -> None:
     if depth.ndim != 2:
-        raise FrameError(
-            f"expected depth of shape (H, W), got {depth.shape}: a picture of depth in colours is no depth"
-        )
+        single = depth.ndim == 3 and 1 in depth.shape
+        mend = "take its one channel (np.squeeze)" if single else "a picture of depth in colours is no depth"
+        raise FrameError(f"expected depth of shape (H, W), got {depth.shape}: {mend}")
     if depth.dtype == np.uint8:
         raise FrameError(
             "expected depth as 16-bit integers or floating-point metres, got 8 bits: distances are lost in it"

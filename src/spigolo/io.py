@@ -38,7 +38,8 @@ def read_frame(
 
     camera: a camera file (`read_camera`), or any form that `as_camera` takes, None where the intrinsics are not known;
     a string is a file if there is one of that name or it ends in .json, .yaml or .yml, and else a camera's name.
-    depth_scale: metres per stored unit, 0.001 for millimetres; if None, that of the camera file.
+    depth_scale: metres per stored unit, 0.001 for millimetres; if None, that of the camera file for integers, and 1 for
+    floating-point depth.
     Raises FileError, CameraError or FrameError.
     """
     pixels, stored = read_color(color), read_depth(depth)
@@ -53,8 +54,7 @@ def read_frame(
             f"expected depth_scale with the integers in {depth}: metres per unit, 0.001 for millimetres"
             ' (or "depth_scale" in the camera file)'
         )
-    scale = depth_scale if whole_numbers else None
-    return Frame(pixels, stored, camera, name=Path(color).stem, depth_scale=scale, max_pixels=max_pixels)
+    return Frame(pixels, stored, camera, name=Path(color).stem, depth_scale=depth_scale, max_pixels=max_pixels)
 
 
 def _names_file(text: str) -> bool:

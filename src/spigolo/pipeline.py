@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from spigolo.color import color_points
-from spigolo.config import Config
+from spigolo.config import Config, check_config
 from spigolo.cues import Cues, gather_cues
 from spigolo.frame import Frame
 from spigolo.graph import Graph, weigh
@@ -31,6 +31,7 @@ class Trace:
 
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segments a frame and keeps what each stage made. workspace: scratch kept between frames, one per thread."""
+    check_config(config)
     cues = gather_cues(frame, config)  # eqs. 5-21
     color = color_points(frame.color, config.color)  # eq. 4
     graph = weigh(cues, color, config.partition.connectivity, config.depth)  # eqs. 9, 22 or 23

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.camera import Camera
+from spigolo.camera import Camera, rigid_transform
 from spigolo.errors import CameraError, FrameError
 from spigolo.frame import DepthMap, depth_in_metres
 from spigolo.kernels import registration as kernel
@@ -17,7 +15,6 @@ STEP_SHARE = 0.03
 """Neighbouring pixels farther apart than max(STEP_M, STEP_SHARE Z) are not on one surface."""
 FARTHEST_M = 10.0
 """Two cameras farther apart than this see no common object: the translation is in millimetres."""
-ROTATION_TOLERANCE = 1e-3
 
 
 def register_depth(
@@ -37,6 +34,9 @@ def register_depth(
     drawn across a depth step, and what the depth camera did not see stays 0. Depth of a camera with distortion is
     undistorted first; the colour camera must have none. Raises FrameError or CameraError.
     """
+    for camera in (depth_camera, color_camera):
+        if not isinstance(camera, Camera):
+            raise CameraError(f"expected a Camera, which has a size, got {type(camera).__name__}: see `as_camera`")
     metres, _ = depth_in_metres(np.asarray(depth), depth_scale)
     if metres.shape != (depth_camera.height, depth_camera.width):
         raise FrameError(
@@ -50,7 +50,7 @@ def register_depth(
         )
     metres = np.ascontiguousarray(depth_camera.undistort(metres, nearest=True))
     out = np.zeros((color_camera.height, color_camera.width), np.float32)
-    P = projection(depth_camera, color_camera, _rigid(T_color_depth))
+    P = projection(depth_camera, color_camera, rigid_transform(T_color_depth, "T_color_depth", FARTHEST_M))
     kernel.splat_depth(metres, P, STEP_M, STEP_SHARE, out)
     return out
 
@@ -62,21 +62,3 @@ def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.f
     """
     rotated = T_target_source[:3, :3] @ np.linalg.inv(source.matrix)
     return np.ascontiguousarray(target.matrix @ np.column_stack([rotated, T_target_source[:3, 3]]))
-
-
-def _rigid(T_color_depth: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """The transform (4, 4) as float64, checked."""
-    try:
-        T: npt.NDArray[Any] = np.array(T_color_depth, np.float64, order="C")
-    except (TypeError, ValueError):
-        raise CameraError("expected T_color_depth as numbers of shape (4, 4)") from None
-    if T.shape != (4, 4) or not np.isfinite(T).all():
-        raise CameraError(f"expected T_color_depth as finite numbers of shape (4, 4), got shape {T.shape}")
-    if not np.allclose(T[3], (0, 0, 0, 1), rtol=0, atol=ROTATION_TOLERANCE):
-        raise CameraError(f"expected the last row of T_color_depth as 0 0 0 1, got {T[3].tolist()}: transpose it")
-    R = T[:3, :3]
-    if np.abs(R @ R.T - np.eye(3)).max() > ROTATION_TOLERANCE or np.linalg.det(R) < 0:
-        raise CameraError("expected a rotation in T_color_depth[:3, :3], got one that scales, shears or mirrors")
-    if np.linalg.norm(T[:3, 3]) > FARTHEST_M:
-        raise CameraError(f"expected the translation of T_color_depth in metres, got {T[:3, 3].tolist()}")
-    return T

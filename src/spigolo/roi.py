@@ -8,9 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.camera import rigid_transform
 from spigolo.errors import FrameError
 from spigolo.frame import Frame, Mask
 
+FARTHEST_M = 100.0
+"""A robot's base is nearer; a translation beyond is not in metres."""
 LEAST_INSIDE = 0.5
 """A region belongs to the region of interest with at least this share of its pixels (our choice)."""
 
@@ -20,7 +23,7 @@ class MetricBox:
     """A box in space, along the axes of the camera's frame or, with T_base_camera, of the robot's.
 
     low_m, high_m: (X, Y, Z) of two opposite corners. T_base_camera (4, 4) maps points of the camera's frame into the
-    robot's base frame.
+    robot's base frame. Raises FrameError or CameraError.
     """
 
     low_m: Sequence[float]
@@ -31,11 +34,11 @@ class MetricBox:
         low, high = np.asarray(self.low_m, float), np.asarray(self.high_m, float)
         if low.shape != (3,) or high.shape != (3,) or not (low < high).all():
             raise FrameError(f"expected a metric box with low < high in X, Y and Z (metres), got {low} and {high}")
-        if self.T_base_camera is not None and np.shape(self.T_base_camera) != (4, 4):
-            raise FrameError(f"expected T_base_camera of shape (4, 4), got {np.shape(self.T_base_camera)}")
+        if self.T_base_camera is not None:
+            rigid_transform(self.T_base_camera, "T_base_camera", FARTHEST_M)
 
 
-Roi = npt.NDArray[np.bool_] | tuple[int, int, int, int] | MetricBox
+Roi = npt.NDArray[np.bool_] | Sequence[int] | MetricBox
 """A mask (H, W), a pixel box (y0, x0, y1, x1) with the last two exclusive, or a metric box."""
 
 
@@ -44,21 +47,26 @@ def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):
         return _inside_box(roi, frame), frame.depth > 0
-    if isinstance(roi, tuple):
-        return _inside_pixels(roi, frame.shape), counted
     mask = np.asarray(roi)
+    if mask.shape == (4,):
+        return _inside_pixels(mask, frame.shape), counted
     if mask.shape != frame.shape:
-        raise FrameError(f"expected a mask of the image's shape {frame.shape} as region of interest, got {mask.shape}")
+        raise FrameError(
+            f"expected a mask of the image's shape {frame.shape} or a pixel box (y0, x0, y1, x1) as region of interest,"
+            f" got shape {mask.shape}"
+        )
     return mask.astype(bool), counted
 
 
-def _inside_pixels(box: tuple[int, int, int, int], shape: tuple[int, int]) -> Mask:
-    if len(box) != 4 or not (0 <= box[0] < box[2] <= shape[0] and 0 <= box[1] < box[3] <= shape[1]):
+def _inside_pixels(box: npt.NDArray[np.generic], shape: tuple[int, int]) -> Mask:
+    y0, x0, y1, x1 = box.tolist()
+    if box.dtype.kind not in "ui" or not (0 <= y0 < y1 <= shape[0] and 0 <= x0 < x1 <= shape[1]):
         raise FrameError(
-            f"expected a pixel box (y0, x0, y1, x1) inside {shape[0]} rows and {shape[1]} columns, got {box}"
+            f"expected a pixel box (y0, x0, y1, x1) of whole numbers inside {shape[0]} rows and {shape[1]} columns, got"
+            f" {(y0, x0, y1, x1)}"
         )
     mask = np.zeros(shape, bool)
-    mask[box[0] : box[2], box[1] : box[3]] = True
+    mask[y0:y1, x0:x1] = True
     return mask
 
 

@@ -76,7 +76,7 @@ def evaluate(
                 new.append(row)
 
         rows = run(found, chosen, out, jobs, tell)
-    failed = [row for row in new if row.error is not None]
+    failed = [row for row in rows if row.error is not None]
     for row in failed:
         print(f"spigolo: {row.data_set}/{row.frame} ({row.method} {row.preset}): {row.error}", file=sys.stderr)
     _print_pooled(gather({"": rows}))

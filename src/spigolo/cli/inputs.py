@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -87,7 +88,9 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def _scalar(text: str) -> Any:
-    """A value as TOML would read it; `none` is None; anything else is text."""
+    """A value as TOML would read it, `1,2` is several; `none` is None; anything else is text."""
+    if "," in text:
+        return [_scalar(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]
     if text.lower() == "none":
         return None
     if text.lower() in ("true", "false"):
@@ -157,6 +160,8 @@ def _frame_of(folder: Path) -> list[FramePaths]:
         (f for name in COLOR_NAMES for f in sorted(folder.glob(f"{name}.*")) if f.suffix.lower() in IMAGES), None
     )
     depth = next((f for f in sorted(folder.glob("depth.*")) if f.suffix.lower() in (*IMAGES, ".npy")), None)
+    if color and not depth:
+        _warn_of_single([color])
     return [FramePaths(folder.name, color, depth, _camera_in(folder))] if color and depth else []
 
 
@@ -165,11 +170,16 @@ def _paired(folder: Path) -> list[FramePaths]:
     if colors is None or not (folder / "depth").is_dir():
         return []
     depths = {f.stem: f for f in (folder / "depth").iterdir()}
-    return [
-        FramePaths(f.stem, f, depths[f.stem], _camera_in(folder))
-        for f in sorted(colors.iterdir())
-        if f.suffix.lower() in IMAGES and f.stem in depths
-    ]
+    images = [f for f in sorted(colors.iterdir()) if f.suffix.lower() in IMAGES]
+    _warn_of_single([f for f in images if f.stem not in depths])
+    return [FramePaths(f.stem, f, depths[f.stem], _camera_in(folder)) for f in images if f.stem in depths]
+
+
+def _warn_of_single(images: Sequence[Path]) -> None:
+    """Says which colour images are left out for want of a depth image."""
+    if images:
+        named = ", ".join(str(image) for image in images[:3]) + (", ..." if len(images) > 3 else "")
+        warnings.warn(f"{len(images)} colour images have no depth image of their name: {named}", stacklevel=2)
 
 
 def _camera_in(folder: Path) -> Path | None:

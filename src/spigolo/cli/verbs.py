@@ -115,6 +115,8 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
 def _value(config: object, field: str) -> object:
     for part in field.split("."):
         config = getattr(config, part, None)
+    if isinstance(config, tuple):
+        return ",".join(map(str, config))
     return "none" if config is None else "..." if hasattr(config, "model_fields") else config
 
 

@@ -71,10 +71,9 @@ class Worker:
     def __call__(self, task: Task) -> Row:
         """The row of a task; an error that spigolo raises on purpose becomes a row as well."""
         method = self._methods[task.method, task.digest]
-        truth: Truth | None = None
-        content = ""
+        content, truth = "", None
         try:
-            content = task.frame.content
+            content, truth = task.frame.content, task.frame.read_truth()
             frame, truth = task.frame.read_both()
             run = self._time(method, frame)
         except SpigoloError as error:

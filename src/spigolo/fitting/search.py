@@ -11,7 +11,6 @@ from pathlib import Path
 from spigolo.datasets import Entry
 from spigolo.errors import FileError, SpigoloError
 from spigolo.evaluation.matching import NEEDS_SCIPY
-from spigolo.evaluation.rows import Row
 from spigolo.experiments.machine import describe_machine
 from spigolo.experiments.running import Task, Worker, spread
 from spigolo.fitting.drawing import draw
@@ -88,8 +87,9 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 
 
 def _check(trial: Trial) -> None:
-    """Without a score of every frame trials cannot be compared."""
-    unread: Row | None = next((row for row in trial.rows if row.score is None), None)
+    """Without a score of every frame trials cannot be compared; what fails with the start is the frame's fault."""
+    at_start = trial.number == 0
+    unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)
     if unread is not None:
         raise FileError(
             f"expected frames that can be worked with, got {unread.data_set}/{unread.frame}: {unread.error}"

@@ -29,19 +29,18 @@ def overlay(result: Segmentation, color: Color) -> Color:
     """The colour image (H, W, 3) with the background dimmed, each object tinted, outlined and numbered."""
     picture = (color * np.float32(0.45)).astype(np.uint8)
     colors = palette(len(result))
-    scale = max(color.shape[0] / 480, 0.5)
+    scale = _scale(color)
     for o in result:
         mask, tint = o.mask, colors[o.label - 1]
         picture[mask] = (0.6 * color[mask] + 0.4 * tint).astype(np.uint8)
         outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         cv2.drawContours(picture, outlines, -1, tint.tolist(), max(1, round(2 * scale)), cv2.LINE_AA)
-    for o in result:
-        _number(picture, o, colors[o.label - 1], scale)
+    _number_all(picture, result)
     return picture
 
 
 def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> Color:
-    """A copy of a picture with the oriented box of each object as a wire frame; without intrinsics there is none."""
+    """A copy of an overlay with the oriented box of each object as a wire frame; without intrinsics there is none."""
     drawn = picture.copy()
     if camera is None:
         return drawn
@@ -57,6 +56,7 @@ def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> C
             ends = [tuple(int(v) for v in np.round(corners[k])) for k in (a, b)]
             cv2.line(drawn, ends[0], ends[1], INK, 3, cv2.LINE_AA)
             cv2.line(drawn, ends[0], ends[1], tint.tolist(), 1, cv2.LINE_AA)
+    _number_all(drawn, result)  # no line may hide a number
     return drawn
 
 
@@ -110,6 +110,15 @@ def _titled(picture: Color, title: str) -> Color:
     strip = np.full((height, picture.shape[1], 3), 255, np.uint8)
     cv2.putText(strip, title, (6, round(height * 0.72)), FONT, height / 42, INK, 1, cv2.LINE_AA)
     return np.pad(np.vstack([strip, picture]), ((2, 2), (2, 2), (0, 0)), constant_values=255)
+
+
+def _scale(picture: Color) -> float:
+    return float(max(picture.shape[0] / 480, 0.5))
+
+
+def _number_all(picture: Color, result: Segmentation) -> None:
+    for o, tint in zip(result, palette(len(result)), strict=True):
+        _number(picture, o, tint, _scale(picture))
 
 
 def _number(picture: Color, o: ObjectMask, tint: npt.NDArray[np.uint8], scale: float) -> None:

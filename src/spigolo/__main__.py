@@ -1,0 +1,5 @@
+"""`python -m spigolo`, the same as `spigolo`."""
+
+from spigolo.cli import main
+
+main()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from spigolo.presets import preset
 from spigolo.regions import Regions
 from spigolo.rejection import judge
 
+DEMO = Path(sp.__file__).parent / "demo_scene"
 CAMERA = sp.Camera(fx=500.0, fy=500.0, cx=79.5, cy=59.5, width=160, height=120)
 
 
@@ -212,6 +214,25 @@ def test_an_oriented_box_has_the_size_and_direction_of_a_slanted_board() -> None
     corners = box.corners_m()
     assert corners.shape == (8, 3)
     assert np.ptp((corners - box.center_m) @ box.R_camera_box, axis=0) == pytest.approx(box.size_m)
+
+
+def test_a_box_follows_the_direction_it_is_given() -> None:
+    depth, mask = cuboid_depth()
+    up = np.array([0.0, np.cos(0.3), np.sin(0.3)])
+    box = fit_box(mask, depth, CAMERA, up)
+    assert box is not None
+    assert np.abs(up @ box.R_camera_box).max() == pytest.approx(1)
+    np.testing.assert_allclose(box.R_camera_box.T @ box.R_camera_box, np.eye(3), atol=1e-9)
+    assert np.linalg.det(box.R_camera_box) == pytest.approx(1)
+
+
+def test_boxes_stand_upright_on_the_support() -> None:
+    answer = sp.segment(sp.read_frame(DEMO / "rgb.png", DEMO / "depth.png", DEMO / "camera.json"))
+    assert len(answer) > 5
+    for o in answer:
+        box = o.oriented_box()
+        assert o.plane is not None and box is not None
+        assert np.abs(o.plane.normal @ box.R_camera_box).max() == pytest.approx(1)
 
 
 def test_flying_pixels_at_the_contour_do_not_blow_up_a_box() -> None:

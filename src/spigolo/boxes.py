@@ -36,9 +36,11 @@ class OrientedBox:
         return np.asarray(self.center_m + signs * self.size_m @ self.R_camera_box.T)
 
 
-def fit_box(mask: Mask, depth: DepthMap, camera: Camera) -> OrientedBox | None:
+def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = None) -> OrientedBox | None:
     """The box of the valid depth (H, W) under a mask (H, W); None where fewer than 10 pixels have any.
 
+    up: (3,) unit vector that one of its axes follows, such as the normal of what the object stands on. Without one it
+    is the direction in which the surface varies least, which is tilted where the camera sees top and sides at once.
     It covers the visible surface alone. Depth at a contour mixes object and background (flying pixels), so the rim of
     the mask and the outermost points along each axis are left out.
     """
@@ -48,18 +50,24 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera) -> OrientedBox | None:
         points = camera.back_project(depth, mask)
     if len(points) < LEAST_POINTS:
         return None
-    return _tight_box(points.astype(np.float64))
+    cloud = points.astype(np.float64)
+    return _tight_box(cloud, _flattest(cloud) if up is None else up)
 
 
-def _tight_box(points: Vectors) -> OrientedBox:
-    """Least-variance axis from the covariance, the other two from the least rectangle across it."""
+def _flattest(points: Vectors) -> Vectors:
+    """The direction in which points (N, 3) vary least."""
+    return np.asarray(np.linalg.eigh(np.cov(points.T))[1][:, 0])
+
+
+def _tight_box(points: Vectors, axis: Vectors) -> OrientedBox:
+    """The least rectangle across an axis gives the other two."""
     middle = np.median(points, axis=0)
-    _, axes = np.linalg.eigh(np.cov((points - middle).T))
-    plane = (points - middle) @ axes[:, 1:]
+    across = np.linalg.svd(axis[None, :])[2][1:].T
+    plane = (points - middle) @ across
     inside = np.all([_within_trim(p) for p in plane.T], axis=0)
     angle = np.deg2rad(cv2.minAreaRect(plane[inside].astype(np.float32))[2])
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    axes = np.column_stack([axes[:, 1:] @ turn, axes[:, 0]])
+    axes = np.column_stack([across @ turn, axis])
     low, high = np.percentile((points - middle) @ axes, [TRIM_PERCENT, 100 - TRIM_PERCENT], axis=0)
     center = middle + axes @ ((low + high) / 2)
     longest_first = np.argsort(low - high, kind="stable")

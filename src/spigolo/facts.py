@@ -19,6 +19,7 @@ from spigolo.graph import Graph
 from spigolo.kernels import moments
 from spigolo.regions import Regions
 from spigolo.stance import Stance
+from spigolo.support import Plane
 
 Labels = npt.NDArray[np.int32]
 Heights = npt.NDArray[np.floating[Any]]
@@ -46,7 +47,8 @@ class RegionFacts:
     in the region of interest, None where none is given. contour: strength of its contour in [0, 1], the mean of
     `contour_cue` along its border. cut: share of its contour on the image border; hides: share beyond which depth
     steps back; lean_deg: angle of its mean surface normal to the line of sight; None where no rule asks, and for a
-    region that is not tall or, the last two, has too little depth (`Wall`).
+    region that is not tall or, the last two, has too little depth (`Wall`). plane: the support, if there is
+    one.
     """
 
     region: int
@@ -68,6 +70,7 @@ class RegionFacts:
     lean_deg: float | None
     regions: Labels = field(repr=False)
     frame: Frame = field(repr=False)
+    plane: Plane | None = field(repr=False)
 
     @property
     def mask(self) -> Mask:
@@ -102,12 +105,14 @@ class RegionFacts:
         return self.frame.camera.back_project(self.frame.depth, self.mask)
 
     def oriented_box(self) -> OrientedBox | None:
-        """The box around its measured surface, trimmed against flying pixels.
+        """The box around its measured surface, trimmed against flying pixels; it stands upright on the support.
 
         None with fewer than 10 measured pixels, or without intrinsics.
         """
         camera = self.frame.camera
-        return None if camera is None else fit_box(self.mask, self.frame.depth, camera)
+        if camera is None:
+            return None
+        return fit_box(self.mask, self.frame.depth, camera, None if self.plane is None else self.plane.normal)
 
 
 def measure_regions(
@@ -118,11 +123,12 @@ def measure_regions(
     above: Mask | None = None,
     inside: tuple[Mask, Mask] | None = None,
     stance: Stance | None = None,
+    plane: Plane | None = None,
 ) -> list[RegionFacts]:
     """The facts of every region, by number.
 
     depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` gives it. above: (H, W), measured pixels above the
-    support. inside: pixels (H, W) in the region of interest and those that count.
+    support. inside: pixels (H, W) in the region of interest and those that count. plane: the support.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)
@@ -159,6 +165,7 @@ def measure_regions(
             lean_deg=None if stance is None else _known(stance.lean_deg[k]),
             regions=regions.labels,
             frame=frame,
+            plane=plane,
         )
         for k in range(regions.count)
     ]

@@ -80,8 +80,9 @@ class Scene:
 
     def measure(self, regions: Regions) -> list[RegionFacts]:
         """The facts of these regions."""
-        depth, contour = self.evidence.depth, self.evidence.contour
-        return measure_regions(regions, depth, self.frame, contour, self.above, self.inside, self._stance(regions))
+        e = self.evidence
+        stance = self._stance(regions)
+        return measure_regions(regions, e.depth, self.frame, e.contour, self.above, self.inside, stance, e.plane)
 
     def _stance(self, regions: Regions) -> Stance | None:
         plane, camera, rules = self.evidence.plane, self.frame.camera, self.evidence.rules

@@ -179,6 +179,13 @@ def test_without_intrinsics_the_boxes_are_found_all_the_same() -> None:
         sp.segment(bare(None), CONFIG, sp.MetricBox((0, 0, 0), (1, 1, 1)))
 
 
+def test_depth_in_millimetres_is_told() -> None:
+    frame = scene()
+    far = sp.Frame(frame.color, frame.depth * 1000, frame.camera)
+    with pytest.warns(UserWarning, match="the median depth is .* m: .* depth_scale=0.001"):
+        sp.segment(far, CONFIG)
+
+
 @pytest.mark.parametrize("name", sorted(sp.PRESETS))
 def test_a_frame_without_any_depth_has_no_objects_and_one_warning(name: str) -> None:
     with pytest.warns(UserWarning, match="no depth at all") as caught:

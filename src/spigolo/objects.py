@@ -31,6 +31,9 @@ from spigolo.roi import Roi, roi_mask
 from spigolo.stance import Stance, measure_stance
 from spigolo.support import Plane, above_mask, support_mask
 
+FARTHEST_M = 50.0
+"""No RGB-D camera sees so far."""
+SAMPLED = 8
 FACTS = tuple(RegionFacts.__dataclass_fields__)
 _facts = attrgetter(*FACTS)
 
@@ -204,13 +207,12 @@ def select_objects(
         digest=config.digest,
         left_out=("contact boundary",) if frame.camera is None and cues.edges is not None else (),
     )
-    if not frame.depth.any():
-        warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=4)
     return judge_regions(regions, frame, evidence, roi)
 
 
 def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi | None = None) -> Segmentation:
     """The answer from the regions of any method: each measured, and an object or rejected with a reason."""
+    _warn_of_depth(frame)
     plane, rules = evidence.plane, evidence.rules
     above = None
     if plane is not None and rules.support is not None and frame.camera is not None:
@@ -221,6 +223,19 @@ def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi |
         verdicts = [judge(f, rules, 1 / regions.vga_scale) for f in facts]
         return assemble(scene, facts, _reject_rims(scene, facts, verdicts))
     return assemble(scene, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
+
+
+def _warn_of_depth(frame: Frame) -> None:
+    """Of depth that leaves nothing to be found, as far as a few thousand pixels tell."""
+    if not frame.depth.any():
+        warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=5)
+        return
+    few = frame.depth[::SAMPLED, ::SAMPLED]
+    median = float(np.median(few[few > 0])) if few.any() else 0.0
+    if median > FARTHEST_M:
+        warnings.warn(
+            f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", stacklevel=5
+        )
 
 
 def _reject_rims(

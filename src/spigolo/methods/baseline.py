@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
@@ -72,8 +71,6 @@ class Baseline(ABC, Generic[C]):
 
     def __call__(self, frame: Frame) -> Segmentation:
         """The objects of a frame."""
-        if not frame.depth.any():
-            warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=2)
         regions, contour = self.divide(frame)
         rules, camera = self.config.rejection, frame.camera
         support = rules.support

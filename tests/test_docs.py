@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import pytest
 
 import spigolo as sp
@@ -104,6 +105,18 @@ def test_every_picture_is_shown_and_small() -> None:
     for picture in (ROOT / "docs" / "images").iterdir():
         assert picture.name in shown
         assert picture.stat().st_size < 200_000, picture.name
+
+
+@compiled
+def test_every_picture_can_be_drawn_again(tmp_path: Path) -> None:
+    done = run("-W", "error", ROOT / "scripts" / "draw_docs.py", "--out", tmp_path, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    held = sorted((ROOT / "docs" / "images").iterdir())
+    assert sorted(map(name, tmp_path.iterdir())) == [path.name for path in held]
+    for path in held:
+        drawn = cv2.imread(str(tmp_path / path.name))
+        assert drawn.shape == cv2.imread(str(path)).shape, f"python scripts/draw_docs.py {path.stem}"
+        assert drawn.std() > 20, path.name
 
 
 def test_every_page_is_in_the_navigation() -> None:

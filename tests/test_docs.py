@@ -69,6 +69,15 @@ def test_an_example_takes_files(path: Path, tmp_path: Path) -> None:
 
 
 @compiled
+def test_the_example_of_corrections_merges_what_was_apart(tmp_path: Path) -> None:
+    done = run(ROOT / "examples" / "04_correct_by_hand.py", "--out", tmp_path, folder=tmp_path)
+    merged = re.findall(r": (\d+) px and (\d+) px are (\d+) px", done.stdout)
+    assert len(merged) == 2
+    for one, other, both in merged:
+        assert int(one) + int(other) == int(both)
+
+
+@compiled
 def test_the_page_of_bad_input_is_what_is_said_now() -> None:
     done = run(ROOT / "scripts" / "bad_inputs.py", folder=ROOT)
     assert done.returncode == 0, done.stderr

@@ -135,6 +135,12 @@ def test_every_page_is_in_the_navigation() -> None:
     )
 
 
+def test_the_first_page_leads_to_every_other() -> None:
+    first = ROOT / "docs" / "index.md"
+    led = set(LINK.findall(first.read_text(encoding="utf-8").partition("## Where to read on")[2]))
+    assert {p.name for p in PAGES if p.parent == first.parent} - {first.name} == {p for p in led if p.endswith(".md")}
+
+
 def test_every_public_name_is_on_the_page_of_python() -> None:
     page = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
     told = set(re.findall(r"^::: spigolo\.\w+\.(\w+)$", page, flags=re.MULTILINE))

@@ -18,6 +18,7 @@ import spigolo as sp
 ROOT = Path(__file__).resolve().parents[1]
 SCENE = Path(sp.__file__).parent / "demo_scene"
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+SCRIPTS = sorted((ROOT / "scripts").glob("*.py"))
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 
@@ -75,6 +76,14 @@ def test_the_example_of_corrections_merges_what_was_apart(tmp_path: Path) -> Non
     assert len(merged) == 2
     for one, other, both in merged:
         assert int(one) + int(other) == int(both)
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=name)
+def test_a_script_says_what_it_takes(path: Path, tmp_path: Path) -> None:
+    done = run(path, "--help", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"usage: {path.name}")
+    assert run(path, "--no-such-flag", folder=tmp_path).returncode == 2
 
 
 @compiled

@@ -125,17 +125,23 @@ def soft_boundary(frame: sp.Frame) -> Color:
 
 
 def larger_end(frame: sp.Frame) -> Color:
-    """Eq. 23 with the larger of both ends and with the first one, on a thin map."""
+    """Eq. 23 with the larger of both ends and with the first one, on a thin map.
+
+    Of the preset that is 8-connected: on a 4-connected grid no edge slips diagonally through a thin line.
+    """
     pictures = {}
     for ends, title in (("max", "larger of both ends"), ("i", "first end, as printed")):
-        run = sp.trace(frame, sp.OBJECTS.replace(**{"edges.boundary": "thin", "cost.ends": ends}))
+        run = sp.trace(frame, sp.OBJECTS_1.replace(**{"edges.boundary": "thin", "cost.ends": ends}))
         pictures[f"{title}: {run.regions.count} regions"] = region_picture(run.regions.labels)[40:420]
     return tile(pictures, columns=2)
 
 
 def depth_contours(frame: sp.Frame) -> Color:
-    """Boundaries and regions with and without depth contours; without the support plane, which closes feet too."""
-    with_them = sp.OBJECTS.replace(**{"rejection.support": None})
+    """Boundaries and regions with and without depth contours; without the support plane, which closes feet too.
+
+    Nor is anything joined, as joining asks what stands on the plane.
+    """
+    with_them = sp.OBJECTS.replace(joining=None, **{"rejection.support": None})
     pictures = {}
     for title, config in {
         "without": with_them.replace(**{"edges.depth_contours": None}),
@@ -148,8 +154,9 @@ def depth_contours(frame: sp.Frame) -> Color:
 
 
 def support_plane(frame: sp.Frame) -> Color:
-    """Objects with and without the support plane, and the plane."""
-    found, without = sp.segment(frame), sp.segment(frame, sp.OBJECTS.replace(**{"rejection.support": None}))
+    """Objects with and without the support plane, and the plane; of a preset that has no rule for walls."""
+    found = sp.segment(frame, sp.OBJECTS_1)
+    without = sp.segment(frame, sp.OBJECTS_1.replace(**{"rejection.support": None}))
     plane = (frame.color * np.float32(0.45)).astype(np.uint8)
     assert found.support is not None
     plane[found.support] = (0.6 * frame.color[found.support] + 0.4 * np.array(CONTACT)).astype(np.uint8)

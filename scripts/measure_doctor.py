@@ -1,13 +1,15 @@
 """How often the doctor finds what is wrong with a frame, and how often it complains about a good one.
 
-Every frame is spoilt in eleven ways; near-identical frames count once. Depth and colour that are shifted or mirrored
-are looked for in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the good frame.
+Every frame is spoilt in each of the ways in SPOILT; near-identical frames count once. Depth and colour that are shifted
+or mirrored are looked for in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the
+good frame.
 
-    python scripts/measure_doctor.py [folder with splits.json]
+    python scripts/measure_doctor.py [FOLDER]
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import sys
@@ -22,6 +24,7 @@ from spigolo import Camera, Frame, read_frame
 from spigolo.doctor import diagnose
 from spigolo.doctor.alignment import MIN_CONTOUR_PX, count_contours, depth_contours
 
+DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "frames"
 VGA_PX2 = 640 * 480
 
 
@@ -82,7 +85,17 @@ def distinct(folder: Path) -> list[str]:
     return [name for name in splits["dev"] + splits["unlabelled"] if name not in repeated]
 
 
-def main(folder: Path) -> None:
+def main() -> None:
+    parser = argparse.ArgumentParser(description="How often the doctor is right about spoilt and about good frames.")
+    parser.add_argument("folder", nargs="?", type=Path, default=DATA, help="with splits.json; default: %(default)s")
+    folder = parser.parse_args().folder
+    if not (folder / "splits.json").is_file():
+        parser.error(f"expected splits.json in {folder}; SPIGOLO_DATA names the data folder")
+    measure(folder)
+
+
+def measure(folder: Path) -> None:
+    """Prints what is found and what is complained about without cause; what is missed goes to stderr."""
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}
     seconds = []
@@ -112,5 +125,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    shared = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data"))
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else shared / "frames")
+    main()

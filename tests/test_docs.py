@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import pytest
 
 import spigolo as sp
@@ -17,6 +18,7 @@ import spigolo as sp
 ROOT = Path(__file__).resolve().parents[1]
 SCENE = Path(sp.__file__).parent / "demo_scene"
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
+SCRIPTS = sorted((ROOT / "scripts").glob("*.py"))
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 
@@ -68,6 +70,23 @@ def test_an_example_takes_files(path: Path, tmp_path: Path) -> None:
 
 
 @compiled
+def test_the_example_of_corrections_merges_what_was_apart(tmp_path: Path) -> None:
+    done = run(ROOT / "examples" / "04_correct_by_hand.py", "--out", tmp_path, folder=tmp_path)
+    merged = re.findall(r": (\d+) px and (\d+) px are (\d+) px", done.stdout)
+    assert len(merged) == 2
+    for one, other, both in merged:
+        assert int(one) + int(other) == int(both)
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=name)
+def test_a_script_says_what_it_takes(path: Path, tmp_path: Path) -> None:
+    done = run(path, "--help", folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"usage: {path.name}")
+    assert run(path, "--no-such-flag", folder=tmp_path).returncode == 2
+
+
+@compiled
 def test_the_page_of_bad_input_is_what_is_said_now() -> None:
     done = run(ROOT / "scripts" / "bad_inputs.py", folder=ROOT)
     assert done.returncode == 0, done.stderr
@@ -106,11 +125,29 @@ def test_every_picture_is_shown_and_small() -> None:
         assert picture.stat().st_size < 200_000, picture.name
 
 
+@compiled
+def test_every_picture_can_be_drawn_again(tmp_path: Path) -> None:
+    done = run("-W", "error", ROOT / "scripts" / "draw_docs.py", "--out", tmp_path, folder=tmp_path)
+    assert done.returncode == 0, done.stderr
+    held = sorted((ROOT / "docs" / "images").iterdir())
+    assert sorted(map(name, tmp_path.iterdir())) == [path.name for path in held]
+    for path in held:
+        drawn = cv2.imread(str(tmp_path / path.name))
+        assert drawn.shape == cv2.imread(str(path)).shape, f"python scripts/draw_docs.py {path.stem}"
+        assert drawn.std() > 20, path.name
+
+
 def test_every_page_is_in_the_navigation() -> None:
     navigation = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("nav:")[2].partition("plugins:")[0]
     assert sorted(re.findall(r": (\S+\.md)$", navigation, flags=re.MULTILINE)) == sorted(
         p.name for p in PAGES if p.parent.name == "docs"
     )
+
+
+def test_the_first_page_leads_to_every_other() -> None:
+    first = ROOT / "docs" / "index.md"
+    led = set(LINK.findall(first.read_text(encoding="utf-8").partition("## Where to read on")[2]))
+    assert {p.name for p in PAGES if p.parent == first.parent} - {first.name} == {p for p in led if p.endswith(".md")}
 
 
 def test_every_public_name_is_on_the_page_of_python() -> None:

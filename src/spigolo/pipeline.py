@@ -32,7 +32,7 @@ class Trace:
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segments a frame and keeps what each stage made. workspace: scratch kept between frames, one per thread."""
     check_config(config)
-    cues = gather_cues(frame, config)  # eqs. 5-21
+    cues = gather_cues(frame, config)  # eqs. 5-8, 10-21
     color = color_points(frame.color, config.color)  # eq. 4
     graph = weigh(cues, color, config.partition.connectivity, config.depth)  # eqs. 9, 22 or 23
     del color  # three times as large as another cue, and not needed again

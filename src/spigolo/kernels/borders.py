@@ -36,7 +36,8 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     labels (H, W) int32; number (R,) int32: 0..S-1, or -1 for a region that is left out; depth, boundary (H, W).
     sums (S, S, 6) float64, zero before, at [a, b]: pairs of 4-neighbours on the border, those with depth on both sides
     and between, |difference of depth| (m), how far b lies behind a (m), depth of the border behind the chord of both
-    samples (m), larger boundary of each pair. Lengths are clipped.
+    samples (m), larger boundary of each pair. Lengths are clipped. A pair counts only where both samples lie in the
+    image and in the regions that meet there.
     """
     height, width = labels.shape
     for y in range(height):

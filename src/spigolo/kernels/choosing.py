@@ -1,7 +1,7 @@
 """Which edges are sorted: all but those that can join nothing. docs/performance.md says why each kind may be left out.
 
-Three kinds are: edges inside a region or of one that is final, edges whose ends others connect before (detours), edges
-between regions of which one can no longer merge.
+Three kinds are: edges inside one region; edges at a region that is final, told by its bound before they are collected
+and by its own lightest edge after; edges whose ends others connect before (detours).
 """
 
 from __future__ import annotations

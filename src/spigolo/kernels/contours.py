@@ -108,8 +108,8 @@ def mark_contours(
     """Marks depth steps and concave creases, looked for in the four directions of the grid.
 
     A step bends by max(step_m, step_per_m d^2) or more over step_px; a crease is a contact by the signed angle of
-    eqs. 14-19 over crease_px. A step is marked only where the pixel or a sample of it is valid in depth (H, W);
-    samples come from filled, the same with its shadows filled, in metres. camera (fx, fy, cx, cy);
+    eqs. 14-19 over crease_px. Either is marked only where the pixel or one of its two samples at step_px is valid in
+    depth (H, W); samples come from filled, the same with its shadows filled, in metres. camera (fx, fy, cx, cy);
     steps, creases (H, W) uint8, zero where nothing is written.
     """
     height, width = depth.shape

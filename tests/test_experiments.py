@@ -49,7 +49,7 @@ from spigolo.experiments import (
 )
 from spigolo.experiments.contenders import pair_up
 from spigolo.experiments.page import Cell, Gallery, Page, Picture, Table, to_html, to_markdown, to_text
-from spigolo.experiments.pictures import worst_rows
+from spigolo.experiments.pictures import WORST, worst_rows
 from spigolo.view.truth import FOUND, MISSED, truth_picture
 from test_objects import scene
 
@@ -569,7 +569,7 @@ def test_the_worst_frames_come_first_one_of_each_group() -> None:
         row("f", score=None),
     ]
     assert [one.frame for one in worst_rows(rows)] == ["b", "d", "a"]
-    assert [one.frame for one in worst_rows(rows, 1)] == ["b"]
+    assert len(worst_rows([replace(rows[0], group=str(k)) for k in range(WORST + 1)])) == WORST
 
 
 def test_a_truth_picture_outlines_what_was_found_in_another_colour() -> None:

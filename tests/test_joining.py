@@ -10,7 +10,7 @@ import pytest
 import naive
 import spigolo as sp
 from spigolo import joining
-from spigolo.config import Cap, Smooth, Vessel
+from spigolo.additions import Cap, Smooth, Vessel
 from spigolo.cues import gather_cues
 from spigolo.facts import find_level, measure_regions, measure_rim
 from spigolo.joining import join_parts

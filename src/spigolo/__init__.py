@@ -19,6 +19,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from spigolo.additions import DepthContours, Joining, Support, Wall
     from spigolo.boxes import OrientedBox
     from spigolo.config import (
         AutoCost,
@@ -26,17 +27,13 @@ if TYPE_CHECKING:
         Color,
         Config,
         Depth,
-        DepthContours,
         Edges,
         Inpainting,
-        Joining,
         Partition,
         Rejection,
         Saliency,
         SaliencyCost,
         Smoothing,
-        Support,
-        Wall,
     )
     from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError
     from spigolo.facts import RegionFacts
@@ -55,8 +52,9 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "config": "AutoCost BoundaryCost Color Config Depth DepthContours Edges Inpainting Joining Partition Rejection"
-    " Saliency SaliencyCost Smoothing Support Wall",
+    "additions": "DepthContours Joining Support Wall",
+    "config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency SaliencyCost"
+    " Smoothing",
     "errors": "CameraError ConfigError FileError FrameError SpigoloError",
     "frame": "Camera Frame",
     "io": "read_camera read_frame",

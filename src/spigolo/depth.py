@@ -86,7 +86,7 @@ def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
     """
     depth = depth.copy()
     if config.sampling_holes:
-        _close(depth, np.flatnonzero(_narrow(missing_mask(depth))), 2, config)
+        _close(depth, np.flatnonzero(sampling_holes(missing_mask(depth))), 2, config)
     gaps, scale = find_gaps(depth), depth.size / VGA_PX2
     max_radius = config.max_radius_px * scale**0.5
     radius = np.zeros(len(gaps), np.float32)
@@ -100,9 +100,9 @@ def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
     return depth
 
 
-def _narrow(missing: Mask) -> Mask:
-    """Missing pixels that no 3x3 window of missing pixels holds: holes of one or two pixels' width."""
-    wide = cv2.morphologyEx(missing.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+def sampling_holes(missing: Mask) -> Mask:
+    """Missing pixels (H, W) that no 3x3 window of missing pixels holds: holes of one or two pixels' width."""
+    wide = cv2.morphologyEx(missing.view(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     return np.asarray(missing & (wide == 0))
 
 

@@ -12,8 +12,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.additions import DepthContours
 from spigolo.camera import kernel_numbers
-from spigolo.config import DepthContours, Edges
+from spigolo.config import Edges
 from spigolo.frame import Camera, Color, DepthMap, Mask
 from spigolo.kernels import contours as contour_kernel
 from spigolo.kernels import edges as kernel

@@ -20,7 +20,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Config, Joining, Support
+from spigolo.additions import Joining, Support
+from spigolo.config import Config
 from spigolo.cues import Cues
 from spigolo.frame import Frame
 from spigolo.kernels import borders, moments

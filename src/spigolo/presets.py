@@ -9,24 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from spigolo.config import (
-    BoundaryCost,
-    Cap,
-    Config,
-    Depth,
-    DepthContours,
-    Edges,
-    Inpainting,
-    Joining,
-    Partition,
-    Rejection,
-    SaliencyCost,
-    Smooth,
-    Smoothing,
-    Support,
-    Vessel,
-    Wall,
-)
+from spigolo.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
+from spigolo.config import BoundaryCost, Config, Depth, Edges, Inpainting, Partition, Rejection, SaliencyCost, Smoothing
 from spigolo.errors import ConfigError
 from spigolo.parameters import parse_toml
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from enum import Enum
 
-from spigolo.config import Rejection, Wall
+from spigolo.additions import Wall
+from spigolo.config import Rejection
 from spigolo.facts import RegionFacts
 from spigolo.roi import LEAST_INSIDE
 

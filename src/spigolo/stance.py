@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.additions import Wall
 from spigolo.camera import Camera, kernel_numbers
-from spigolo.config import Wall
 from spigolo.frame import DepthMap, Mask
 from spigolo.kernels import borders, planes
 from spigolo.regions import Regions

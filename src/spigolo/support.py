@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Support
+from spigolo.additions import Support
 from spigolo.frame import Camera, DepthMap, Mask
 from spigolo.kernels import planes as kernel
 

@@ -13,6 +13,7 @@ from spigolo.depth import inpaint_small_gaps, prepare_depth, smooth
 from spigolo.edges import find_edges
 from spigolo.frame import Frame
 from spigolo.graph import weigh
+from spigolo.joining import join_parts
 from spigolo.objects import select_objects
 from spigolo.regions import partition
 from spigolo.saliency import saliency_cue
@@ -21,7 +22,7 @@ from spigolo.workspace import Workspace
 
 T = TypeVar("T")
 
-STAGES = ("cues", "weights", "partition", "objects")
+STAGES = ("cues", "weights", "partition", "joining", "objects")
 PARTS = ("in-painting", "smoothing", "support plane", "colour", "saliency", "edges")
 """Of the cues; the rest of the cues is the support plane's contour, where there is one, and small."""
 
@@ -59,7 +60,8 @@ def _run_stages(frame: Frame, config: Config, workspace: Workspace, clock: Clock
     cues, color = clock("cues", lambda: (gather_cues(frame, config), color_points(frame.color, config.color)))
     graph = clock("weights", lambda: weigh(cues, color, config.partition.connectivity, config.depth))
     regions = clock("partition", lambda: partition(graph, config.partition, workspace))
-    clock("objects", lambda: select_objects(regions, graph, cues, frame, config))
+    joined = clock("joining", lambda: join_parts(regions, cues, frame, config))
+    clock("objects", lambda: select_objects(joined, graph, cues, frame, config))
 
 
 def _run_parts(frame: Frame, config: Config, clock: Clock) -> None:

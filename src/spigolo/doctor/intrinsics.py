@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Support
+from spigolo.additions import Support
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.doctor.local_planes import LocalPlanes, fit_local_planes
 from spigolo.frame import Camera, DepthMap

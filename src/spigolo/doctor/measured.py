@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
-from spigolo.depth import find_gaps, missing_mask
+from spigolo.depth import find_gaps, missing_mask, sampling_holes
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.doctor.local_planes import fit_local_planes
 from spigolo.frame import DepthMap, Frame
@@ -61,12 +60,10 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
     say = note if share > MUCH_MISSING else fine
     places = f"{border:.1%} at the border, {large - border:.1%} in large gaps inside, {share - large:.1%} in small ones"
     findings = [say(MISSING, f"{share:.1%} of depth is missing: {places}")]
-    narrow = missing & (cv2.morphologyEx(missing.view(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8)) == 0)
-    if narrow.mean() > HOLES:
+    holes = sampling_holes(missing).mean()
+    if holes > HOLES:
         why = "the grid that a depth map warped to a larger colour image shows; in-painting closes them"
-        findings.append(
-            note("sampling holes", f"{narrow.mean():.1%} of the frame is holes of one or two pixels, {why}")
-        )
+        findings.append(note("sampling holes", f"{holes:.1%} of the frame is holes of one or two pixels, {why}"))
     return findings
 
 

@@ -23,17 +23,11 @@ from spigolo.evaluation.matching import (
     overlap_table,
     pair_by_f,
 )
-from spigolo.evaluation.measures import (
-    DatasetScore,
-    FrameScore,
-    format_table,
-    score_frame,
-    summarise,
-    wilson_interval,
-)
+from spigolo.evaluation.measures import FrameScore, score_frame
 from spigolo.evaluation.pooling import Difference, Pooled, compare, pool
-from spigolo.evaluation.resampling import Estimate, Split, bootstrap, folds, leave_one_set_out
+from spigolo.evaluation.resampling import Estimate, Split, bootstrap, folds, leave_one_set_out, wilson_interval
 from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, read_rows, row_to_json, score_row
+from spigolo.evaluation.summary import DatasetScore, format_table, summarise
 
 __all__ = [
     "DatasetScore",

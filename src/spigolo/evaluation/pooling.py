@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from spigolo.evaluation.measures import FOUND_SHARE, wilson_interval
-from spigolo.evaluation.resampling import UNKNOWN, Estimate, bootstrap
+from spigolo.evaluation.measures import FOUND_SHARE
+from spigolo.evaluation.resampling import UNKNOWN, Estimate, bootstrap, wilson_interval
 from spigolo.evaluation.rows import Row, RowScore
 
 Floats = NDArray[np.float64]
@@ -81,7 +81,6 @@ class Pooled:
 
     cpu_median_s: float
     cpu_mean_s: float
-    wall_median_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +109,6 @@ def pool(rows: Sequence[Row]) -> Pooled:
     complete = bool(scored) and all(row.labelling == "full" for row in scored)
     hits, objects = _total(scored, lambda s: s.true_positives), _total(scored, lambda s: s.n_objects)
     cpu = [row.cpu_s for row in rows if row.cpu_s is not None]
-    wall = [row.wall_s for row in rows if row.wall_s is not None]
 
     def where_complete(figure: Figure) -> float:
         return _mean(scored, figure).value if complete else math.nan
@@ -140,7 +138,6 @@ def pool(rows: Sequence[Row]) -> Pooled:
         leaks=_share(scored, lambda s: s.leaks),
         cpu_median_s=float(np.median(cpu)) if cpu else math.nan,
         cpu_mean_s=float(np.mean(cpu)) if cpu else math.nan,
-        wall_median_s=float(np.median(wall)) if wall else math.nan,
     )
 
 

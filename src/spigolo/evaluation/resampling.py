@@ -113,3 +113,20 @@ def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hasha
     held = {groups[i] for i in outside}
     inside = [i for i in range(count) if groups[i] not in held]
     return Split(name, np.array(inside, np.intp), np.array(sorted(outside), np.intp))
+
+
+def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
+    """Wilson's score interval of a share: `hits` out of `n`, at `z` standard deviations (1.96 = 95 %).
+
+    Honest for few trials and for shares near 0 or 1. Nothing is known without trials: (0, 1). Counts need not be whole:
+    trials that are near-identical may weigh less.
+    Trials are taken as independent; objects of one frame are not quite.
+    """
+    if not 0 <= hits <= n or not z >= 0:
+        raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts")
+    if n == 0:
+        return 0.0, 1.0
+    share, spread = hits / n, z * z / n
+    centre = (share + spread / 2) / (1 + spread)
+    half = math.sqrt(share * (1 - share) * spread + spread * spread / 4) / (1 + spread)
+    return max(0.0, centre - half), min(1.0, centre + half)

@@ -37,13 +37,13 @@ def goodness(row: Row) -> float:
     return row.score.overlap_f if row.labelling == "full" else row.score.overlap_recall
 
 
-def worst_rows(rows: Sequence[Row], count: int = WORST) -> list[Row]:
+def worst_rows(rows: Sequence[Row]) -> list[Row]:
     """The worst labelled frames, the worst first; of near-identical ones the worst alone. Failed ones are left out."""
     scored = (row for row in rows if row.score is not None and row.error is None)
     chosen: dict[str, Row] = {}
     for row in sorted(scored, key=lambda row: (goodness(row), row.key)):
         chosen.setdefault(row.group, row)
-    return list(chosen.values())[:count]
+    return list(chosen.values())[:WORST]
 
 
 def draw_worst(

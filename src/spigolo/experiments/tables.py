@@ -31,8 +31,6 @@ FIGURES = (
 BRIEF = ("frames", "overlap F", "boundary F", "F@.75", FOUND, "CPU time")
 """What fits a terminal."""
 
-CHANGES = ("frames", "overlap F", "boundary F", "F@.75", FOUND, "CPU time")
-
 
 def pooled_table(contenders: Sequence[Contender]) -> Table:
     """Accuracy beside time over all sets together."""
@@ -64,7 +62,7 @@ def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
             if before and after and (difference := compare(before, after)).n_frames:
                 method = Cell(other.label, f"to {first.label}" if several else "")
                 rows.append([Cell(name), method, *_change_cells(difference)])
-    return Table(("data set", "method", *CHANGES), rows, names=2)
+    return Table(("data set", "method", *BRIEF), rows, names=2)
 
 
 def rejection_table(contenders: Sequence[Contender]) -> Table:

@@ -8,7 +8,7 @@ import os
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import cv2
 import numpy as np
@@ -175,6 +175,21 @@ def write_png(path: PathLike, image: Image) -> None:
 def write_json(path: PathLike, values: Any) -> None:
     """Writes JSON, indented."""
     write_bytes(path, (json.dumps(values, indent=1, allow_nan=False) + "\n").encode())
+
+
+def append_lines(path: Path) -> BinaryIO:
+    """A file of lines, open to append, its folder made; a last line without its end is what a crash left, and is cut.
+
+    Raises FileError.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = path.open("ab+")
+        file.seek(0)
+        file.seek(file.truncate(file.read().rfind(b"\n") + 1))
+    except OSError as error:
+        raise FileError(f"could not write {path}: {error.strerror or error}") from None
+    return file
 
 
 def write_bytes(path: PathLike, data: bytes) -> None:

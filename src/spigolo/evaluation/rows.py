@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +20,7 @@ from spigolo.errors import FileError
 from spigolo.evaluation.checks import checked_pair
 from spigolo.evaluation.matching import OverlapTable, overlap_table
 from spigolo.evaluation.measures import score_frame
+from spigolo.io import append_lines
 
 PIECE = 0.05
 """A region with a smaller share of an object is no piece of it."""
@@ -238,18 +239,7 @@ class RowFile:
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
         self.rows = read_rows(self.path) if self.path.exists() else []  # before anything is changed
-        self._file = self._open()
-
-    def _open(self) -> BinaryIO:
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            file = self.path.open("ab+")
-            file.seek(0)
-            whole = file.read().rfind(b"\n") + 1
-            file.truncate(whole)
-        except OSError as error:
-            raise FileError(f"could not write {self.path}: {error.strerror or error}") from None
-        return file
+        self._file = append_lines(self.path)
 
     def append(self, row: Row) -> None:
         """Writes a row and keeps it."""

@@ -13,11 +13,12 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from types import TracebackType
-from typing import Any, TextIO
+from typing import Any
 
 from spigolo.errors import FileError
 from spigolo.evaluation.rows import Labelling, Row, RowScore
 from spigolo.fitting.spaces import Setting
+from spigolo.io import append_lines
 
 SHARES = ("overlap_precision", "overlap_recall", "boundary_precision", "boundary_recall", "f75", "leaks")
 COUNTS = ("n_segments", "true_positives", "found_70_recall", "found_70_both", "pieces")
@@ -115,19 +116,9 @@ class TrialFile:
                     f"expected trials of {_describe(subject)} in {path}, got {got}: give another folder with --out"
                 )
             self.trials = list(held.trials)
-        self._file = self._open(path)
+        self._file = append_lines(path)
         if not self._file.tell():
             self._write(asdict(subject))
-
-    def _open(self, path: Path) -> TextIO:
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with path.open("ab+") as file:
-                file.seek(0)
-                file.truncate(file.read().rfind(b"\n") + 1)
-            return path.open("a", encoding="utf-8", newline="\n")
-        except OSError as error:
-            raise FileError(f"could not write {path}: {error.strerror or error}") from None
 
     def append(self, trial: Trial) -> None:
         """Writes a trial, and keeps it as it reads back."""
@@ -136,7 +127,7 @@ class TrialFile:
         self.trials.append(_unpack_trial(packed, self._subject, trial.number))
 
     def _write(self, values: dict[str, Any]) -> None:
-        self._file.write(json.dumps(values, separators=(",", ":")) + "\n")
+        self._file.write(json.dumps(values, separators=(",", ":")).encode() + b"\n")
         self._file.flush()
 
     def __enter__(self) -> TrialFile:

@@ -2,9 +2,11 @@
 PYTHON ?= python3
 VENV := .venv
 ORACLE := .venv-oracle
+OLDEST := .venv-oldest
+CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check fast format docs clean table-1 table-2 table-3
+.PHONY: help demo test check fast oldest format docs clean table-1 table-2 table-3
 
 help:  ## this list
 	@grep -E '^[a-z0-9-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -24,6 +26,9 @@ check: $(VENV)/.developing  ## style, types, import contract
 fast: $(VENV)/.developing  ## tests without real frames and without the oracle
 	$(BIN)/python -m pytest -m "not frames and not oracle"
 
+oldest: $(OLDEST)/.installed  ## tests of the core with the oldest versions that pyproject.toml names
+	$(OLDEST)/bin/python -m pytest $(CORE:%=tests/test_%.py)
+
 format: $(VENV)/.developing  ## put the source in its form
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
@@ -41,7 +46,7 @@ table-3: $(VENV)/.developing  ## Table III
 	$(BIN)/python scripts/paper_tables.py 3
 
 clean:  ## remove the environments
-	rm -rf $(VENV) $(ORACLE)
+	rm -rf $(VENV) $(ORACLE) $(OLDEST)
 
 $(VENV)/pyvenv.cfg:
 	$(PYTHON) -m venv $(VENV)
@@ -63,4 +68,11 @@ $(VENV)/.documenting: $(VENV)/pyvenv.cfg pyproject.toml
 $(ORACLE)/.installed: Makefile
 	$(PYTHON) -m venv $(ORACLE)
 	$(ORACLE)/bin/python -m pip install --quiet "opencv-contrib-python-headless>=4.8" "scikit-image>=0.22"
+	@touch $@
+
+$(OLDEST)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(OLDEST)
+	sed -n '/^dependencies/,/^]/s/^ *"\(.*\)>=\([0-9.]*\).*/\1==\2.*/p' pyproject.toml > $(OLDEST)/oldest.txt
+	$(OLDEST)/bin/python -m pip install --quiet --requirement $(OLDEST)/oldest.txt pytest hypothesis pyyaml scipy
+	$(OLDEST)/bin/python -m pip install --quiet --no-deps --editable .
 	@touch $@

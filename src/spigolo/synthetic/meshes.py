@@ -32,10 +32,6 @@ FloatArray = npt.NDArray[np.float64]
 Rectangle = tuple[float, float, float, float]  # left, top, right, bottom in texture coordinates
 
 
-LATHE_FACETS, TUBE_FACETS = 96, 16
-"""Round the axis of what is turned, and round a tube."""
-
-
 @dataclass(frozen=True)
 class Mesh:
     """A triangle mesh: vertices (N, 3) in metres, unit normals (N, 3), uv (N, 2), triangles (M, 3)."""
@@ -57,22 +53,22 @@ def line(*points: tuple[float, float]) -> FloatArray:
     return np.array(points, dtype=np.float64)
 
 
-def lathe(sections: Sequence[FloatArray]) -> Mesh:
+def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     """Turn a profile about z.
 
     sections: smooth stretches of the profile, each (K, 2) of (r, z) in metres, with a sharp edge between one and
-    the next; the solid is on the left hand of who walks along it. In the
-    texture u goes once round the axis, v from 1 at the lowest point to 0 at the highest.
+    the next; the solid is on the left hand of who walks along it. around: number of facets round the axis.
+    In the texture u goes once round the axis, v from 1 at the lowest point to 0 at the highest.
     """
     lowest, highest = min(p[:, 1].min() for p in sections), max(p[:, 1].max() for p in sections)
-    turn = np.linspace(0.0, 1.0, LATHE_FACETS + 1)  # the seam's vertices are there twice, for u = 0 and u = 1
+    turn = np.linspace(0.0, 1.0, around + 1)  # the seam's vertices are there twice, for u = 0 and u = 1
     cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     parts = []
     for profile in sections:
         tangent = np.gradient(profile, axis=0)
         outward = np.column_stack([tangent[:, 1], -tangent[:, 0]])
         outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-        r, z = profile[:, :1], np.repeat(profile[:, 1:], LATHE_FACETS + 1, axis=1)
+        r, z = profile[:, :1], np.repeat(profile[:, 1:], around + 1, axis=1)
         vertices = np.stack([r * cos, r * sin, z], axis=-1)
         normals = np.stack([outward[:, :1] * cos, outward[:, :1] * sin, 0 * z + outward[:, 1:]], axis=-1)
         # Textures repeat, so v keeps off 0 and 1, where filtering would mix the first row with the last.
@@ -82,14 +78,14 @@ def lathe(sections: Sequence[FloatArray]) -> Mesh:
     return joined(parts)
 
 
-def tube(path_m: npt.ArrayLike, radius_m: float) -> Mesh:
+def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
     """Sweep a circle along a path (K, 3) that lies in the x-z plane, such as the handle of a mug."""
     path = np.asarray(path_m, dtype=np.float64)
     tangent = np.gradient(path, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     side = np.array([0.0, 1.0, 0.0])
     up = np.cross(side, tangent)
-    turn = np.linspace(0.0, 2 * np.pi, TUBE_FACETS + 1)
+    turn = np.linspace(0.0, 2 * np.pi, around + 1)
     normals = np.cos(turn)[:, None] * up[:, None] + np.sin(turn)[:, None] * side
     shape = normals.shape[:2]
     uv = np.stack(np.broadcast_arrays(np.zeros(shape), np.linspace(0, 1, shape[0])[:, None]), axis=-1)

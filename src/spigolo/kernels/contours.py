@@ -21,20 +21,20 @@ def fill_shadows(depth, max_run, out):
     """
     height, width = depth.shape
     for y in range(height):
-        last = 0.0
-        x = 0
+        row, filled, x = depth[y], out[y], 0
         while x < width:
+            if row[x] != 0.0:
+                filled[x] = row[x]
+                x += 1
+                continue
             end = x
-            while end < width and depth[y, end] == 0.0:
+            while end < width and row[end] == 0.0:
                 end += 1
-            after = depth[y, end] if end < width else 0.0
-            known = last > 0.0 and after > 0.0 and end - x <= max_run
-            background = max(last, after) if known else 0.0
-            out[y, x:end] = background
-            if end < width:
-                out[y, end] = after
-            last = after
-            x = end + 1
+            known = x > 0 and end < width and end - x <= max_run
+            background = max(row[x - 1], row[end]) if known else row[x]
+            for k in range(x, end):
+                filled[k] = background
+            x = end
 
 
 @inlined

@@ -11,15 +11,6 @@ DARK_BELOW = 24
 
 
 @inlined
-def run_end(row, first):
-    """Where the run of equal labels that begins at `first` ends, exclusive."""
-    end = first + 1
-    while end < row.size and row[end] == row[first]:
-        end += 1
-    return end
-
-
-@inlined
 def sum_squares(end):
     """0^2 + 1^2 + ... + (end - 1)^2."""
     return (end - 1.0) * end * (2.0 * end - 1.0) / 6.0
@@ -34,30 +25,48 @@ def spread(of_region, labels, out):
             row[x] = of_region[label[x]]
 
 
+@inlined
+def add_run(sums, box, y, first, end):
+    """Adds columns first..end - 1 of row y to the moments (6,) and the box (4,) of their region, in closed form."""
+    n = float(end - first)
+    sum_x = n * (first + end - 1.0) / 2.0
+    sums[0] += n
+    sums[1] += n * y
+    sums[2] += sum_x
+    sums[3] += n * y * y
+    sums[4] += y * sum_x
+    sums[5] += sum_squares(end) - sum_squares(first)
+    box[0], box[1], box[2], box[3] = min(box[0], y), min(box[1], first), y + 1, max(box[3], end)
+
+
 @kernel
 def sum_regions(labels, sums, boxes):
     """Count and first and second moments of the pixel coordinates, and the box of every region.
 
     labels (H, W) int32; sums (R, 6) float64 = n, sum y, sum x, sum yy, sum yx, sum xx, zero before;
-    boxes (R, 4) int32 = first row, first column, last row + 1, last column + 1. Run by run, in closed form.
+    boxes (R, 4) int32 = first row, first column, last row + 1, last column + 1. Run of equal labels by run.
     """
     height, width = labels.shape
     boxes[:, 0], boxes[:, 1] = height, width
     boxes[:, 2], boxes[:, 3] = 0, 0
     for y in range(height):
-        first = 0
-        while first < width:
-            end = run_end(labels[y], first)
-            sum_, box, n = sums[labels[y, first]], boxes[labels[y, first]], float(end - first)
-            sum_x = n * (first + end - 1.0) / 2.0
-            sum_[0] += n
-            sum_[1] += n * y
-            sum_[2] += sum_x
-            sum_[3] += n * y * y
-            sum_[4] += y * sum_x
-            sum_[5] += sum_squares(end) - sum_squares(first)
-            box[0], box[1], box[2], box[3] = min(box[0], y), min(box[1], first), y + 1, max(box[3], end)
-            first = end
+        row, first = labels[y], 0
+        region = row[0]
+        for x in range(1, width):
+            if row[x] != region:
+                add_run(sums[region], boxes[region], y, first, x)
+                region, first = row[x], x
+        add_run(sums[region], boxes[region], y, first, width)
+
+
+@inlined
+def add_points(sums, y, n, sum_z, sum_xz, camera):
+    """Adds the n points of a run in row y to the sums (4,) of their region."""
+    fx, fy, cx, cy = camera
+    sums[0] += n
+    sums[1] += (sum_xz - cx * sum_z) / fx
+    sums[2] += (y - cy) * sum_z / fy
+    sums[3] += sum_z
 
 
 @kernel
@@ -66,38 +75,32 @@ def sum_depth(labels, depth, camera, sums):
 
     sums (R, 4) float64 = n, sum X, sum Y, sum Z, zero before.
     """
-    height, width = labels.shape
-    fx, fy, cx, cy = camera
-    for y in range(height):
-        first = 0
-        while first < width:
-            end = run_end(labels[y], first)
-            n, sum_z, sum_xz = 0, 0.0, 0.0
-            for x in range(first, end):
-                z = float(depth[y, x])
-                n += z > 0.0
-                sum_z += z
-                sum_xz += x * z
-            sum_ = sums[labels[y, first]]
-            sum_[0] += n
-            sum_[1] += (sum_xz - cx * sum_z) / fx
-            sum_[2] += (y - cy) * sum_z / fy
-            sum_[3] += sum_z
-            first = end
+    for y in range(labels.shape[0]):
+        row, along = labels[y], depth[y]
+        region, n, sum_z, sum_xz = row[0], 0, 0.0, 0.0
+        for x in range(row.size):
+            if row[x] != region:
+                add_points(sums[region], y, n, sum_z, sum_xz, camera)
+                region, n, sum_z, sum_xz = row[x], 0, 0.0, 0.0
+            z = float(along[x])
+            n += z > 0.0
+            sum_z += z
+            sum_xz += x * z
+        add_points(sums[region], y, n, sum_z, sum_xz, camera)
 
 
 @kernel
 def count_marked(labels, mask, counts):
     """Pixels of every region where a mask (H, W) uint8 of 0 and 1 holds; counts (R,) int64, zero before."""
-    height, width = labels.shape
-    for y in range(height):
-        first = 0
-        while first < width:
-            end, marked = run_end(labels[y], first), 0
-            for x in range(first, end):
-                marked += mask[y, x]
-            counts[labels[y, first]] += marked
-            first = end
+    for y in range(labels.shape[0]):
+        row, marks = labels[y], mask[y]
+        region, marked = row[0], 0
+        for x in range(row.size):
+            if row[x] != region:
+                counts[region] += marked
+                region, marked = row[x], 0
+            marked += marks[x]
+        counts[region] += marked
 
 
 @kernel

@@ -62,7 +62,7 @@ def segment(
     check
         Warn of what `spigolo doctor` warns of.
     max_pixels
-        Larger images are refused; raise it if the memory suffices (about 150 bytes a pixel).
+        Larger images are refused; raise it if the memory suffices (about 100 bytes a pixel).
     out
         Folder for the results. Of several frames each gets a folder of its own in it.
 

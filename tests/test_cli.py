@@ -230,11 +230,12 @@ def test_a_reader_that_stops_early_is_no_error() -> None:
 
 
 def test_frames_of_one_name_keep_their_own_results(tmp_path: Path) -> None:
-    for folder in ("a/f0", "b/f0", "c"):
+    for folder in ("a/f0", "b/f0", "c", "d/a_f0", "d/a_f0_2"):
         shutil.copytree(SCENE, tmp_path / folder)
     names = {
         ("a", "b"): ["a_f0", "b_f0"],
         ("a/f0", "a/f0", "c"): ["a_f0", "a_f0_2", "c"],
+        ("a/f0", "a/f0", "d"): ["a_f0_3", "a_f0_4", "a_f0", "a_f0_2"],
         ("a/f0/rgb.png", "a/f0/depth.png", "c/rgb.png", "c/depth.png"): ["f0_rgb", "c_rgb"],
     }
     for words, expected in names.items():

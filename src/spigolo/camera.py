@@ -19,7 +19,6 @@ DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
 """How many coefficients OpenCV knows: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
 MAX_SKEW = 1e-3
 """Skew of K, relative to fx, that is taken for rounding: half a pixel over 500 rows."""
-ROTATION_TOLERANCE = 1e-3
 MAX_ASPECT_CHANGE = 0.01
 """848x480 counts as 16:9."""
 NOMINAL = {
@@ -156,26 +155,6 @@ class Camera:
         y, x = np.nonzero(valid)
         z = depth[y, x]
         return np.stack([(x - self.cx) / self.fx * z, (y - self.cy) / self.fy * z, z], axis=1).astype(np.float32)
-
-
-def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.NDArray[np.float64]:
-    """A rotation and translation (4, 4) as float64, checked. name: what a CameraError calls it."""
-    try:
-        T: npt.NDArray[Any] = np.array(value, np.float64, order="C")
-    except (TypeError, ValueError):
-        raise CameraError(f"expected {name} as numbers of shape (4, 4)") from None
-    if T.shape != (4, 4):
-        raise CameraError(f"expected {name} as numbers of shape (4, 4), got shape {T.shape}")
-    if not np.isfinite(T).all():
-        raise CameraError(f"expected {name} as finite numbers, got some that are NaN or infinite")
-    if not np.allclose(T[3], (0, 0, 0, 1), rtol=0, atol=ROTATION_TOLERANCE):
-        raise CameraError(f"expected the last row of {name} as 0 0 0 1, got {T[3].tolist()}: transpose it")
-    R = T[:3, :3]
-    if np.abs(R @ R.T - np.eye(3)).max() > ROTATION_TOLERANCE or np.linalg.det(R) < 0:
-        raise CameraError(f"expected a rotation in {name}[:3, :3], got one that scales, shears or mirrors")
-    if np.linalg.norm(T[:3, 3]) > farthest_m:
-        raise CameraError(f"expected the translation of {name} in metres, got {T[:3, 3].tolist()}")
-    return T
 
 
 CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequence[float]] | Sequence[float] | None

@@ -19,14 +19,12 @@ from spigolo.facts import (
     Labels,
     RegionFacts,
     contour_cue,
-    find_level,
     measure_regions,
-    measure_rim,
 )
 from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
 from spigolo.regions import Regions
-from spigolo.rejection import Reason, Verdict, judge
+from spigolo.rejection import Reason, Verdict, judge, reject_rims
 from spigolo.roi import Roi, roi_mask
 from spigolo.stance import Stance, measure_stance
 from spigolo.support import Plane, above_mask, support_mask
@@ -207,12 +205,12 @@ def select_objects(
         digest=config.digest,
         left_out=("contact boundary",) if frame.camera is None and cues.edges is not None else (),
     )
+    warn_of_depth(frame, stacklevel=5)
     return judge_regions(regions, frame, evidence, roi)
 
 
 def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi | None = None) -> Segmentation:
     """The answer from the regions of any method: each measured, and an object or rejected with a reason."""
-    _warn_of_depth(frame)
     plane, rules = evidence.plane, evidence.rules
     above = None
     if plane is not None and rules.support is not None and frame.camera is not None:
@@ -221,42 +219,25 @@ def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi |
     facts = scene.measure(regions)
     if frame.depth.any():
         verdicts = [judge(f, rules, 1 / regions.vga_scale) for f in facts]
-        return assemble(scene, facts, _reject_rims(scene, facts, verdicts))
+        if rules.wall is not None and plane is not None and frame.camera is not None:
+            height = plane.height_map_m(evidence.depth, frame.camera)
+            verdicts = reject_rims(facts, verdicts, regions, evidence.depth, height, rules.wall)
+        return assemble(scene, facts, verdicts)
     return assemble(scene, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
 
 
-def _warn_of_depth(frame: Frame) -> None:
-    """Of depth that leaves nothing to be found, as far as a few thousand pixels tell."""
+def warn_of_depth(frame: Frame, stacklevel: int) -> None:
+    """Warns of depth that leaves nothing to be found, as far as a few thousand pixels tell; stacklevel: who called."""
     if not frame.depth.any():
-        warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=5)
+        warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=stacklevel)
         return
     few = frame.depth[::SAMPLED, ::SAMPLED]
     median = float(np.median(few[few > 0])) if few.any() else 0.0
     if median > FARTHEST_M:
         warnings.warn(
-            f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", stacklevel=5
+            f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001",
+            stacklevel=stacklevel,
         )
-
-
-def _reject_rims(
-    scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]
-) -> Sequence[Verdict | None]:
-    """The verdicts, those of level regions that go on in what is no object changed."""
-    plane, camera, rule = scene.evidence.plane, scene.frame.camera, scene.evidence.rules.wall
-    tall = [f for f, v in zip(facts, verdicts, strict=True) if v is None and f.lean_deg is not None]
-    if rule is None or plane is None or camera is None or not tall:
-        return verdicts
-    depth, changed = scene.evidence.depth, list(verdicts)
-    height = plane.height_map_m(depth, camera)
-    no_object = (scene.regions.spread(np.array([v is not None for v in verdicts], np.int32)) > 0) & (depth > 0)
-    for f in tall:
-        level = find_level(f, height, depth, rule.rim_m)
-        if level is None:
-            continue
-        rim = measure_rim(f, np.asarray((np.abs(height - level) <= rule.rim_m) & no_object))
-        if rim > rule.max_rim:
-            changed[f.region] = Reason.WALL, f"wall: in a rim {rim:.1f} times as large, limit {rule.max_rim}"
-    return changed
 
 
 def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]) -> Segmentation:

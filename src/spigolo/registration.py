@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.camera import Camera, rigid_transform
+from spigolo.camera import Camera
 from spigolo.errors import CameraError, FrameError
 from spigolo.frame import DepthMap, depth_in_metres
 from spigolo.kernels import registration as kernel
@@ -13,6 +15,7 @@ from spigolo.kernels import registration as kernel
 STEP_M = 0.03
 STEP_SHARE = 0.03
 """Neighbouring pixels farther apart than max(STEP_M, STEP_SHARE Z) are not on one surface."""
+ROTATION_TOLERANCE = 1e-3
 FARTHEST_M = 10.0
 """Two cameras farther apart than this see no common object: the translation is in millimetres."""
 
@@ -62,3 +65,23 @@ def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.f
     """
     rotated = T_target_source[:3, :3] @ np.linalg.inv(source.matrix)
     return np.ascontiguousarray(target.matrix @ np.column_stack([rotated, T_target_source[:3, 3]]))
+
+
+def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.NDArray[np.float64]:
+    """A rotation and translation (4, 4) as float64, checked. name: what a CameraError calls it."""
+    try:
+        T: npt.NDArray[Any] = np.array(value, np.float64, order="C")
+    except (TypeError, ValueError):
+        raise CameraError(f"expected {name} as numbers of shape (4, 4)") from None
+    if T.shape != (4, 4):
+        raise CameraError(f"expected {name} as numbers of shape (4, 4), got shape {T.shape}")
+    if not np.isfinite(T).all():
+        raise CameraError(f"expected {name} as finite numbers, got some that are NaN or infinite")
+    if not np.allclose(T[3], (0, 0, 0, 1), rtol=0, atol=ROTATION_TOLERANCE):
+        raise CameraError(f"expected the last row of {name} as 0 0 0 1, got {T[3].tolist()}: transpose it")
+    R = T[:3, :3]
+    if np.abs(R @ R.T - np.eye(3)).max() > ROTATION_TOLERANCE or np.linalg.det(R) < 0:
+        raise CameraError(f"expected a rotation in {name}[:3, :3], got one that scales, shears or mirrors")
+    if np.linalg.norm(T[:3, 3]) > farthest_m:
+        raise CameraError(f"expected the translation of {name} in metres, got {T[:3, 3].tolist()}")
+    return T

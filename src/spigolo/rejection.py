@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
+
+import numpy as np
 
 from spigolo.additions import Wall
 from spigolo.config import Rejection
-from spigolo.facts import RegionFacts
+from spigolo.facts import Heights, RegionFacts, find_level, measure_rim
+from spigolo.frame import DepthMap
+from spigolo.regions import Regions
 from spigolo.roi import LEAST_INSIDE
 
 
@@ -36,6 +41,27 @@ def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | 
     area_scale: pixels of the image as a multiple of 640x480.
     """
     return _judge_place(facts, rules) or _judge_shape(facts, rules, area_scale) or _judge_pixels(facts, rules)
+
+
+def reject_rims(
+    facts: Sequence[RegionFacts],
+    verdicts: Sequence[Verdict | None],
+    regions: Regions,
+    depth: DepthMap,
+    height: Heights,
+    rule: Wall,
+) -> list[Verdict | None]:
+    """The verdicts, those of level regions that go on in what is no object changed. height (H, W) above the support."""
+    changed = list(verdicts)
+    no_object = (regions.spread(np.array([v is not None for v in verdicts], np.int32)) > 0) & (depth > 0)
+    for f in (f for f, v in zip(facts, verdicts, strict=True) if v is None and f.lean_deg is not None):
+        level = find_level(f, height, depth, rule.rim_m)
+        if level is None:
+            continue
+        rim = measure_rim(f, np.asarray((np.abs(height - level) <= rule.rim_m) & no_object))
+        if rim > rule.max_rim:
+            changed[f.region] = Reason.WALL, f"wall: in a rim {rim:.1f} times as large, limit {rule.max_rim}"
+    return changed
 
 
 def _judge_place(facts: RegionFacts, rules: Rejection) -> Verdict | None:

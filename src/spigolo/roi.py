@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.camera import rigid_transform
 from spigolo.errors import FrameError
 from spigolo.frame import Frame, Mask
+from spigolo.registration import rigid_transform
 
 FARTHEST_M = 100.0
 """A robot's base is nearer; a translation beyond is not in metres."""

@@ -7,6 +7,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -128,12 +129,15 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
 
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
     """Frames of equal name get that of the folder around them before it, and a number where that is not enough."""
-    count, taken = Counter(frame.name for frame in frames), Counter[str]()
-    apart = []
+    count = Counter(frame.name for frame in frames)
+    taken, apart = {name for name in count if count[name] == 1}, []
     for frame in frames:
-        name = frame.name if count[frame.name] == 1 else f"{_around(frame)}_{frame.name}"
-        taken[name] += 1
-        apart.append(replace(frame, name=name if taken[name] == 1 else f"{name}_{taken[name]}"))
+        name = frame.name
+        if count[name] > 1:
+            base = f"{_around(frame)}_{name}"
+            name = next(n for n in chain([base], (f"{base}_{k}" for k in range(2, len(frames) + 2))) if n not in taken)
+            taken.add(name)
+        apart.append(replace(frame, name=name))
     return apart
 
 

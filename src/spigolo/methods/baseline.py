@@ -12,7 +12,7 @@ import numpy.typing as npt
 from spigolo.config import Inpainting, Rejection
 from spigolo.depth import inpaint_small_gaps
 from spigolo.frame import Frame
-from spigolo.objects import Evidence, Segmentation, judge_regions
+from spigolo.objects import Evidence, Segmentation, judge_regions, warn_of_depth
 from spigolo.parameters import Parameters
 from spigolo.presets import OBJECTS_2
 from spigolo.regions import Regions
@@ -71,6 +71,7 @@ class Baseline(ABC, Generic[C]):
 
     def __call__(self, frame: Frame) -> Segmentation:
         """The objects of a frame."""
+        warn_of_depth(frame, stacklevel=3)
         regions, contour = self.divide(frame)
         rules, camera = self.config.rejection, frame.camera
         support = rules.support

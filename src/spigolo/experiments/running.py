@@ -73,10 +73,11 @@ class Worker:
         method = self._methods[task.method, task.digest]
         content, truth = "", None
         try:
-            content, truth = task.frame.content, task.frame.read_truth()
+            content = task.frame.content
             frame, truth = task.frame.read_both()
             run = self._time(method, frame)
         except SpigoloError as error:
+            truth = _readable_truth(task.frame) if truth is None else truth
             return _row(task.frame, content, method, None, _score_of_nothing(truth), str(error))
         return _row(task.frame, content, method, run, None if truth is None else _score(truth, run.result))
 
@@ -187,6 +188,14 @@ def _do(task: Task) -> Row:
 
 def _score(truth: Truth, result: Segmentation) -> RowScore:
     return score_row(truth.labels, result.labels, result.scene.regions.labels + 1, truth.ignore, truth.names)
+
+
+def _readable_truth(frame: Entry) -> Truth | None:
+    """The labels of a frame of which something cannot be read."""
+    try:
+        return frame.read_truth()
+    except SpigoloError:
+        return None
 
 
 def _score_of_nothing(truth: Truth | None) -> RowScore | None:

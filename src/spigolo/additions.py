@@ -1,6 +1,6 @@
 """The numbers of what is not in the paper, one frozen model for each addition; all are off in the paper's presets.
 
-Lengths in pixels are those of a 640x480 image.
+Lengths in pixels are those of a 640x480 image; they grow with the image where `Config.lengths_grow` is set.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from spigolo.parameters import Length_px, NotNegative, Positive, Share, Stage
+from spigolo.parameters import Grows, Length_px, NotNegative, Offset_px, Positive, Share, Stage
 
 
 class DepthContours(Stage):
@@ -21,18 +21,21 @@ class DepthContours(Stage):
 
     max_shadow_px: Length_px = 60
     """Widest shadow that is filled so."""
-    step_offset_px: Annotated[int, Field(ge=1, le=100)] = 2
+    step_offset_px: Offset_px = 2
     """Where depth is compared on both sides of a pixel."""
     step_m: NotNegative = 0.015
     """Least bend of the depth that makes a step."""
     step_per_m: NotNegative = 0.012
     """The same per squared distance, 1/m, so that noise far away makes no step; the larger of both holds."""
-    crease_offset_px: Annotated[int, Field(ge=1, le=100)] = 5
+    crease_offset_px: Offset_px = 5
     """Where the three points of a concave crease are sampled."""
     crease_low_deg: Annotated[float, Field(ge=0, le=180)] = 30.0
     """Smallest angle of a crease."""
     crease_high_deg: Annotated[float, Field(ge=0, le=180)] = 140.0
     """Largest angle of a crease; 0 looks for no creases."""
+    holes_from: Share | None = None
+    """Share of the frame without depth from which on the borders of what is missing are boundaries too, and all
+    colour edges in it, so that regions do not flood through. None takes none."""
 
 
 class Support(Stage):
@@ -51,6 +54,9 @@ class Support(Stage):
     stacked_share: Positive | None = None
     """Take the largest plane that lies above the largest one and along it, if it has at least this share of that one's
     pixels: the table in place of the floor below it. None takes the largest."""
+    opaque: bool = False
+    """Leave out planes that surround what lies below them, as the front of a shelf or a heap of things does, for the
+    next largest: a table hides the floor. Where all do so, the largest stays."""
 
 
 class Wall(Stage):
@@ -117,13 +123,11 @@ class Vessel(Stage):
 class Cap(Stage):
     """The upper face of an object, or the inside of a cup that the camera saw filled."""
 
-    max_gap_m: Positive = 0.02
+    max_gap_m: Positive = 0.025
     """Largest mean depth step between both."""
-    min_behind_m: NotNegative = 0.003
-    """Least by which the upper one lies behind."""
     top_share: Share = 0.2
     """Both end at one height above the support, within this share of it."""
-    min_solidity: Share = 0.93
+    min_solidity: Share = 0.9
     """Least share of their convex hull that both fill together."""
 
 
@@ -132,10 +136,21 @@ class Smooth(Stage):
 
     max_gap_m: Positive = 0.025
     """Largest mean depth step across the border."""
-    max_bend_m: float = 0.00125
+    max_bend_m: float = 0.0015
     """Largest mean depth of the border behind the chord of its sides: more is a valley between two objects."""
     max_boundary: Share = 0.75
     """Largest mean boundary along the border."""
+
+
+class Unmeasured(Stage):
+    """A part of an object that has no depth; asked for where holes are boundaries (`DepthContours.holes_from`)."""
+
+    max_edge: Share = 0.4
+    """Largest share of the border between both along which there is a colour edge."""
+    max_ratio: Positive = 2.0
+    """Largest area, as a multiple of the measured part's."""
+    min_solidity: Share = 0.87
+    """Least share of their convex hull that both fill together."""
 
 
 class Joining(Stage):
@@ -146,11 +161,12 @@ class Joining(Stage):
     smooth: Smooth | None = None
     enclosed: Share | None = None
     """Least share of its surroundings that belongs to one object for a region on the plane to be part of it."""
-    reach_px: Annotated[int, Field(ge=1, le=100)] = 4
+    unmeasured: Unmeasured | None = None
+    reach_px: Offset_px = 4
     """Where both sides of a border are sampled."""
-    margin_px: Annotated[int, Field(ge=0, le=100)] = 3
+    margin_px: Annotated[int, Field(ge=0, le=100), Grows()] = 3
     """How far inside a region the ends of its chords are taken: depth at a contour is a mixture."""
-    min_border_px: Annotated[int, Field(ge=1)] = 12
+    min_border_px: Annotated[int, Field(ge=1), Grows()] = 12
     """Shorter borders say nothing."""
     min_measured: Share = 0.5
     """Least share of a border, and of a region, with depth."""

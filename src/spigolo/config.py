@@ -2,18 +2,20 @@
 
 Each field says its unit, its range and where its value comes from: "paper" (printed in Toscana & Rosa 2016),
 "authors' release" (a fact about the code they published), "our choice" (the paper is silent, see docs/paper.md).
-Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) scale with the number of pixels.
+Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) grow with the image, lengths where
+`lengths_grow` is set.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from spigolo.additions import DepthContours, Joining, Support, Wall
 from spigolo.errors import ConfigError
-from spigolo.parameters import Length_px, NotNegative, Parameters, Positive, Share, Stage, parse_toml
+from spigolo.parameters import Grows, Length_px, NotNegative, Offset_px, Parameters, Positive, Share, Stage, parse_toml
 
 VGA_PX2 = 640 * 480
 """The image size that pixel areas are given for."""
@@ -27,7 +29,7 @@ class Smoothing(Stage):
     the depth as it came."""
     error_per_m: Positive = 0.0028
     """alpha: depth error per squared distance, 1/m (authors' release)."""
-    radius_per_error_px_m: Positive = 1500.0
+    radius_per_error_px_m: Annotated[Positive, Grows()] = 1500.0
     """beta: smoothing radius per depth error, px/m (authors' release)."""
     step_factor: Positive = 18.0
     """A difference of this many depth errors between neighbours is a depth step (authors' release)."""
@@ -96,7 +98,7 @@ class Edges(Stage):
     canny_floor: NotNegative = 60.0
     """Least low threshold in units of the Scharr gradient, so that a plain frame shows no noise (our choice);
     the high one keeps its ratio to the low."""
-    step_offset_px: Annotated[int, Field(ge=1, le=100)] = 7
+    step_offset_px: Offset_px = 7
     """epsilon_rho: where depth is sampled on both sides (authors' release)."""
     step_m: Positive = 0.03
     """t_rho: depth difference that makes a depth boundary (authors' release)."""
@@ -104,7 +106,7 @@ class Edges(Stage):
     """True compares the signed difference as printed in eq. 13; it misses edges seen from the near side."""
     missing_is_boundary: bool = False
     """True counts a missing sample as a depth step; by default missing depth is no evidence."""
-    contact_offset_px: Annotated[int, Field(ge=1, le=100)] = 5
+    contact_offset_px: Offset_px = 5
     """epsilon_e: where the three points of the contact angle are sampled (authors' release)."""
     contact_low_deg: Annotated[float, Field(ge=0, le=180)] = 56.0
     """t_theta_L (authors' release)."""
@@ -115,7 +117,9 @@ class Edges(Stage):
     component as printed in eq. 19, which is zero for upright edges; `none` takes none: internal boundaries stay."""
     boundary: Literal["soft", "thin"] = "soft"
     """`soft` blurs the final map and rescales it to 1, which closes its gaps (authors' release); `thin` is eq. 20."""
-    blur_px: Annotated[int, Field(ge=1, le=99)] = 7
+    line_px: Offset_px = 1
+    """Width of the lines of the final map, before it is made soft."""
+    blur_px: Annotated[int, Field(ge=1, le=99), Grows(odd=True)] = 7
     """Width of the Gaussian that makes the map soft, odd (authors' release)."""
     depth_contours: DepthContours | None = None
     """Boundaries from depth alone, joined to the map before it is made soft; None is the paper's method."""
@@ -239,6 +243,9 @@ class Config(Parameters):
     joining: Joining | None = None
     """Joins the parts of an object that the partition cut; None is the paper's method."""
     rejection: Rejection = Rejection()
+    lengths_grow: bool = False
+    """Lengths in pixels grow with the image, so that twice the resolution shows the same edges, twice as wide. False
+    takes them as they are: all images of the paper have 640x480 pixels."""
 
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:
@@ -247,6 +254,11 @@ class Config(Parameters):
         if self.joining is not None and self.rejection.support is None:
             raise ValueError("joining needs rejection.support: its rules ask what stands on the plane")
         return self
+
+    def at_size(self, shape: tuple[int, int]) -> Config:
+        """The configuration for images (H, W): its lengths in pixels are those of this size, where they grow."""
+        factor = math.sqrt(shape[0] * shape[1] / VGA_PX2)
+        return self.grown(factor) if self.lengths_grow and factor != 1 else self
 
     def to_toml(self) -> str:
         """The values as TOML; `from_toml` reads them back."""

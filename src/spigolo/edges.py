@@ -32,7 +32,8 @@ class EdgeMaps:
     """E_E, E_B, E_C, E_F and the cue made of them, all (H, W).
 
     canny: E_E, every edge of the colour image. depth_boundary: E_B. contact_boundary: E_C. final: E_F, with the
-    depth contours where they are asked for; contours: those alone, else None.
+    depth contours where they are asked for; contours: those alone, else None. holes: missing depth, where so much is
+    missing that its borders and all colour edges in it are contours, else None.
     boundary: float32 in [0, 1], E_F as the second cost function takes it, soft or thin.
     """
 
@@ -42,6 +43,7 @@ class EdgeMaps:
     final: Mask
     contours: Mask | None
     boundary: npt.NDArray[np.float32]
+    holes: Mask | None = None
 
 
 def find_edges(
@@ -54,14 +56,18 @@ def find_edges(
     canny, gx, gy = scharr_canny(image, config)
     depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
     final = final_boundary(depth_boundary, contact)
-    contours = foot
+    contours, holes = foot, None
     if config.depth_contours is not None:
         contours = find_contours(depth, camera, config.depth_contours)
         contours = contours if foot is None else contours | foot
+        holes = find_holes(depth, config.depth_contours)
+    if contours is not None and holes is not None:
+        contours = contours | hole_contours(holes, canny)
     if contours is not None:
         final = final | contours
-    cue = soften(final, config.blur_px) if config.boundary == "soft" else final.astype(np.float32)
-    return EdgeMaps(canny, depth_boundary, contact, final, contours, cue)
+    lines = widen(final, config.line_px)
+    cue = soften(lines, config.blur_px) if config.boundary == "soft" else lines.astype(np.float32)
+    return EdgeMaps(canny, depth_boundary, contact, final, contours, cue, holes)
 
 
 def scharr_canny(image: Color, config: Edges) -> tuple[Mask, Gradient, Gradient]:
@@ -127,6 +133,26 @@ def find_contours(depth: DepthMap, camera: Camera | None, config: DepthContours)
         creases,
     )
     return (steps | creases).view(bool)
+
+
+def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
+    """Where depth is missing (H, W); None where less of the frame is than `holes_from`."""
+    if config.holes_from is None or np.count_nonzero(depth) > (1 - config.holes_from) * depth.size:
+        return None
+    return np.asarray(depth == 0)
+
+
+def hole_contours(holes: Mask, canny: Mask) -> Mask:
+    """Both sides of the borders of holes, and all colour edges within them (H, W): no depth tells a print there."""
+    borders = cv2.morphologyEx(holes.view(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
+    return np.asarray(borders).view(bool) | (holes & canny)
+
+
+def widen(final: Mask, line_px: int) -> Mask:
+    """E_F with lines of that width: in a large image a line of one pixel would be too thin to hold once it is soft."""
+    if line_px <= 1:
+        return final
+    return np.asarray(cv2.dilate(final.view(np.uint8), np.ones((line_px, line_px), np.uint8))).view(bool)
 
 
 def soften(final: Mask, blur_px: int) -> npt.NDArray[np.float32]:

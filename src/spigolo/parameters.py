@@ -7,6 +7,7 @@ import hashlib
 import json
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -21,9 +22,28 @@ else:
 Share = Annotated[float, Field(ge=0, le=1)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Length_px = Annotated[int, Field(ge=0, le=1000)]
+
+
+@dataclass(frozen=True, slots=True)
+class Grows:
+    """Marks a length in pixels that is given for a 640x480 image. odd: it stays odd."""
+
+    odd: bool = False
+
+    def times(self, length: float, factor: float) -> float:
+        """The length in an image so many times larger; whole numbers stay whole and are 1 at least, unless 0."""
+        if isinstance(length, float) or length == 0:
+            return length * factor
+        if self.odd:
+            return 2 * round((length * factor - 1) / 2) + 1 if length * factor > 1 else 1
+        return max(round(length * factor), 1)
+
+
+Length_px = Annotated[int, Field(ge=0, le=1000), Grows()]
+Offset_px = Annotated[int, Field(ge=1, le=100), Grows()]
 
 P = TypeVar("P", bound="Parameters")
+S = TypeVar("S", bound="Stage")
 
 
 class Stage(BaseModel):
@@ -36,6 +56,18 @@ class Stage(BaseModel):
             super().__init__(**values)
         except ValidationError as error:
             raise ConfigError(_sentence(error, type(self))) from None
+
+    def grown(self: S, factor: float) -> S:
+        """A copy whose lengths in pixels, those of its stages too, are so many times longer."""
+        values: dict[str, Any] = {}
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if isinstance(value, Stage):
+                values[name] = value.grown(factor)
+            for mark in field.metadata:
+                if isinstance(mark, Grows):
+                    values[name] = mark.times(value, factor)
+        return self.model_copy(update=values)
 
 
 class Parameters(Stage):

@@ -32,12 +32,13 @@ class Trace:
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segments a frame and keeps what each stage made. workspace: scratch kept between frames, one per thread."""
     check_config(config)
-    cues = gather_cues(frame, config)  # eqs. 5-8, 10-21
-    color = color_points(frame.color, config.color)  # eq. 4
+    sized = config.at_size(frame.shape)  # lengths in pixels, for this image
+    cues = gather_cues(frame, sized)  # eqs. 5-8, 10-21
+    color = color_points(frame.color, sized.color)  # eq. 4
     graph = weigh(cues, color, config.partition.connectivity, config.depth)  # eqs. 9, 22 or 23
     del color  # three times as large as another cue, and not needed again
     regions = partition(graph, config.partition, workspace)  # eqs. 2, 3
-    regions = join_parts(regions, cues, frame, config)  # ours, off in the paper's presets
+    regions = join_parts(regions, cues, frame, sized)  # ours, off in the paper's presets
     segmentation = select_objects(regions, graph, cues, frame, config, roi)  # section III-F
     return Trace(frame, config, cues, graph, regions, segmentation)
 

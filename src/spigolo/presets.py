@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from spigolo.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
+from spigolo.additions import Cap, DepthContours, Joining, Smooth, Support, Unmeasured, Vessel, Wall
 from spigolo.config import BoundaryCost, Config, Depth, Edges, Inpainting, Partition, Rejection, SaliencyCost, Smoothing
 from spigolo.errors import ConfigError
 from spigolo.parameters import parse_toml
@@ -69,17 +69,19 @@ OBJECTS_1 = Config(
 OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
     partition={"connectivity": 4},
-    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
+    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85, unmeasured=Unmeasured()),
     rejection={
-        "support": {"stacked_share": 0.5},
+        "support": {"stacked_share": 0.5, "opaque": True},
         "wall": Wall(),
         "min_contour": 0.6,
         "max_length_m": 0.4,
         "max_width_m": 0.25,
     },
+    edges={"depth_contours": {"holes_from": 0.4}},
+    lengths_grow=True,
 )
-"""OBJECTS_1 with the parts of an object joined, the table taken for the support rather than the floor, and limits of
-size in metres."""
+"""OBJECTS_1 with the parts of an object joined, the table taken for the support rather than the floor or the front of a
+shelf, limits of size in metres, lengths in pixels that grow with the image, and no flooding through large holes."""
 
 OBJECTS = OBJECTS_2
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from itertools import chain
 
 import cv2
 import numpy as np
@@ -21,9 +22,11 @@ STACKED_M = 0.1
 STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
 """A second support lies at least 10 cm above the first, within 14 degrees of it; heights are taken 5 cm at a time."""
-MOST_BELOW = 0.2
-COARSE_PX = 4
-"""Share of a second support's outline that may show what is below it; outlines are looked at in steps of 4 px."""
+MOST_BELOW = 0.25
+CELLS = 24
+"""Largest share of what a plane surrounds that may lie below it, and of how many cells the longer side of the image
+has when that is asked."""
+MOST_PLANES = 6
 SEED = 7
 """RANSAC draws from a fixed seed: the same frame gives the same plane."""
 
@@ -74,11 +77,16 @@ def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | No
     y, x = np.divmod(valid[rng.integers(valid.size, size=min(SAMPLES, valid.size))], depth.shape[1])
     z = depth[y, x].astype(np.float64)
     sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
-    plane = _refine(_best_hypothesis(sample, rng, config), sample, config)
-    if plane is None or _share(plane, sample, config) < config.min_share:
+    cells = np.stack([y, x], axis=1) * CELLS // max(depth.shape)
+    planes = _largest_planes(sample, rng, config)
+    plane = largest = next(planes, None)
+    if largest is None:
         return None
+    if config.opaque:
+        plane = next((p for p in chain([largest], planes) if _is_opaque(p, sample, cells, config)), largest)
+    assert plane is not None
     stacked = None if config.stacked_share is None else _stacked(plane, sample, config)
-    return stacked if stacked is not None and _is_opaque(stacked, sample, np.stack([x, y], axis=1), config) else plane
+    return stacked if stacked is not None and _is_opaque(stacked, sample, cells, config) else plane
 
 
 def support_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
@@ -143,22 +151,43 @@ def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
     return plane if _share(plane, sample, config) >= least else None
 
 
-def _is_opaque(plane: Plane, sample: Points, pixels: npt.NDArray[np.int64], config: Support) -> bool:
-    """Whether hardly anything shows through a plane from below, within the outline of what lies on it.
+def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], config: Support) -> bool:
+    """Whether hardly anything shows through a plane from below, where the plane is seen on three sides of it.
 
-    A table hides the floor; the front edges of a shelf lie in one plane too, but frame what is behind.
+    A table hides the floor; the front edges of a shelf lie in one plane too, but frame what is behind. cells (N, 2):
+    where the sample lies in a coarse image; a cell shows the plane if most of its points do.
     """
-    coarse = (pixels // COARSE_PX).astype(np.int32)
-    on = _on(plane, sample, config)
-    outline: Any = cv2.convexHull(coarse[on])
-    inside = np.zeros(coarse.max(axis=0)[::-1] + 1, np.uint8)
-    cv2.fillConvexPoly(inside, outline, 1)
-    within = inside[coarse[:, 1], coarse[:, 0]] > 0
-    below = plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
-    return bool(np.count_nonzero(below & within) <= MOST_BELOW * np.count_nonzero(within))
+    on, below = _on(plane, sample, config), plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
+    votes = np.zeros(cells.max(axis=0) + 1, np.int64)
+    np.add.at(votes, (cells[:, 0], cells[:, 1]), 2 * on - 1)
+    shown, along = (votes > 0).astype(np.int64), np.maximum.accumulate
+    sides = along(shown, 0) + along(shown[::-1], 0)[::-1] + along(shown, 1) + along(shown[:, ::-1], 1)[:, ::-1]
+    surrounded = (sides >= 3)[cells[:, 0], cells[:, 1]]
+    return bool(np.count_nonzero(below & surrounded) <= MOST_BELOW * np.count_nonzero((below | on) & surrounded))
 
 
-def _best_hypothesis(sample: Points, rng: np.random.Generator, config: Support) -> Plane:
+def _largest_planes(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
+    """Planes that differ, the largest first: those with `min_share` of the sample, six at most."""
+    tried: list[Plane] = []
+    for hypothesis in _hypotheses(sample, rng, config):
+        if len(tried) == MOST_PLANES:
+            return
+        if any(_is_alike(hypothesis, other) for other in tried):
+            continue
+        plane = _refine(hypothesis, sample, config)
+        if plane is None or _share(plane, sample, config) < config.min_share:
+            return
+        tried.append(plane)
+        yield plane
+
+
+def _is_alike(plane: Plane, other: Plane) -> bool:
+    near = abs(plane.offset_m - other.offset_m) < STACKED_SLACK_M
+    return bool(near and plane.normal @ other.normal > STACKED_COSINE)
+
+
+def _hypotheses(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
+    """Planes through three points each, those that more of the sample lies on first."""
     a, b, c = sample[rng.integers(len(sample), size=(3, HYPOTHESES))]
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -169,8 +198,8 @@ def _best_hypothesis(sample: Points, rng: np.random.Generator, config: Support) 
     tolerance = tolerance_m(sample[:, 2].astype(np.float32), config)
     kernel.count_near(sample.astype(np.float32).T.copy(), planes, tolerance, near)
     near[lengths[:, 0] <= 1e-9] = 0
-    best = int(near.argmax())
-    return _towards_camera(normals[best], float(offsets[best]))
+    for k in np.argsort(-near, kind="stable"):
+        yield _towards_camera(normals[k], float(offsets[k]))
 
 
 def _fit(points: Points) -> Plane:

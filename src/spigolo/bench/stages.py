@@ -57,15 +57,17 @@ def time_stages(
 
 def _run_stages(frame: Frame, config: Config, workspace: Workspace, clock: Clock) -> None:
     """As `pipeline.trace` does."""
-    cues, color = clock("cues", lambda: (gather_cues(frame, config), color_points(frame.color, config.color)))
+    sized = config.at_size(frame.shape)
+    cues, color = clock("cues", lambda: (gather_cues(frame, sized), color_points(frame.color, sized.color)))
     graph = clock("weights", lambda: weigh(cues, color, config.partition.connectivity, config.depth))
     regions = clock("partition", lambda: partition(graph, config.partition, workspace))
-    joined = clock("joining", lambda: join_parts(regions, cues, frame, config))
+    joined = clock("joining", lambda: join_parts(regions, cues, frame, sized))
     clock("objects", lambda: select_objects(joined, graph, cues, frame, config))
 
 
 def _run_parts(frame: Frame, config: Config, clock: Clock) -> None:
     """The parts of the cues; these runs come on top of those of the stages."""
+    config = config.at_size(frame.shape)
     depth, rule, camera = frame.depth, config.rejection.support, frame.camera
     inpainting, smoothing = config.depth.inpainting, config.depth.smoothing
     if inpainting is not None:

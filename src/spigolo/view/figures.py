@@ -68,6 +68,7 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
 
     The objects are those with the most Canny edges that are no boundary: prints and curved surfaces.
     """
+    config = config.at_size(frame.shape)
     with_internal = config.edges.model_copy(update={"sign_rule": "none"})
     depth = prepare_depth(frame.depth, config.depth)
     internal = find_edges(frame.color, depth, frame.camera, with_internal)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
@@ -9,7 +10,9 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.config import Inpainting
 from spigolo.edges import find_holes, hole_contours, widen
+from spigolo.parameters import Grows, Stage
 
 DEMO = Path(sp.__file__).parent / "demo_scene"
 
@@ -119,3 +122,20 @@ def count_found(frame: sp.Frame, truth: np.ndarray, config: sp.Config) -> int:
         for k in np.unique(truth[seen])
         if k > 0
     )
+
+
+def test_every_length_in_pixels_grows() -> None:
+    """But for two that grow with the image whatever the configuration says."""
+    alone = {"Inpainting.max_radius_px", "Wall.reach_px"}
+    config = sp.OBJECTS.replace(depth={"inpainting": Inpainting()})
+    lengths = set(list_lengths(config)) | set(list_lengths(sp.SHELF))
+    assert {name for name, grows in lengths if not grows} == alone
+    assert len(lengths) > 12
+
+
+def list_lengths(stage: Stage) -> Iterator[tuple[str, bool]]:
+    for name, field in type(stage).model_fields.items():
+        if isinstance(value := getattr(stage, name), Stage):
+            yield from list_lengths(value)
+        elif name.endswith(("_px", "_px_m")):
+            yield f"{type(stage).__name__}.{name}", any(isinstance(mark, Grows) for mark in field.metadata)

@@ -71,7 +71,7 @@ class Depth(Stage):
 class Color(Stage):
     """The colour difference (eq. 4)."""
 
-    sigma_px: NotNegative = 0.8
+    sigma_px: Annotated[NotNegative, Grows()] = 0.8
     """Gaussian smoothing of RGB before HSV; 0 smooths nothing (authors' release, there after HSV)."""
     k_dv: Positive = 4.5
     """Weight of the value difference (paper)."""
@@ -82,7 +82,7 @@ class Color(Stage):
 class Saliency(Stage):
     """Centre-surround saliency of Montabone & Soto 2010 and the power law (eq. 10)."""
 
-    surrounds_px: tuple[Annotated[int, Field(ge=1, le=10_000)], ...] = (12, 24, 48, 28, 56, 112)
+    surrounds_px: Annotated[tuple[Annotated[int, Field(ge=1, le=10_000)], ...], Grows()] = (12, 24, 48, 28, 56, 112)
     """Half-sizes sigma 2^s of the surrounds, for sigma in {3, 7} and s in {2, 3, 4} (Montabone's own code)."""
     power: Positive = 4.0
     """Exponent of eq. 10 (paper)."""

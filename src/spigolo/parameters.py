@@ -66,7 +66,8 @@ class Stage(BaseModel):
                 values[name] = value.grown(factor)
             for mark in field.metadata:
                 if isinstance(mark, Grows):
-                    values[name] = mark.times(value, factor)
+                    several = isinstance(value, tuple)
+                    values[name] = tuple(mark.times(v, factor) for v in value) if several else mark.times(value, factor)
         return self.model_copy(update=values)
 
 

@@ -328,47 +328,6 @@ def test_where_every_plane_shows_what_is_below_the_largest_stays() -> None:
     assert found.offset_m == pytest.approx(DISTANCE_M, abs=0.005)
 
 
-def partly_measured(color_of_rest: int) -> tuple[sp.Frame, Array]:
-    """A box before a wall; its right third has no depth, nor has much of the wall."""
-    depth = np.full((240, 320), 1.0, np.float32)
-    depth[:48, 40:280] = 0
-    depth[90:150, 120:160] = 0.9
-    depth[90:150, 160:180] = 0
-    color = np.full((240, 320, 3), 90, np.uint8)
-    color[90:150, 120:160] = 200
-    color[90:150, 160:180] = color_of_rest
-    box = np.zeros((240, 320), bool)
-    box[90:150, 120:180] = True
-    return sp.Frame(color, depth, sp.Camera(300, 300, 160, 120, 320, 240)), box
-
-
-@pytest.mark.parametrize(("rest", "is_part"), [(200, True), (30, False)])
-def test_what_has_no_depth_belongs_to_the_object_that_no_color_edge_parts_it_from(rest: int, is_part: bool) -> None:
-    frame, box = partly_measured(rest)
-    labels = np.zeros(box.shape, np.int32)
-    labels[90:150, 120:160], labels[90:150, 160:180] = 1, 2
-    config = sp.OBJECTS_2.replace(edges={"depth_contours": {"holes_from": 0.1}})
-    answer = join_parts(Regions(labels, 3), gather_cues(frame, config), frame, config)
-    assert answer.count == (2 if is_part else 3)
-    if is_part:
-        assert np.array_equal(answer.labels == answer.labels[100, 140], box)
-    for other in (
-        config.replace(joining={"unmeasured": None}),
-        config.replace(edges={"depth_contours": {"holes_from": 0.9}}),
-    ):
-        assert join_parts(Regions(labels, 3), gather_cues(frame, other), frame, other).count == 3
-
-
-def test_a_box_a_part_of_which_has_no_depth_comes_back_whole() -> None:
-    frame, box = partly_measured(200)
-    config = sp.OBJECTS.replace(edges={"depth_contours": {"holes_from": 0.1}})
-    without = config.replace(edges={"depth_contours": {"holes_from": None}}, joining={"unmeasured": None})
-    found, before = ([o.mask for o in sp.segment(frame, c)] for c in (config, without))
-    iou = [max((np.sum(m & box) / np.sum(m | box) for m in masks), default=0.0) for masks in (found, before)]
-    assert iou[0] > 0.9
-    assert iou[1] < 0.7
-
-
 @pytest.mark.parametrize(("most", "regions"), [(1000, 2), (2, 2), (1, 3)])
 def test_a_border_without_any_step_is_looked_at(most: int, regions: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its sides are at one depth to the last bit, so that none lies behind the other; of too many regions none is."""

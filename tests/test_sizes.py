@@ -11,7 +11,7 @@ import pytest
 
 import spigolo as sp
 from spigolo.config import Inpainting
-from spigolo.edges import find_holes, hole_contours, widen
+from spigolo.edges import find_edges, find_holes, hole_contours, widen
 from spigolo.parameters import Grows, Stage
 
 DEMO = Path(sp.__file__).parent / "demo_scene"
@@ -122,6 +122,19 @@ def count_found(frame: sp.Frame, truth: np.ndarray, config: sp.Config) -> int:
         for k in np.unique(truth[seen])
         if k > 0
     )
+
+
+@pytest.mark.parametrize("holes_from", [0.1, 0.9, None])
+def test_holes_are_contours_of_a_frame_that_has_enough_of_them(holes_from: float | None) -> None:
+    """A wall without any edge of colour or depth, a quarter of which has no depth, but a print there."""
+    color, depth = np.full((240, 320, 3), 90, np.uint8), np.ones((240, 320), np.float32)
+    depth[60:180, 80:240] = 0
+    color[100:140, 140:180] = 200
+    config = sp.OBJECTS.replace(edges={"depth_contours": {"holes_from": holes_from}}).edges
+    final = find_edges(color, depth, sp.Camera(300, 300, 160, 120, 320, 240), config).final
+    assert final[100:140, 130:150].any() == (holes_from == 0.1)
+    assert final[120, 79:81].all() == (holes_from == 0.1)
+    assert not final[:50].any()
 
 
 def test_every_length_in_pixels_grows() -> None:

@@ -142,17 +142,6 @@ class Smooth(Stage):
     """Largest mean boundary along the border."""
 
 
-class Unmeasured(Stage):
-    """A part of an object that has no depth; asked for where holes are boundaries (`DepthContours.holes_from`)."""
-
-    max_edge: Share = 0.4
-    """Largest share of the border between both along which there is a colour edge."""
-    max_ratio: Positive = 2.0
-    """Largest area, as a multiple of the measured part's."""
-    min_solidity: Share = 0.87
-    """Least share of their convex hull that both fill together."""
-
-
 class Joining(Stage):
     """Which regions are parts of one object (our addition, not in the paper). None leaves a rule out."""
 
@@ -161,7 +150,6 @@ class Joining(Stage):
     smooth: Smooth | None = None
     enclosed: Share | None = None
     """Least share of its surroundings that belongs to one object for a region on the plane to be part of it."""
-    unmeasured: Unmeasured | None = None
     reach_px: Offset_px = 4
     """Where both sides of a border are sampled."""
     margin_px: Annotated[int, Field(ge=0, le=100), Grows()] = 3

@@ -32,8 +32,7 @@ class EdgeMaps:
     """E_E, E_B, E_C, E_F and the cue made of them, all (H, W).
 
     canny: E_E, every edge of the colour image. depth_boundary: E_B. contact_boundary: E_C. final: E_F, with the
-    depth contours where they are asked for; contours: those alone, else None. holes: missing depth, where so much is
-    missing that its borders and all colour edges in it are contours, else None.
+    depth contours where they are asked for; contours: those alone, else None.
     boundary: float32 in [0, 1], E_F as the second cost function takes it, soft or thin.
     """
 
@@ -43,7 +42,6 @@ class EdgeMaps:
     final: Mask
     contours: Mask | None
     boundary: npt.NDArray[np.float32]
-    holes: Mask | None = None
 
 
 def find_edges(
@@ -56,18 +54,17 @@ def find_edges(
     canny, gx, gy = scharr_canny(image, config)
     depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
     final = final_boundary(depth_boundary, contact)
-    contours, holes = foot, None
+    contours = foot
     if config.depth_contours is not None:
         contours = find_contours(depth, camera, config.depth_contours)
         contours = contours if foot is None else contours | foot
         holes = find_holes(depth, config.depth_contours)
-    if contours is not None and holes is not None:
-        contours = contours | hole_contours(holes, canny)
+        contours = contours if holes is None else contours | hole_contours(holes, canny)
     if contours is not None:
         final = final | contours
     lines = widen(final, config.line_px)
     cue = soften(lines, config.blur_px) if config.boundary == "soft" else lines.astype(np.float32)
-    return EdgeMaps(canny, depth_boundary, contact, final, contours, cue, holes)
+    return EdgeMaps(canny, depth_boundary, contact, final, contours, cue)
 
 
 def scharr_canny(image: Color, config: Edges) -> tuple[Mask, Gradient, Gradient]:

@@ -1,15 +1,14 @@
 """Parts of one object are joined (our addition, not in the paper).
 
 The partition cuts an object where its own depth steps, a cup between its wall and its inside, and where noise looks
-like a contour. Five rules join regions that stand on the support, by what lies on both sides of their border
+like a contour. Four rules join regions that stand on the support, by what lies on both sides of their border
 (`Joining` has the numbers):
 
 - vessel: the front region bulges, the one behind it is hollow, both end at one height: wall and inside of a cup;
 - cap: hardly any gap, one above the other, both end at one height and fill one outline: a lid, or a cup that the
   camera saw filled;
 - smooth: hardly any gap, and the border is no valley: a box leant against by noise;
-- enclosed: what lies on the plane, or has no depth, within an object is part of it: the bottom of a bowl;
-- unmeasured: where much depth is missing, what has none is part of the object that no colour edge parts it from.
+- enclosed: what lies on the plane, or has no depth, within an object is part of it: the bottom of a bowl.
 """
 
 from __future__ import annotations
@@ -22,10 +21,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions import Joining, Support, Unmeasured
+from spigolo.additions import Joining, Support
 from spigolo.config import Config
 from spigolo.cues import Cues
-from spigolo.frame import Frame, Mask
+from spigolo.frame import Frame
 from spigolo.kernels import borders, moments
 from spigolo.regions import Regions
 from spigolo.support import Plane, above_mask
@@ -35,8 +34,6 @@ TOP_PERCENT = 95
 MOST_PARTS = 1000
 """Of more regions than that only the largest are looked at: sums over all their borders would take gigabytes."""
 CUT_SOLIDITY = 0.9
-EDGE_PX = 5
-"""Colour edges stand for so many pixels across, as the border of two regions runs beside them."""
 LEAST_ABOVE = 0.85
 """Least share of the columns of a vessel's inside, where that looks flat, that lie within those of the wall; and of the
 narrower part of an object with a cap within those of the other."""
@@ -71,19 +68,7 @@ def join_parts(regions: Regions, cues: Cues, frame: Frame, config: Config) -> Re
             _unite(root, border.a, border.b)
     for inner, outer in parts.enclosed(root):
         _unite(root, inner, outer)
-    joined = _renumber(regions, root)
-    if config.joining.unmeasured is None or cues.edges is None or cues.edges.holes is None:
-        return joined
-    parts = _Parts(joined, cues, frame, config.joining, config.rejection.support, cues.support)
-    root = np.arange(joined.count)
-    for blank, measured in parts.unmeasured(config.joining.unmeasured, cues.edges.canny):
-        _unite(root, blank, measured)
-    return _renumber(joined, root)
-
-
-def _renumber(regions: Regions, root: Counts) -> Regions:
-    """Regions of one root are one; a root is the smallest of its regions, which is the first in the image."""
-    kept, number = np.unique(root, return_inverse=True)
+    kept, number = np.unique(root, return_inverse=True)  # a root is the smallest of its regions: the first in the image
     return Regions(regions.spread(number.astype(np.int32)), kept.size)
 
 
@@ -107,36 +92,26 @@ class _Parts:
         self.area = sums[:, 0]
         measured = regions.count_where(np.asarray(cues.depth > 0))
         above = regions.count_where(above_mask(plane, cues.depth, frame.camera, support))
-        small = self.area <= config.max_share * self.labels.size
-        self.blank = small & (measured < config.min_measured * self.area)
-        self.stands = small & ~self.blank & (above >= config.min_above * measured)
-        self.ids, self.number = self._numbered(self.stands)
+        self.stands = (above >= config.min_above * measured) & (measured >= config.min_measured * self.area)
+        self.stands &= self.area <= config.max_share * self.labels.size
+        self.ids = np.flatnonzero(self.stands)
+        if self.ids.size > MOST_PARTS:
+            self.ids = np.sort(self.ids[np.argsort(-self.area[self.ids], kind="stable")[:MOST_PARTS]])
+        self.number = np.full(regions.count, -1, np.int32)
+        self.number[self.ids] = np.arange(self.ids.size)
         self.focal_px = frame.camera.fx
         self.hollowness = self._hollowness()
         self._tops: dict[int, float] = {}
 
-    def _numbered(self, wanted: Mask) -> tuple[Counts, npt.NDArray[np.int32]]:
-        """Regions that are looked at, and the place of each region (R,) among them, -1 for others."""
-        ids = np.flatnonzero(wanted)
-        if ids.size > MOST_PARTS:
-            ids = np.sort(ids[np.argsort(-self.area[ids], kind="stable")[:MOST_PARTS]])
-        number = np.full(self.area.size, -1, np.int32)
-        number[ids] = np.arange(ids.size)
-        return ids, number
-
-    def _sum_borders(
-        self, ids: Counts, number: npt.NDArray[np.int32], boundary: npt.NDArray[np.float32]
-    ) -> npt.NDArray[np.float64]:
-        sums = np.zeros((ids.size, ids.size, borders.SUMS))
-        reach = self.config.reach_px
-        borders.sum_borders(self.labels, number, self.cues.depth, boundary, reach, GAP_LIMIT_M, BEND_LIMIT_M, sums)
-        return sums
-
     def borders(self) -> Iterator[Border]:
         """The borders between regions that stand, long enough and with enough depth."""
+        count = self.ids.size
+        sums = np.zeros((count, count, borders.SUMS))
         edges = self.cues.edges
         boundary = np.zeros(self.labels.shape, np.float32) if edges is None else edges.boundary
-        sums = self._sum_borders(self.ids, self.number, boundary)
+        borders.sum_borders(
+            self.labels, self.number, self.cues.depth, boundary, self.config.reach_px, GAP_LIMIT_M, BEND_LIMIT_M, sums
+        )
         behind, known = sums[:, :, borders.BEHIND], sums[:, :, borders.MEASURED] > 0
         for a, b in np.argwhere((behind > 0) | (np.triu(behind == 0) & known)):
             pairs, measured, gap, behind, bend, strength = sums[a, b].tolist()
@@ -219,23 +194,6 @@ class _Parts:
             parts = [int(k), *np.flatnonzero(root == outer).tolist()]
             if inner[k] or self._solidity(parts) >= CUT_SOLIDITY:
                 yield int(k), outer
-
-    def unmeasured(self, rule: Unmeasured, canny: Mask) -> Iterator[tuple[int, int]]:
-        """Regions without depth, and the one that stands beside each with hardly a colour edge between."""
-        ids, number = self._numbered(self.stands | self.blank)
-        edge = cv2.dilate(canny.view(np.uint8), np.ones((EDGE_PX, EDGE_PX), np.uint8)).astype(np.float32)
-        sums = self._sum_borders(ids, number, edge)
-        pairs, strength = sums[:, :, borders.PAIRS], sums[:, :, borders.BOUNDARY]
-        fits = (pairs >= self.config.min_border_px) & (strength <= rule.max_edge * pairs)
-        fits &= (
-            self.blank[ids][:, None] & self.stands[ids] & (self.area[ids][:, None] <= rule.max_ratio * self.area[ids])
-        )
-        for k in np.flatnonzero(fits.any(1)):
-            beside = np.flatnonzero(fits[k])
-            for j in beside[np.argsort(-pairs[k, beside], kind="stable")]:
-                if self._solidity((int(ids[k]), int(ids[j]))) >= rule.min_solidity:
-                    yield int(ids[k]), int(ids[j])
-                    break
 
     def _crop(self, k: int, margin: int = 0) -> npt.NDArray[np.int32]:
         (top, left), (bottom, right) = np.maximum(self.boxes[k, :2] - margin, 0), self.boxes[k, 2:] + margin

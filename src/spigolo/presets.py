@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from spigolo.additions import Cap, DepthContours, Joining, Smooth, Support, Unmeasured, Vessel, Wall
+from spigolo.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
 from spigolo.config import BoundaryCost, Config, Depth, Edges, Inpainting, Partition, Rejection, SaliencyCost, Smoothing
 from spigolo.errors import ConfigError
 from spigolo.parameters import parse_toml
@@ -69,7 +69,7 @@ OBJECTS_1 = Config(
 OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
     partition={"connectivity": 4},
-    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85, unmeasured=Unmeasured()),
+    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
     rejection={
         "support": {"stacked_share": 0.5, "opaque": True},
         "wall": Wall(),

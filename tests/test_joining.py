@@ -145,6 +145,12 @@ def both_cans(x: float, y: float) -> tuple[Surface, ...]:
 BOXES_BEHIND_EACH_OTHER = (front(0, 0, 0.1, 0.12), front(0.02, 0.08, 0.1, 0.12))
 
 
+def cuboid(y: float) -> Surface:
+    """A box of 8 x 8 x 10 cm, its front at distance y."""
+    face, top = front(0, y, 0.08, 0.1), rectangle(0, y, 0.08, 0.08, 0.1)
+    return lambda o, d: np.minimum(face(o, d), top(o, d))
+
+
 @pytest.mark.parametrize(
     ("parts", "together"),
     [
@@ -158,6 +164,8 @@ BOXES_BEHIND_EACH_OTHER = (front(0, 0, 0.1, 0.12), front(0.02, 0.08, 0.1, 0.12))
         pytest.param(both_cans(0.075, 0), [0, 1, 2], id="two cans side by side"),
         pytest.param(both_cans(0.02, 0.08), [0, 1, 2], id="a can behind a can"),
         pytest.param(BOXES_BEHIND_EACH_OTHER, [0, 1, 2], id="a box behind a box"),
+        pytest.param((cuboid(-0.05), cuboid(0.04)), [0, 1, 2], id="a box 1 cm behind one of its height"),
+        pytest.param((cuboid(-0.05), cuboid(0.045)), [0, 1, 2], id="a box 1.5 cm behind one of its height"),
     ],
 )
 def test_parts_are_joined_and_objects_are_not(parts: tuple[Surface, ...], together: list[int]) -> None:
@@ -206,6 +214,17 @@ def test_a_cup_is_one_object_from_frame_to_answer() -> None:
     truth = part > 0
     assert np.count_nonzero(objects[0].mask & truth) / np.count_nonzero(objects[0].mask | truth) > 0.85
     assert len(sp.segment(frame, sp.OBJECTS_1)) == 2
+
+
+def test_a_grid_of_sampling_holes_leaves_a_cup_whole() -> None:
+    """Three quarters of the depth are missing, as where it was registered to a larger colour image; that is filled."""
+    frame, part = draw(*CUP)
+    depth = np.zeros_like(frame.depth)
+    depth[::2, ::2] = frame.depth[::2, ::2]
+    objects = list(sp.segment(sp.Frame(frame.color, depth, frame.camera)))
+    truth = part > 0
+    assert len(objects) == 1
+    assert np.count_nonzero(objects[0].mask & truth) / np.count_nonzero(objects[0].mask | truth) > 0.8
 
 
 def table_and_floor(table_share: float) -> Array:
@@ -310,10 +329,21 @@ def test_the_front_of_a_shelf_supports_nothing(opaque: bool) -> None:
     assert found.offset_m == pytest.approx(DISTANCE_M + (0.4 if opaque else 0.0), abs=0.005)
 
 
-def test_a_table_beside_which_the_floor_is_seen_stays_the_support() -> None:
-    found = find_support(table_and_floor(0.6), CAMERA, sp.Support(opaque=True))
-    assert found is not None
-    assert found.offset_m == pytest.approx(DISTANCE_M, abs=0.005)
+@pytest.mark.parametrize(("left", "below", "right", "supports"), [(130, 90, 0, True), (70, 60, 70, False)])
+def test_a_plane_that_surrounds_what_lies_below_it_on_three_sides_is_no_support(
+    left: int, below: int, right: int, supports: bool
+) -> None:
+    """A table-top along sides of the image, the larger part of it; what it leaves free shows the floor, 0.4 m below."""
+    origin, direction = rays()
+    there = np.zeros(direction.shape[:2], bool)
+    there[:, :left] = there[-below:] = there[:, there.shape[1] - right :] = True
+    assert there.mean() > 0.55
+    depth = np.where(there, plane(0.0)(origin, direction), plane(-0.4)(origin, direction)).astype(np.float32)
+    for opaque in (False, True):
+        found = find_support(depth, CAMERA, sp.Support(opaque=opaque))
+        assert found is not None
+        on_table = supports or not opaque
+        assert found.offset_m == pytest.approx(DISTANCE_M + (0.0 if on_table else 0.4), abs=0.005)
 
 
 def test_where_every_plane_shows_what_is_below_the_largest_stays() -> None:

@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.color import color_points
 from spigolo.config import Inpainting
+from spigolo.cues import gather_cues
 from spigolo.edges import find_edges, find_holes, hole_contours, widen
+from spigolo.graph import weigh
 from spigolo.parameters import Grows, Stage
+from spigolo.view.figure1 import stages
 
 DEMO = Path(sp.__file__).parent / "demo_scene"
 
@@ -28,7 +32,8 @@ def test_lengths_of_objects_grow_and_those_of_the_papers_presets_do_not() -> Non
     assert large.edges.depth_contours.crease_offset_px == 8
     assert large.edges.step_m == sp.OBJECTS.edges.step_m
     assert large.partition == sp.OBJECTS.partition  # areas grow where they are read
-    assert sp.OBJECTS.at_size((480, 640)) is sp.OBJECTS
+    assert sp.OBJECTS.at_size((480, 640)) == sp.OBJECTS.replace(lengths_grow=False)
+    assert large.at_size((960, 1280)) is large  # what has grown grows no more
     for config in (sp.TABLE, sp.SHELF, sp.CLUTTER, sp.OBJECTS_1):
         assert config.at_size((960, 1280)) is config
 
@@ -38,6 +43,26 @@ def test_grown_lengths_stay_valid(height: int) -> None:
     grown = sp.OBJECTS.at_size((height, height * 4 // 3))
     assert sp.Config(**grown.model_dump()) == grown
     assert grown.edges.blur_px % 2 == 1
+
+
+@pytest.mark.parametrize("factor", [0.3, 0.5, 1.0, 1.7, 4.0])
+def test_grown_lengths_keep_their_type_and_nothing_stays_nothing(factor: float) -> None:
+    nothing = {"depth.smoothing.max_radius_px": 0, "joining.margin_px": 0, "edges.depth_contours.max_shadow_px": 0}
+    for config in (sp.OBJECTS, sp.SHELF, sp.OBJECTS.replace(**nothing)):
+        for (name, before), (_, after) in zip(values(config), values(config.grown(factor)), strict=True):
+            assert type(before) is type(after), name
+            assert (before == 0) == (after == 0), name
+    frame = resized(sp.read_frame(DEMO / "rgb.png", DEMO / "depth.png", DEMO / "camera.json"), 0.5)
+    assert len(sp.segment(frame, sp.OBJECTS.replace(**nothing))) > 0
+
+
+def values(stage: Stage) -> Iterator[tuple[str, object]]:
+    for name in type(stage).model_fields:
+        value = getattr(stage, name)
+        if isinstance(value, Stage):
+            yield from values(value)
+        else:
+            yield f"{type(stage).__name__}.{name}", value
 
 
 def test_the_answer_carries_the_digest_of_the_configuration_that_was_given() -> None:
@@ -66,6 +91,29 @@ def test_a_frame_of_another_size_has_the_same_objects(factor: float) -> None:
     assert len(wanted) == len(found) == 9
     for mask in wanted:
         assert max(np.sum(mask & f) / np.sum(mask | f) for f in found) > 0.8
+
+
+def test_every_stage_reads_the_lengths_of_this_size() -> None:
+    frame = resized(sp.read_frame(DEMO / "rgb.png", DEMO / "depth.png", DEMO / "camera.json"), 2.0)
+    run, sized = sp.trace(frame, sp.OBJECTS), sp.OBJECTS.at_size(frame.shape)
+    cues = gather_cues(frame, sized)
+    assert run.cues.edges is not None
+    assert cues.edges is not None
+    assert np.array_equal(run.cues.depth, cues.depth)
+    assert np.array_equal(run.cues.edges.boundary, cues.edges.boundary)
+    points = color_points(frame.color, sized.color)
+    graph = weigh(cues, points, sized.partition.connectivity, sized.depth)
+    assert np.array_equal(run.graph.weights, graph.weights)
+    assert np.array_equal(stages(run)["color_points"], points)
+
+
+def test_wide_lines_hold_where_thin_ones_are_blurred_away() -> None:
+    color, depth = np.full((120, 160, 3), 90, np.uint8), np.ones((120, 160), np.float32)
+    depth[:, 80:] = 1.2
+    camera = sp.Camera(150, 150, 80, 60, 160, 120)
+    thin, wide = (find_edges(color, depth, camera, sp.OBJECTS.edges.model_copy(update={"line_px": n})) for n in (1, 3))
+    assert np.array_equal(thin.final, wide.final)
+    assert np.count_nonzero(wide.boundary[60] > 0.9) > np.count_nonzero(thin.boundary[60] > 0.9) > 0
 
 
 def test_lines_are_widened_by_hand() -> None:

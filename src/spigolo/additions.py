@@ -125,6 +125,8 @@ class Cap(Stage):
 
     max_gap_m: Positive = 0.025
     """Largest mean depth step between both."""
+    max_bend_m: float = 0.006
+    """Largest mean depth of the border behind the chord of its sides: more is the valley between two objects."""
     top_share: Share = 0.2
     """Both end at one height above the support, within this share of it."""
     min_solidity: Share = 0.9

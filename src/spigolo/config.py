@@ -2,8 +2,8 @@
 
 Each field says its unit, its range and where its value comes from: "paper" (printed in Toscana & Rosa 2016),
 "authors' release" (a fact about the code they published), "our choice" (the paper is silent, see docs/paper.md).
-Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) grow with the image, lengths where
-`lengths_grow` is set.
+Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) grow with the image, and lengths where
+`lengths_grow` is set. Those of in-painting and of `Wall` go with areas and always grow.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ class Edges(Stage):
     boundary: Literal["soft", "thin"] = "soft"
     """`soft` blurs the final map and rescales it to 1, which closes its gaps (authors' release); `thin` is eq. 20."""
     line_px: Offset_px = 1
-    """Width of the lines of the final map, before it is made soft."""
+    """Width of the lines of the final map where the second cost function reads it; 1 is eq. 20 (our addition)."""
     blur_px: Annotated[int, Field(ge=1, le=99), Grows(odd=True)] = 7
     """Width of the Gaussian that makes the map soft, odd (authors' release)."""
     depth_contours: DepthContours | None = None
@@ -244,8 +244,8 @@ class Config(Parameters):
     """Joins the parts of an object that the partition cut; None is the paper's method."""
     rejection: Rejection = Rejection()
     lengths_grow: bool = False
-    """Lengths in pixels grow with the image, so that twice the resolution shows the same edges, twice as wide. False
-    takes them as they are: all images of the paper have 640x480 pixels."""
+    """Lengths in pixels grow with the image, so that twice the resolution shows the same edges, twice as wide (our
+    addition). False takes them as they are: all images of the paper have 640x480 pixels."""
 
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:
@@ -256,9 +256,11 @@ class Config(Parameters):
         return self
 
     def at_size(self, shape: tuple[int, int]) -> Config:
-        """The configuration for images (H, W): its lengths in pixels are those of this size, where they grow."""
+        """The configuration for images (H, W): its lengths in pixels are those of this size, and grow no more."""
+        if not self.lengths_grow:
+            return self
         factor = math.sqrt(shape[0] * shape[1] / VGA_PX2)
-        return self.grown(factor) if self.lengths_grow and factor != 1 else self
+        return self.grown(factor).model_copy(update={"lengths_grow": False})
 
     def to_toml(self) -> str:
         """The values as TOML; `from_toml` reads them back."""

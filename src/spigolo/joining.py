@@ -5,8 +5,8 @@ like a contour. Four rules join regions that stand on the support, by what lies 
 (`Joining` has the numbers):
 
 - vessel: the front region bulges, the one behind it is hollow, both end at one height: wall and inside of a cup;
-- cap: hardly any gap, one above the other, both end at one height and fill one outline: a lid, or a cup that the
-  camera saw filled;
+- cap: hardly any gap and no valley, one above the other, both end at one height and fill one outline: a lid, or a cup
+  that the camera saw filled;
 - smooth: hardly any gap, and the border is no valley: a box leant against by noise;
 - enclosed: what lies on the plane, or has no depth, within an object is part of it: the bottom of a bowl.
 """
@@ -163,6 +163,7 @@ class _Parts:
             rule is not None
             and shared >= LEAST_ABOVE * min(widths)
             and border.gap_m <= rule.max_gap_m
+            and border.bend_m <= rule.max_bend_m
             and self._ends_alike(border, 0.0, rule.top_share)
             and self._solidity((border.a, border.b)) >= rule.min_solidity
         )

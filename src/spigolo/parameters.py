@@ -32,8 +32,10 @@ class Grows:
 
     def times(self, length: float, factor: float) -> float:
         """The length in an image so many times larger; whole numbers stay whole and are 1 at least, unless 0."""
-        if isinstance(length, float) or length == 0:
+        if isinstance(length, float):
             return length * factor
+        if length == 0:
+            return 0
         if self.odd:
             return 2 * round((length * factor - 1) / 2) + 1 if length * factor > 1 else 1
         return max(round(length * factor), 1)

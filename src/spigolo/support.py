@@ -167,7 +167,7 @@ def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], confi
 
 
 def _largest_planes(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Planes that differ, the largest first: those with `min_share` of the sample, six at most."""
+    """Planes that differ, roughly the largest first: six at most, as long as they have `min_share` of the sample."""
     tried: list[Plane] = []
     for hypothesis in _hypotheses(sample, rng, config):
         if len(tried) == MOST_PLANES:

@@ -66,7 +66,7 @@ def mergings(frame: Frame) -> dict[str, Run]:
     """Merging alone on the same weights, ours and the textbook's. Raises SpigoloError where their regions differ."""
     runs: dict[str, Run] = {}
     for name in MERGED:
-        config = CONFIGS[name].replace(partition={"min_size_px2": 0})
+        config = CONFIGS[name].replace(partition={"min_size_px2": 0}).at_size(frame.shape)
         color = color_points(frame.color, config.color)
         graph = weigh(gather_cues(frame, config), color, config.partition.connectivity, config.depth)
         check_merging(graph, config)

@@ -56,7 +56,7 @@ def stages(trace: Trace) -> dict[str, Array]:
     arrays: dict[str, Array] = {
         "depth": trace.frame.depth,
         "smoothed_depth": cues.depth,
-        "color_points": color_points(trace.frame.color, trace.config.color),
+        "color_points": color_points(trace.frame.color, trace.config.at_size(trace.frame.shape).color),
         "weights": trace.graph.weights,
         "regions": trace.regions.labels,
         "labels": trace.segmentation.labels,

@@ -39,6 +39,7 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
     """
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")
+    config = config.at_size(frame.shape)
     original = smooth(frame.depth, config.depth.smoothing.model_copy(update={"mean": "plain"}))
     modified = smooth(frame.depth, config.depth.smoothing.model_copy(update={"mean": "valid"}))
     spot = _detail(np.abs(original - modified), frame.shape)
@@ -54,6 +55,7 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
 
 def figure3(frame: Frame, config: Config = SHELF) -> Color:
     """The saliency map as it comes, and after the power law (eq. 10)."""
+    config = config.at_size(frame.shape)
     saliency = fine_grained_saliency(frame.color, config.saliency)
     pictures = {
         "colour": frame.color,

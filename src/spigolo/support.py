@@ -79,12 +79,11 @@ def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | No
     sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
     cells = np.stack([y, x], axis=1) * CELLS // max(depth.shape)
     planes = _largest_planes(sample, rng, config)
-    plane = largest = next(planes, None)
-    if largest is None:
+    plane = next(planes, None)
+    if plane is None:
         return None
     if config.opaque:
-        plane = next((p for p in chain([largest], planes) if _is_opaque(p, sample, cells, config)), largest)
-    assert plane is not None
+        plane = next((p for p in chain([plane], planes) if _is_opaque(p, sample, cells, config)), plane)
     stacked = None if config.stacked_share is None else _stacked(plane, sample, config)
     return stacked if stacked is not None and _is_opaque(stacked, sample, cells, config) else plane
 

@@ -346,6 +346,19 @@ def test_a_plane_that_surrounds_what_lies_below_it_on_three_sides_is_no_support(
         assert found.offset_m == pytest.approx(DISTANCE_M + (0.0 if on_table else 0.4), abs=0.005)
 
 
+@pytest.mark.parametrize(("measured", "supports"), [(0.7, True), (0.5, False)])
+def test_where_depth_is_sparse_no_more_lies_below_the_support_than_on_it(measured: float, supports: bool) -> None:
+    """Three planes side by side, each farther off: below the first and largest lies more than on it."""
+    origin, direction = rays()
+    boards = [plane(height)(origin, direction) for height in (0.0, -0.4, -0.8)]
+    across = np.arange(CAMERA.width) / CAMERA.width
+    depth = np.select([across < 0.4, across < 0.71], boards[:2], boards[2]).astype(np.float32)
+    depth[round(measured * CAMERA.height) :] = 0
+    found = find_support(depth, CAMERA, sp.Support(opaque=True))
+    assert found is not None
+    assert found.offset_m == pytest.approx(DISTANCE_M + (0.0 if supports else 0.4), abs=0.005)
+
+
 def test_where_every_plane_shows_what_is_below_the_largest_stays() -> None:
     """A board of holes alone: nothing else is large enough to support."""
     origin, direction = rays()

@@ -134,15 +134,15 @@ def test_holes_are_told_from_where_on_there_are_many() -> None:
     assert np.array_equal(holes, depth == 0)
 
 
-def test_contours_of_a_hole_are_both_sides_of_its_border_and_the_color_edges_in_it() -> None:
-    holes, canny = np.zeros((9, 9), bool), np.zeros((9, 9), bool)
-    holes[2:7, 2:7] = True
-    canny[4, 4] = canny[0, 0] = True
+def test_contours_of_a_hole_are_both_sides_of_its_border_and_wide_color_edges_in_it() -> None:
+    holes, canny = np.zeros((13, 13), bool), np.zeros((13, 13), bool)
+    holes[2:11, 2:11] = True
+    canny[6, 6] = canny[0, 0] = True
     contours = hole_contours(holes, canny)
-    wanted = np.zeros((9, 9), bool)
-    wanted[1:8, 1:8] = True
-    wanted[3:6, 3:6] = False
-    wanted[4, 4] = True
+    wanted = np.zeros((13, 13), bool)
+    wanted[1:12, 1:12] = True
+    wanted[3:10, 3:10] = False
+    wanted[5:8, 5:8] = True
     assert np.array_equal(contours, wanted)
 
 

@@ -21,6 +21,8 @@ from spigolo.kernels import edges as kernel
 
 NO_ANGLE_DEG = 360.0
 """A low threshold that no angle reaches: without intrinsics there are depth steps but no angles."""
+HOLE_LINE_PX = 3
+"""How wide colour edges in holes are, about as wide as depth contours: soft, a thin line would weigh a third of them."""
 
 SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
 
@@ -142,7 +144,7 @@ def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
 def hole_contours(holes: Mask, canny: Mask) -> Mask:
     """Both sides of the borders of holes, and all colour edges within them (H, W): no depth tells a print there."""
     borders = cv2.morphologyEx(holes.view(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
-    return np.asarray(borders).view(bool) | (holes & canny)
+    return np.asarray(borders).view(bool) | (holes & widen(canny, HOLE_LINE_PX))
 
 
 def widen(final: Mask, line_px: int) -> Mask:

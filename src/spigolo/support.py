@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 
 import cv2
@@ -26,6 +27,8 @@ MOST_BELOW = 0.25
 CELLS = 24
 """Largest share of what a plane surrounds that may lie below it, and of how many cells the longer side of the image
 has when that is asked."""
+SPARSE = 0.6
+"""Where less of a frame has depth, sides of a plane may be unseen: no more may lie below it anywhere than on it."""
 MOST_PLANES = 6
 SEED = 7
 """RANSAC draws from a fixed seed: the same frame gives the same plane."""
@@ -78,14 +81,15 @@ def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | No
     z = depth[y, x].astype(np.float64)
     sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
     cells = np.stack([y, x], axis=1) * CELLS // max(depth.shape)
+    is_opaque = partial(_is_opaque, sample=sample, cells=cells, sparse=valid.size < SPARSE * depth.size, config=config)
     planes = _largest_planes(sample, rng, config)
     plane = next(planes, None)
     if plane is None:
         return None
     if config.opaque:
-        plane = next((p for p in chain([plane], planes) if _is_opaque(p, sample, cells, config)), plane)
+        plane = next(filter(is_opaque, chain([plane], planes)), plane)
     stacked = None if config.stacked_share is None else _stacked(plane, sample, config)
-    return stacked if stacked is not None and _is_opaque(stacked, sample, cells, config) else plane
+    return stacked if stacked is not None and is_opaque(stacked) else plane
 
 
 def support_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
@@ -150,11 +154,12 @@ def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
     return plane if _share(plane, sample, config) >= least else None
 
 
-def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], config: Support) -> bool:
+def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], sparse: bool, config: Support) -> bool:
     """Whether hardly anything shows through a plane from below, where the plane is seen on three sides of it.
 
     A table hides the floor; the front edges of a shelf lie in one plane too, but frame what is behind. cells (N, 2):
-    where the sample lies in a coarse image; a cell shows the plane if most of its points do.
+    where the sample lies in a coarse image; a cell shows the plane if most of its points do. sparse: of a frame that
+    lacks most of its depth.
     """
     on, below = _on(plane, sample, config), plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
     votes = np.zeros(cells.max(axis=0) + 1, np.int64)
@@ -162,6 +167,8 @@ def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], confi
     shown, along = (votes > 0).astype(np.int64), np.maximum.accumulate
     sides = along(shown, 0) + along(shown[::-1], 0)[::-1] + along(shown, 1) + along(shown[:, ::-1], 1)[:, ::-1]
     surrounded = (sides >= 3)[cells[:, 0], cells[:, 1]]
+    if sparse and np.count_nonzero(below) > np.count_nonzero(on):
+        return False
     return bool(np.count_nonzero(below & surrounded) <= MOST_BELOW * np.count_nonzero((below | on) & surrounded))
 
 

@@ -683,8 +683,9 @@ def sum_hollows(labels: Array, number: Array, depth: Array, fx: float, margin: i
             ends_and_middle = [float(depth[y, x]) for x in (left, (left + right) // 2, right)]
             if min(ends_and_middle) > 0:
                 a, middle, b = ends_and_middle
-                length = math.hypot((right - left) * (a + b) / 2 / fx, a - b)
-                out[number[row[first]]] += behind_chord(a, middle, b), length
+                across, behind = (right - left) * (a + b) / 2 / fx, behind_chord(a, middle, b)
+                if abs(behind) <= 0.6 * across:
+                    out[number[row[first]]] += behind, math.hypot(across, a - b)
     return out
 
 

@@ -720,6 +720,20 @@ def test_sum_hollows(scene: Frame, blocks: tuple[naive.Array, naive.Array], marg
     np.testing.assert_allclose(sums, naive.sum_hollows(labels, number, scene.depth, 300.0, margin), **TOLERANCE)
 
 
+def test_a_row_that_ends_on_the_background_says_nothing_of_how_a_region_bulges() -> None:
+    """The inside of a bowl, 20 mm deep and 0.1 m wide; the last pixel of its first row is of the wall behind."""
+    across = np.linspace(-1, 1, 40)
+    depth = np.tile((1.0 + 0.02 * (1 - across**2)).astype(np.float32), (6, 1))
+    labels, number, sums = np.zeros(depth.shape, np.int32), np.zeros(1, np.int32), np.zeros((1, 2))
+    borders.sum_hollows(labels, number, depth, 400.0, 0, sums)
+    wanted = sums * 5 / 6
+    depth[0, -1] = 1.8
+    sums[:] = 0
+    borders.sum_hollows(labels, number, depth, 400.0, 0, sums)
+    np.testing.assert_allclose(sums, wanted, rtol=1e-5)
+    assert 0.15 < sums[0, 0] / sums[0, 1] < 0.25
+
+
 @pytest.mark.parametrize(("near", "deep"), [(1, 2), (2, 5), (4, 10)])
 def test_sum_steps(
     scene: Frame, rng: np.random.Generator, blocks: tuple[naive.Array, naive.Array], near: int, deep: int

@@ -9,6 +9,8 @@ from spigolo.kernels.contours import hollow
 
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS, STEPS = 6, 4
+MOST_ROUND = 0.6
+"""Most that the middle of a chord lies off it, as a share of its length: half a circle, and noise."""
 
 
 @inlined
@@ -73,7 +75,8 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
     """How deep each numbered region lies behind its chords along image rows: positive inside a bowl, negative on a can.
 
     sums (S, 2) float64, zero before: depth of the middle of each row's run behind the chord between its ends (m), and
-    the length of the chord (m). Ends are taken `margin` pixels inside the run; runs shorter than 8 are left out.
+    the length of the chord (m). Ends are taken `margin` pixels inside the run; runs shorter than 8 are left out, and
+    those that bulge more than a half-circle can: one of their points is of something else.
     """
     height, width = labels.shape
     for y in range(height):
@@ -85,9 +88,10 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
             k, left, right = number[labels[y, first]], first + margin, end - 1 - margin
             if k >= 0 and right - left >= 8:
                 a, z, b = float(depth[y, left]), float(depth[y, (left + right) // 2]), float(depth[y, right])
-                if a > 0.0 and b > 0.0 and z > 0.0:
-                    sums[k, 0] += hollow(a, z, b)
-                    sums[k, 1] += np.hypot((right - left) * 0.5 * (a + b) / fx, a - b)
+                behind, across = hollow(a, z, b), (right - left) * 0.5 * (a + b) / fx
+                if a > 0.0 and b > 0.0 and z > 0.0 and abs(behind) <= MOST_ROUND * across:
+                    sums[k, 0] += behind
+                    sums[k, 1] += np.hypot(across, a - b)
             first = end
 
 

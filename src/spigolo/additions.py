@@ -35,7 +35,7 @@ class DepthContours(Stage):
     """Largest angle of a crease; 0 looks for no creases."""
     holes_from: Share | None = None
     """Share of the frame without depth from which on the borders of what is missing are boundaries too, and all
-    colour edges in it, so that regions do not flood through. None takes none."""
+    colour edges in it, as wide as those, so that regions do not flood through. None takes none."""
 
 
 class Support(Stage):
@@ -56,7 +56,8 @@ class Support(Stage):
     pixels: the table in place of the floor below it. None takes the largest."""
     opaque: bool = False
     """Leave out planes that surround what lies below them, as the front of a shelf or a heap of things does, for the
-    next largest: a table hides the floor. Where all do so, the largest stays."""
+    next largest: a table hides the floor. In frames that lack much of their depth also those below which more lies
+    than on them. Where all do so, the largest stays."""
 
 
 class Wall(Stage):

@@ -138,7 +138,7 @@ def test_contours_of_a_hole_are_both_sides_of_its_border_and_wide_color_edges_in
     holes, canny = np.zeros((13, 13), bool), np.zeros((13, 13), bool)
     holes[2:11, 2:11] = True
     canny[6, 6] = canny[0, 0] = True
-    contours = hole_contours(holes, canny)
+    contours = hole_contours(holes, canny, line_px=1)
     wanted = np.zeros((13, 13), bool)
     wanted[1:12, 1:12] = True
     wanted[3:10, 3:10] = False

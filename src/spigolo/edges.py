@@ -21,8 +21,6 @@ from spigolo.kernels import edges as kernel
 
 NO_ANGLE_DEG = 360.0
 """A low threshold that no angle reaches: without intrinsics there are depth steps but no angles."""
-HOLE_LINE_PX = 3
-"""How wide colour edges in holes are, about as wide as depth contours: soft, a thin line would weigh a third of them."""
 
 SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
 
@@ -61,7 +59,7 @@ def find_edges(
         contours = find_contours(depth, camera, config.depth_contours)
         contours = contours if foot is None else contours | foot
         holes = find_holes(depth, config.depth_contours)
-        contours = contours if holes is None else contours | hole_contours(holes, canny)
+        contours = contours if holes is None else contours | hole_contours(holes, canny, config.line_px)
     if contours is not None:
         final = final | contours
     lines = widen(final, config.line_px)
@@ -141,10 +139,13 @@ def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
     return np.asarray(depth == 0)
 
 
-def hole_contours(holes: Mask, canny: Mask) -> Mask:
-    """Both sides of the borders of holes, and all colour edges within them (H, W): no depth tells a print there."""
+def hole_contours(holes: Mask, canny: Mask, line_px: int) -> Mask:
+    """Both sides of the borders of holes, and all colour edges within them (H, W): no depth tells a print there.
+
+    The edges become as wide as depth contours are: once it is soft, a line of one pixel would weigh a third of them.
+    """
     borders = cv2.morphologyEx(holes.view(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
-    return np.asarray(borders).view(bool) | (holes & widen(canny, HOLE_LINE_PX))
+    return np.asarray(borders).view(bool) | (holes & widen(canny, 2 * line_px + 1))
 
 
 def widen(final: Mask, line_px: int) -> Mask:

@@ -60,6 +60,24 @@ def test_segment_writes_its_three_files(tmp_path: Path) -> None:
     assert "TABLE" in done.stdout
 
 
+def test_the_largest_rejected_regions_are_printed(tmp_path: Path) -> None:
+    done = spigolo("segment", SCENE, "--partition.min_size_px2", "20", "--preset", "table", "--out", tmp_path)
+    rejected = len(json.loads((tmp_path / "objects.json").read_text())["rejected"])
+    printed = [int(line.split()[1]) for line in done.stdout.splitlines() if line.startswith("  rejected")]
+    assert printed == sorted(printed, reverse=True)
+    assert len(printed) == 10 < rejected
+    assert f"and {rejected - 10} smaller ones" in done.stdout
+
+
+def test_depth_in_millimetres_is_told_of_once(tmp_path: Path) -> None:
+    depth = cv2.imread(str(SCENE / "depth.png"), cv2.IMREAD_UNCHANGED)
+    np.save(tmp_path / "depth.npy", depth.astype(np.float32))
+    frame = [SCENE / "rgb.png", tmp_path / "depth.npy", "--camera", SCENE / "camera.json", "--out", tmp_path / "out"]
+    for more in ([], ["--no-check"]):
+        done = spigolo("segment", *frame, *more)
+        assert done.stderr.count("depth_scale") == 1, done.stderr
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

@@ -21,3 +21,7 @@ class ConfigError(SpigoloError, ValueError):
 
 class FileError(SpigoloError, OSError):
     """A file could not be read or written."""
+
+
+class UnitWarning(UserWarning):
+    """Depth can hardly be in metres."""

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
-from spigolo.errors import SpigoloError
+from spigolo.errors import SpigoloError, UnitWarning
 from spigolo.facts import (
     Labels,
     RegionFacts,
@@ -236,6 +236,7 @@ def warn_of_depth(frame: Frame, stacklevel: int) -> None:
     if median > FARTHEST_M:
         warnings.warn(
             f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001",
+            UnitWarning,
             stacklevel=stacklevel,
         )
 

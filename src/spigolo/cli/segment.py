@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +11,7 @@ from cyclopts import Parameter
 
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.inputs import FramePaths, configure, find_frames, split_flags
-from spigolo.errors import FileError, SpigoloError
+from spigolo.errors import FileError, SpigoloError, UnitWarning
 from spigolo.frame import MAX_PIXELS
 
 if TYPE_CHECKING:
@@ -185,6 +186,7 @@ def _check(frame: Frame, name: str, wanted: bool) -> None:
         from spigolo.doctor import diagnose
 
         show.warn_of(diagnose(frame), name)
+        warnings.simplefilter("ignore", UnitWarning)  # said already, and better
 
 
 def _only(frames: list[FramePaths]) -> FramePaths:

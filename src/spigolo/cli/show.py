@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from spigolo.frame import Frame
     from spigolo.objects import Segmentation
 
+MOST_REJECTED = 10
+"""How many rejected regions are printed, the largest first; objects.json has them all."""
+
 
 def progress(frames: list[FramePaths], what: str) -> Iterable[FramePaths]:
     """The frames with a bar on the error stream while they are worked on."""
@@ -55,8 +58,10 @@ def print_result(result: Segmentation, out: Path) -> None:
     if len(result):
         Console().print(table)
     print(f"{len(result)} objects, {len(result.rejected)} regions rejected ({result.preset} {result.digest})")
-    for region in result.rejected:
+    for region in sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]:
         print(f"  rejected {region.area_px} px at {region.box_px}: {region.why}")
+    if len(result.rejected) > MOST_REJECTED:
+        print(f"  and {len(result.rejected) - MOST_REJECTED} smaller ones, all in {out / 'objects.json'}")
     if result.left_out:
         print(f"left out, as no intrinsics were given: {', '.join(result.left_out)}")
     print(f"written: {out / 'labels.png'}, {out / 'objects.json'}, {out / 'overlay.png'}")

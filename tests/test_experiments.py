@@ -259,7 +259,7 @@ def test_a_row_says_what_was_found(root: Path, tmp_path: Path) -> None:
         result = sp.segment(frame, config)
         assert one.n_predicted == len(result) and sum(one.rejected.values()) == len(result.rejected)
         assert one.cpu_s is not None and one.cpu_s >= 0 and one.wall_s is not None and one.wall_s > 0
-        assert one.error is None and one.version == sp.__version__ and "Python" in one.machine
+        assert one.error is None and one.version == sp.__version__ and "python" in one.machine
         if truth is None:
             assert one.score is None
         else:

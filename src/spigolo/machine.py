@@ -1,13 +1,50 @@
-"""The machine that something is measured on."""
+"""What something is measured on: the machine, its load, the versions of what is installed."""
 
 from __future__ import annotations
 
+import os
 import platform
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
+import llvmlite
+import numba
+import numpy as np
+
+from spigolo import __version__
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """cores: those this process may use. load: of the last minute, 0 = idle; None where the system does not say."""
+
+    cpu: str
+    cores: int
+    system: str
+    load: float | None
+    versions: dict[str, str]
+
+    def __str__(self) -> str:
+        """One line of what does not change from hour to hour; spigolo's own version is kept apart from it."""
+        versions = ", ".join(f"{name} {version}" for name, version in self.versions.items() if name != "spigolo")
+        return f"{self.cpu}, {self.cores} CPUs; {self.system}; {versions}"
+
+
+def this_machine() -> Machine:
+    """The one this runs on, now."""
+    versions = {
+        "spigolo": __version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "numba": numba.__version__,
+        "llvmlite": llvmlite.__version__,
+        "opencv": cv2.__version__,
+    }
+    load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
+    return Machine(processor(), _cores(), f"{platform.system()} {platform.machine()}", load, versions)
 
 
 def processor() -> str:
@@ -18,6 +55,12 @@ def processor() -> str:
         lines = []
     named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(named, "") or platform.processor() or platform.machine()
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @contextmanager

@@ -9,7 +9,6 @@ from typing import Any
 
 from spigolo.bench.contestants import CONFIGS, Comparison, compare, everybody
 from spigolo.bench.figures import Summary, summarise
-from spigolo.bench.machine import Machine, this_machine
 from spigolo.bench.peers import Peers, open_peers
 from spigolo.bench.resources import (
     Latency,
@@ -24,7 +23,7 @@ from spigolo.bench.stages import time_stages
 from spigolo.bench.startup import Startup, measure_startup
 from spigolo.bench.timing import Sample, Tell, run_rounds, silent
 from spigolo.frame import Frame
-from spigolo.machine import one_thread
+from spigolo.machine import Machine, one_thread, this_machine
 
 MAIN = "OBJECTS 8c"
 """Whose throughput and latency are measured."""

@@ -25,9 +25,8 @@ from spigolo.datasets import Entry, Truth
 from spigolo.errors import FileError, SpigoloError
 from spigolo.evaluation.matching import NEEDS_SCIPY
 from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, score_row
-from spigolo.experiments.machine import describe_machine
 from spigolo.frame import Frame
-from spigolo.machine import one_thread
+from spigolo.machine import one_thread, this_machine
 from spigolo.methods import Method
 from spigolo.objects import Segmentation
 
@@ -219,7 +218,7 @@ def _row(
         digest=method.digest,
         parameters=dict(method.parameters),
         version=__version__,
-        machine=describe_machine(),
+        machine=str(this_machine()),
         cpu_s=None if run is None else run.cpu_s,
         wall_s=None if run is None else run.wall_s,
         n_predicted=0 if run is None else len(run.result),

@@ -11,11 +11,11 @@ from pathlib import Path
 from spigolo.datasets import Entry
 from spigolo.errors import FileError, SpigoloError
 from spigolo.evaluation.matching import NEEDS_SCIPY
-from spigolo.experiments.machine import describe_machine
 from spigolo.experiments.running import Task, Worker, spread
 from spigolo.fitting.drawing import draw
 from spigolo.fitting.spaces import Setting, apply, space_of
 from spigolo.fitting.trials import Place, Search, Subject, Trial, TrialFile
+from spigolo.machine import this_machine
 from spigolo.methods import Method
 
 Tell = Callable[[int, int, Trial | None], None]
@@ -83,7 +83,7 @@ def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
 
 def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
     places = tuple(Place(f.data_set, f.name, f.group, f.labelling, f.content) for f in frames)
-    return Subject(start.name, start.preset, start.digest, seed, places, describe_machine())
+    return Subject(start.name, start.preset, start.digest, seed, places, str(this_machine()))
 
 
 def _check(trial: Trial) -> None:

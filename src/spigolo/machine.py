@@ -14,8 +14,6 @@ import llvmlite
 import numba
 import numpy as np
 
-from spigolo import __version__
-
 
 @dataclass(frozen=True, slots=True)
 class Machine:
@@ -28,15 +26,14 @@ class Machine:
     versions: dict[str, str]
 
     def __str__(self) -> str:
-        """One line of what does not change from hour to hour; spigolo's own version is kept apart from it."""
-        versions = ", ".join(f"{name} {version}" for name, version in self.versions.items() if name != "spigolo")
+        """One line of what does not change from hour to hour."""
+        versions = ", ".join(f"{name} {version}" for name, version in self.versions.items())
         return f"{self.cpu}, {self.cores} CPUs; {self.system}; {versions}"
 
 
-def this_machine() -> Machine:
-    """The one this runs on, now."""
-    versions = {
-        "spigolo": __version__,
+def this_machine(**versions: str) -> Machine:
+    """The one this runs on, now. versions: of what else is to be told, by name."""
+    versions |= {
         "python": platform.python_version(),
         "numpy": np.__version__,
         "numba": numba.__version__,

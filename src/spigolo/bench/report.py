@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from spigolo import __version__
 from spigolo.bench.contestants import CONFIGS, Comparison, compare, everybody
 from spigolo.bench.figures import Summary, summarise
 from spigolo.bench.peers import Peers, open_peers
@@ -103,7 +104,7 @@ def bench(
     python: interpreter of the peers, see `open_peers`. tell: told of the progress.
     """
     plan = Plan() if plan is None else plan
-    machine = this_machine()
+    machine = this_machine(spigolo=__version__)
     with one_thread(), open_peers(python) as peers:
         contests = [_contest(name, frame, plan, peers, tell) for name, frame in frames.items()]
         first = next(iter(frames.values()))

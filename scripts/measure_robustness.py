@@ -97,6 +97,10 @@ def camera(frame: sp.Frame) -> sp.Camera:
     return frame.camera
 
 
+def know_camera(name: str | None, frame: sp.Frame, truth: np.ndarray) -> Labelled:
+    return sp.Frame(frame.color, frame.depth, name), truth
+
+
 CHANGES: dict[str, Change] = {
     "as they are": keep,
     "mirrored": mirror,
@@ -110,6 +114,8 @@ CHANGES: dict[str, Change] = {
     "5 % more of the depth missing": partial(holes, 0.05),
     "turned by 8 degrees": partial(turn, -8.0),
     "colour 2 px beside depth": partial(move_color, -2),
+    "intrinsics guessed, 60deg": partial(know_camera, "60deg"),
+    "no intrinsics": partial(know_camera, None),
 }
 
 

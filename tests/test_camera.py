@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 from spigolo import CameraError, FileError, Frame, FrameError, io
-from spigolo.camera import NOMINAL, Camera, as_camera
+from spigolo.camera import NOMINAL, Camera
+from spigolo.intrinsics import as_camera
 
 WIDTH, HEIGHT = 64, 48
 CAMERA = Camera(60.0, 61.0, 31.0, 24.0, WIDTH, HEIGHT)
@@ -100,6 +101,15 @@ def test_scaling_keeps_the_rays_of_the_image_corners() -> None:
         assert (-0.5 - camera.cx) / camera.fx == pytest.approx((-0.5 - CAMERA.cx) / CAMERA.fx)
         assert (right - camera.cx) / camera.fx == pytest.approx((63.5 - CAMERA.cx) / CAMERA.fx)
         assert (bottom - camera.cy) / camera.fy == pytest.approx((47.5 - CAMERA.cy) / CAMERA.fy)
+
+
+@pytest.mark.parametrize("text", ["60deg", "60.0 deg", " 60-DEG"])
+def test_a_field_of_view_is_a_camera(text: str) -> None:
+    wanted = Camera.from_fov(WIDTH, HEIGHT, horizontal_deg=60)
+    assert as_camera(text, WIDTH, HEIGHT) == Camera.named(text, WIDTH, HEIGHT) == wanted
+    assert Camera.named(text) == Camera.from_fov(640, 480, horizontal_deg=60)
+    with pytest.raises(CameraError, match="between 0 and 180 degrees"):
+        Camera.named("200deg", WIDTH, HEIGHT)
 
 
 @pytest.mark.parametrize("name", NOMINAL)
@@ -310,12 +320,36 @@ def test_a_frame_of_files_takes_a_camera_in_every_form(images: tuple[Path, Path]
     assert io.read_frame(*images, ROWS, 0.001).camera == CAMERA
     assert io.read_frame(*images, None, 0.001).camera is None
     assert io.read_frame(*images, "xtion", 0.001).camera == Camera.named("xtion", WIDTH, HEIGHT)
-    with pytest.raises(CameraError, match="camera file that exists or one of kinect-v1"):
-        io.read_frame(*images, "intrinsics.txt", 0.001)
+    with pytest.raises(CameraError, match="camera file that exists, one of kinect-v1"):
+        io.read_frame(*images, "intrinsics.txt")
     with pytest.raises(FileError, match="cannot be read"):
         io.read_frame(*images, "nowhere.json", 0.001)
+    with pytest.raises(FrameError, match="expected depth_scale with the integers"):
+        io.read_frame(*images, "xtion")
     with pytest.raises(FrameError, match="max_pixels=3072"):
         io.read_frame(*images, None, 0.001, max_pixels=10)
+
+
+def test_a_mapping_brings_its_scale_as_a_file_does(images: tuple[Path, Path], tmp_path: Path) -> None:
+    stored, color = np.full((HEIGHT, WIDTH), 1234, np.uint16), np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    for fields in ({"K": ROWS, "depth_scale": 0.0001}, {"cam_K": ROWS, "depth_scale": 0.1}):
+        for frame in (io.read_frame(*images, fields), Frame(color, stored, fields)):
+            assert frame.camera == CAMERA
+            assert frame.depth[0, 0] == pytest.approx(0.1234)
+        assert Frame(color, stored, fields, depth_scale=0.001).depth[0, 0] == pytest.approx(1.234)
+        assert Frame(color, np.full((HEIGHT, WIDTH), 0.5), fields).depth[0, 0] == 0.5
+    for make in (lambda fields: io.read_frame(*images, fields), lambda fields: Frame(color, stored, fields)):
+        with pytest.raises(CameraError, match="in the camera as metres per unit"):
+            make({"K": ROWS, "depth_scale": 1000})
+        with pytest.raises(CameraError, match="depth_scale as a number, got True"):
+            make({"K": ROWS, "depth_scale": True})
+        with pytest.raises(FrameError, match="expected depth_scale"):
+            make({"K": ROWS})
+
+
+def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
+    (tmp_path / "camera.json").write_text(json.dumps({"K": ROWS}), encoding="utf-8-sig")
+    assert io.read_camera(tmp_path / "camera.json", WIDTH, HEIGHT) == (CAMERA, None)
 
 
 @pytest.mark.parametrize("scale", [0.1, 1.0, 1000.0])

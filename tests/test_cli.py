@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -18,11 +19,10 @@ from spigolo.cli.inputs import configure, find_frames
 SCENE = Path(sp.__file__).parent / "demo_scene"
 
 
-def spigolo(*words: object) -> subprocess.CompletedProcess[str]:
-    code = "from spigolo.cli import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", code, *map(str, words)], capture_output=True, text=True, check=False, timeout=300
-    )
+def spigolo(*words: object, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    line = [sys.executable, "-c", "from spigolo.cli import main; main()", *map(str, words)]
+    own = os.environ | (env or {})
+    return subprocess.run(line, capture_output=True, text=True, check=False, timeout=300, env=own)
 
 
 def test_demo_finds_its_objects_and_draws_them(tmp_path: Path) -> None:
@@ -186,6 +186,43 @@ def test_without_intrinsics_it_says_what_it_left_out(tmp_path: Path) -> None:
     done = spigolo("segment", folder, "--depth-scale", "0.001", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     assert "left out, as no intrinsics were given: contact boundary, support plane" in done.stdout
+    assert "--camera 60deg" in done.stdout
+    guessed = spigolo("segment", folder, "--depth-scale", "0.001", "--camera", "60deg", "--out", tmp_path / "guessed")
+    assert guessed.returncode == 0, guessed.stderr
+    assert "left out" not in guessed.stdout
+
+
+def test_what_a_terminal_cannot_show_costs_no_result(tmp_path: Path) -> None:
+    done = spigolo("segment", SCENE, "--no-check", "--out", tmp_path / "é", env={"PYTHONIOENCODING": "ascii"})
+    assert done.returncode == 0, done.stderr
+    assert "?/labels.png" in done.stdout
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full device")
+def test_an_output_that_takes_nothing_is_said_in_one_sentence() -> None:
+    code = "from spigolo.cli import main; main()"
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-c", code, "presets"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == ["spigolo: [Errno 28] No space left on device"]
+
+
+def test_a_closed_output_is_no_fault() -> None:
+    code = "import sys; sys.stdout = None; from spigolo.cli import main; sys.argv = ['spigolo', 'presets']; main()"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_interrupted_work_says_so(tmp_path: Path) -> None:
+    code = (
+        "from unittest.mock import patch; from spigolo.cli import main\n"
+        "with patch('spigolo.io.read_frame', side_effect=KeyboardInterrupt): main()"
+    )
+    words = [sys.executable, "-c", code, "segment", str(SCENE), "--out", str(tmp_path)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (130, "spigolo: interrupted\n")
 
 
 def test_a_region_of_interest_leaves_fewer_objects(tmp_path: Path) -> None:

@@ -37,6 +37,14 @@ def test_figure_2_needs_a_camera_and_the_others_do_not(frame: sp.Frame) -> None:
         assert draw_figure(blind).any()
 
 
+@pytest.mark.parametrize("shape", [(40, 3), (3, 2), (1, 1)])
+def test_figures_of_narrow_images(frame: sp.Frame, shape: tuple[int, int]) -> None:
+    height, width = shape
+    narrow = sp.Frame(frame.color[:height, :width], np.ones(shape), "60deg")
+    for figure in (figures.figure2, figures.figure3, figures.figure4):
+        assert figure(narrow).size > 0
+
+
 def test_internal_boundaries_are_more_edges(frame: sp.Frame) -> None:
     picture = figures.figure4(frame)
     height, width = frame.shape

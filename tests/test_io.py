@@ -166,6 +166,8 @@ def test_a_preset_file_starts_from_a_preset(tmp_path: Path) -> None:
     [
         ("[partition]\ngama = 1", "unknown parameter 'gama' in Partition: did you mean 'gamma'"),
         ("colour = 1", "unknown parameter 'colour' in Config: did you mean 'color'"),
+        ("gamma = 1", "unknown parameter 'gamma' in Config: did you mean 'partition.gamma'"),
+        ("kx = 1", "unknown parameter 'kx' in Config: did you mean 'cost.k_x'"),
         ("[partition]\ngamma = -1", "gamma: Input should be greater than or equal to 0, got -1"),
         ("[partition]\nconnectivity = 6", "connectivity"),
         ('[cost]\nkind = "boundary"\nk_s = 1', "unknown parameter 'k_s' in BoundaryCost"),

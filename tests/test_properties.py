@@ -522,6 +522,16 @@ def test_any_layout_of_arrays_is_taken_and_owned(image: Array, layout: str, kind
         assert not np.shares_memory(own, theirs)
 
 
+@given(
+    arrays(np.uint16, array_shapes(min_dims=2, max_dims=2)), st.sampled_from(["u2", "f4"]), st.integers(0, 2**16 - 1)
+)
+def test_what_a_mask_hides_is_missing(depth: Array, kind: str, hidden: int) -> None:
+    masked = np.ma.masked_array(depth.astype(kind), np.arange(depth.size).reshape(depth.shape) % 3 == 0)
+    masked.data[masked.mask] = hidden
+    frame = frame_of(masked, depth_scale=0.001)
+    np.testing.assert_array_equal(frame.depth, frame_of(masked.filled(0), depth_scale=0.001).depth)
+
+
 @given(arrays(np.uint16, array_shapes(min_dims=2, max_dims=2)), st.sampled_from([0.001, 0.0001, 0.00025]))
 def test_integer_depth_is_scaled(depth: Array, scale: float) -> None:
     frame = frame_of(depth, depth_scale=scale)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
         SaliencyCost,
         Smoothing,
     )
-    from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError
+    from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError, UnitWarning
     from spigolo.facts import RegionFacts
     from spigolo.frame import Camera, Frame
     from spigolo.io import read_camera, read_frame
@@ -55,7 +55,7 @@ _HOMES = {
     "additions": "DepthContours Joining Support Wall",
     "config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency SaliencyCost"
     " Smoothing",
-    "errors": "CameraError ConfigError FileError FrameError SpigoloError",
+    "errors": "CameraError ConfigError FileError FrameError SpigoloError UnitWarning",
     "frame": "Camera Frame",
     "io": "read_camera read_frame",
     "boxes": "OrientedBox",

@@ -1,4 +1,4 @@
-"""Pinhole cameras, from whatever form their intrinsics come in.
+"""Pinhole cameras: well-known ones, guessed ones, scaled ones; `intrinsics` has the other forms they come in.
 
 Pixel centres have whole coordinates: an image of width W reaches from -0.5 to W - 0.5.
 """
@@ -6,7 +6,8 @@ Pixel centres have whole coordinates: an image of width W reaches from -0.5 to W
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,11 +32,7 @@ NOMINAL = {
     "azure-kinect": ((605.0, 605.0, 639.5, 359.5, 1280, 720),),
 }
 """fx, fy, cx, cy, width, height of each aspect ratio of a camera's colour stream, the default one first."""
-MATRIX_NAMES = ("K", "k", "camera_matrix", "cam_K", "intrinsic_matrix")
-DISTORTION_NAMES = ("distortion", "distortion_coefficients", "dist_coeffs", "coeffs", "D", "d")
-OPENCV_MODELS = ("", "none", "brown_conrady", "plumb_bob", "rational_polynomial", "opencv")
-REALSENSE_MODELS = ("none", "modified_brown_conrady", "inverse_brown_conrady", "ftheta", "brown_conrady")
-"""librealsense's numbers of its models."""
+FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +56,7 @@ class Camera:
             object.__setattr__(self, name, _number(name, getattr(self, name)))
         for name in ("width", "height"):
             object.__setattr__(self, name, _whole_number(name, getattr(self, name)))
-        object.__setattr__(self, "distortion", _coefficients(self.distortion))
+        object.__setattr__(self, "distortion", as_coefficients(self.distortion))
         if self.fx <= 0 or self.fy <= 0:
             raise CameraError(f"expected positive finite focal lengths in pixels, got fx={self.fx}, fy={self.fy}")
         if self.width < 1 or self.height < 1:
@@ -68,7 +65,7 @@ class Camera:
     @classmethod
     def from_matrix(cls, K: Any, width: int, height: int, distortion: Sequence[float] = ()) -> Camera:
         """A camera of K: (3, 3), or its nine numbers row by row. Raises CameraError."""
-        rows = _array(K)
+        rows = as_numbers(K)
         if rows.shape not in ((3, 3), (9,)):
             raise CameraError(f"expected a camera matrix of shape (3, 3) or nine numbers, got shape {rows.shape}")
         (fx, skew, cx), (below, fy, cy), last = rows.reshape(3, 3).tolist()
@@ -100,15 +97,21 @@ class Camera:
 
     @classmethod
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
-        """The nominal colour intrinsics of a well-known camera whose depth is registered to colour.
+        """The nominal colour intrinsics of a well-known camera whose depth is registered to colour, or a guess.
 
         Nominal: every single camera differs by a per cent or two. Good for a first look; calibrate for 3-D.
-        width, height: size of the images, by default the camera's own; another one is scaled to, with its aspect ratio.
-        Raises CameraError, which lists the names.
+        A guess is a horizontal field of view such as "60deg" (`from_fov`).
+        width, height: size of the images, by default the camera's own, 640x480 for a guess; another one is scaled to,
+        with its aspect ratio. Raises CameraError, which lists the names.
         """
+        if angle := FIELD_OF_VIEW.fullmatch(name.strip().lower()):
+            return cls.from_fov(width or 640, height or 480, horizontal_deg=float(angle[1]))
         modes = NOMINAL.get(name.strip().lower().replace("_", "-").replace(" ", "-"))
         if modes is None:
-            raise CameraError(f"expected a camera file that exists or one of {', '.join(NOMINAL)}, got {name!r}")
+            raise CameraError(
+                f"expected a camera file that exists, one of {', '.join(NOMINAL)}, or a horizontal field of view"
+                f" such as 60deg, got {name!r}"
+            )
         cameras = [cls(*mode) for mode in modes]
         width, height = width or cameras[0].width, height or cameras[0].height
         for camera in cameras:
@@ -157,103 +160,22 @@ class Camera:
         return np.stack([(x - self.cx) / self.fx * z, (y - self.cy) / self.fy * z, z], axis=1).astype(np.float32)
 
 
-CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequence[float]] | Sequence[float] | None
-"""What `as_camera` takes."""
+def is_number(value: object) -> bool:
+    """Whether it is a number, of Python's or NumPy's; truth values are none."""
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
-def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
-    """The camera of images of width x height, from any form; None stays None.
-
-    value: a Camera (kept as it is); K as (3, 3) or as nine numbers row by row; (fx, fy, cx, cy); a name that
-    `Camera.named` knows; a mapping as in `camera_from_mapping`. Raises CameraError.
-    """
-    if value is None or isinstance(value, Camera):
-        return value
-    if isinstance(value, str):
-        return Camera.named(value, width, height)
-    if isinstance(value, Mapping):
-        return camera_from_mapping(value, width, height)
-    numbers = _array(value)
-    if numbers.shape == (4,):
-        fx, fy, cx, cy = numbers.tolist()
-        return Camera(fx, fy, cx, cy, width, height)
-    if numbers.shape in ((3, 3), (9,)):
-        return Camera.from_matrix(numbers, width, height)
-    raise CameraError(
-        f"expected a camera as Camera, 3x3 matrix, (fx, fy, cx, cy), name or mapping, got shape {numbers.shape}"
-    )
-
-
-def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, height: int | None = None) -> Camera:
-    """A camera of the fields of a camera file, with width and height where it has none of its own.
-
-    Intrinsics: fx, fy, cx, cy (or ppx, ppy); or K, k, camera_matrix or cam_K, nine numbers row by row; or Open3D's
-    intrinsic_matrix, column by column; matrices may be 3x3 and may lie in a field "data". Size: width, height or
-    image_width, image_height. Distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d, of the
-    model in distortion_model or model. Raises CameraError.
-    """
-    found = {
-        "width": _first(values, ("width", "image_width"), width),
-        "height": _first(values, ("height", "image_height"), height),
-    }
-    K = _matrix(values)
-    if K is None:
-        names = {"fx": ("fx",), "fy": ("fy",), "cx": ("cx", "ppx"), "cy": ("cy", "ppy")}
-        found = {name: _first(values, others) for name, others in names.items()} | found
-    lacking = [name for name, value in found.items() if value is None]
-    if lacking:
-        raise CameraError(
-            f"expected {', '.join(found)} of a camera (or its matrix as one of {', '.join(MATRIX_NAMES)}):"
-            f" {', '.join(lacking)} not found"
-        )
-    distortion = _distortion(values)
-    if K is None:
-        return Camera(**found, distortion=distortion)
-    return Camera.from_matrix(K, found["width"], found["height"], distortion)
-
-
-def _matrix(values: Mapping[str, Any]) -> npt.NDArray[np.float64] | None:
-    name = next((name for name in MATRIX_NAMES if values.get(name) is not None), None)
-    if name is None:
-        return None
-    stored = _array(_data(values[name]))
-    if stored.size != 9:
-        raise CameraError(f"expected nine numbers in {name}, got shape {stored.shape}")
-    by_columns = name == "intrinsic_matrix" and stored.ndim == 1
-    return stored.reshape(3, 3).T if by_columns else stored.reshape(3, 3)
-
-
-def _distortion(values: Mapping[str, Any]) -> tuple[float, ...]:
-    coefficients = _coefficients(_data(_first(values, DISTORTION_NAMES, ())))
-    model = _first(values, ("distortion_model", "model"), "")
-    if isinstance(model, int) and 0 <= model < len(REALSENSE_MODELS):
-        model = REALSENSE_MODELS[model]
-    known = str(model).lower().removeprefix("distortion.").replace(" ", "_").replace("-", "_") in OPENCV_MODELS
-    if coefficients and not known:
-        raise CameraError(
-            f"expected the distortion model plumb_bob or rational_polynomial, got {model}: undistort the images first"
-            " and give their camera without distortion"
-        )
-    return coefficients
-
-
-def _first(values: Mapping[str, Any], names: Sequence[str], default: Any = None) -> Any:
-    return next((values[name] for name in names if values.get(name) is not None), default)
-
-
-def _data(value: Any) -> Any:
-    return value.get("data", ()) if isinstance(value, Mapping) else value
-
-
-def _array(value: Any) -> npt.NDArray[np.float64]:
+def as_numbers(value: Any) -> npt.NDArray[np.float64]:
+    """The value as an array. Raises CameraError."""
     try:
         return np.asarray(value, np.float64)
     except (TypeError, ValueError):
-        raise CameraError(f"expected the numbers of a camera, got {_shortened(value)}") from None
+        raise CameraError(f"expected the numbers of a camera, got {shortened(value)}") from None
 
 
-def _coefficients(values: Any) -> tuple[float, ...]:
-    numbers = _array(values).reshape(-1)
+def as_coefficients(values: Any) -> tuple[float, ...]:
+    """Distortion coefficients, none where all are 0. Raises CameraError."""
+    numbers = as_numbers(values).reshape(-1)
     if numbers.size not in DISTORTION_LENGTHS or not np.isfinite(numbers).all():
         raise CameraError(
             f"expected 4, 5, 8, 12 or 14 finite distortion coefficients in OpenCV's order, got {numbers.tolist()}"
@@ -262,19 +184,20 @@ def _coefficients(values: Any) -> tuple[float, ...]:
 
 
 def _number(name: str, value: Any) -> float:
-    if not isinstance(value, int | float | np.integer | np.floating) or not math.isfinite(value):
+    if not is_number(value) or not math.isfinite(value):
         focal = "a positive finite focal length" if name in ("fx", "fy") else "a finite number"
-        raise CameraError(f"expected {focal} in pixels as {name}, got {_shortened(value)}")
+        raise CameraError(f"expected {focal} in pixels as {name}, got {shortened(value)}")
     return float(value)
 
 
 def _whole_number(name: str, value: Any) -> int:
-    if not isinstance(value, int | float | np.integer | np.floating) or value != value // 1:
-        raise CameraError(f"expected an image size in whole pixels as {name}, got {_shortened(value)}")
+    if not is_number(value) or value != value // 1:
+        raise CameraError(f"expected an image size in whole pixels as {name}, got {shortened(value)}")
     return int(value)
 
 
-def _shortened(value: Any) -> str:
+def shortened(value: Any) -> str:
+    """What a message shows of a value."""
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 60 else f"{text[:57]}..."
 

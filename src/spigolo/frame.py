@@ -7,14 +7,16 @@ in metres, 0 where it is missing.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.camera import Camera, CameraLike, as_camera
+from spigolo.camera import Camera, is_number
 from spigolo.errors import FrameError
+from spigolo.intrinsics import CameraLike, as_camera, check_scale, scale_from_mapping
 
 __all__ = ["MAX_PIXELS", "Camera", "Color", "DepthMap", "Frame", "Mask", "depth_in_metres"]
 
@@ -30,8 +32,9 @@ MAX_PIXELS = 16_000_000
 class Frame:
     """One colour image with its registered depth; owns contiguous copies of both.
 
-    color (H, W, 3) uint8 RGB. depth (H, W): floating-point metres, or integers with `depth_scale` metres per unit;
-    0, NaN, infinite and negative depth is missing, and is 0 here. camera: any form that `as_camera` takes, None where
+    color (H, W, 3) uint8 RGB. depth (H, W): floating-point metres, or integers with `depth_scale` metres per unit,
+    which may be a field of a camera's mapping; 0, NaN, infinite, negative and masked depth is missing, and is 0 here.
+    camera: any form that `as_camera` takes, None where
     the intrinsics are not known; images of a camera with distortion are undistorted here, once, and `camera` is then
     the one without. negative_depth: how many pixels were negative. Raises FrameError where they do not fit together
     or have more than `max_pixels`, CameraError where the camera cannot be.
@@ -55,8 +58,10 @@ class Frame:
         *,
         max_pixels: int = MAX_PIXELS,
     ) -> None:
-        pixels, stored = np.asarray(color), np.asarray(depth)
+        pixels, stored = np.asarray(color), np.asarray(np.ma.filled(depth, 0))  # what a mask hides is missing
         _check_color(pixels, max_pixels)
+        if depth_scale is None and isinstance(camera, Mapping) and stored.dtype.kind in "ui":
+            depth_scale = _own_scale(camera)
         metres, negative = depth_in_metres(stored, depth_scale)
         known = _fitting_camera(pixels, metres, camera)
         if negative:
@@ -73,6 +78,13 @@ class Frame:
     def shape(self) -> tuple[int, int]:
         """(H, W)."""
         return self.depth.shape[0], self.depth.shape[1]
+
+
+def _own_scale(camera: Mapping[str, Any]) -> float | None:
+    scale = scale_from_mapping(camera)
+    if scale is not None:
+        check_scale(scale, "the camera")
+    return scale
 
 
 def depth_in_metres(depth: npt.NDArray[Any], depth_scale: float | None = None) -> tuple[DepthMap, int]:
@@ -103,6 +115,12 @@ def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike)
             " take the intrinsics of the stream that depth is aligned to"
         )
     return camera
+
+
+def check_frame(value: object) -> None:
+    """Raises FrameError for what is no frame, such as an image."""
+    if not isinstance(value, Frame):
+        raise FrameError(f"expected a Frame such as spigolo.Frame(color, depth, camera), got {type(value).__name__}")
 
 
 def _size(image: npt.NDArray[Any]) -> str:
@@ -139,5 +157,5 @@ def _check_depth(depth: npt.NDArray[Any], depth_scale: float | None) -> None:
             )
     elif depth.dtype.kind != "f":
         raise FrameError(f"expected depth as floating-point metres or integers with a scale, got type {depth.dtype}")
-    if depth_scale is not None and not (np.isfinite(depth_scale) and depth_scale > 0):
-        raise FrameError(f"expected depth_scale as positive metres per unit, got {depth_scale}")
+    if depth_scale is not None and not (is_number(depth_scale) and np.isfinite(depth_scale) and depth_scale > 0):
+        raise FrameError(f"expected depth_scale as positive metres per unit, got {depth_scale!r}")

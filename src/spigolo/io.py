@@ -14,16 +14,15 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.camera import Camera, CameraLike, camera_from_mapping
+from spigolo.camera import Camera
 from spigolo.errors import CameraError, FileError, FrameError
 from spigolo.frame import MAX_PIXELS, Frame
+from spigolo.intrinsics import CameraLike, as_camera, camera_from_mapping, check_scale, scale_from_mapping
 
 Image = npt.NDArray[Any]
 PathLike = str | os.PathLike[str]
 
 YAML = (".yaml", ".yml")
-LARGEST_SCALE_M = 0.02
-"""Metres per unit beyond which 16 bits would reach farther than a kilometre: the scale has another unit."""
 
 
 def read_frame(
@@ -38,36 +37,32 @@ def read_frame(
 
     camera: a camera file (`read_camera`), or any form that `as_camera` takes, None where the intrinsics are not known;
     a string is a file if there is one of that name or it ends in .json, .yaml or .yml, and else a camera's name.
-    depth_scale: metres per stored unit, 0.001 for millimetres; if None, that of the camera file for integers, and 1 for
-    floating-point depth.
+    depth_scale: metres per stored unit, 0.001 for millimetres; if None, that of the camera file or mapping for
+    integers, and 1 for floating-point depth.
     Raises FileError, CameraError or FrameError.
     """
     pixels, stored = read_color(color), read_depth(depth)
     whole_numbers = stored.dtype.kind in "ui"
-    if isinstance(camera, os.PathLike) or (isinstance(camera, str) and _names_file(camera)):
-        path = camera
-        camera, scale = read_camera(path, pixels.shape[1], pixels.shape[0])
-        if depth_scale is None and whole_numbers and scale is not None:
-            depth_scale = _checked_scale(path, scale)
+    known, scale = _camera_and_scale(camera, pixels.shape[1], pixels.shape[0])
+    if depth_scale is None and whole_numbers and scale is not None:
+        check_scale(scale, "the camera" if isinstance(camera, Mapping) else camera)
+        depth_scale = scale
     if whole_numbers and stored.dtype != np.uint8 and depth_scale is None:
         raise FrameError(
             f"expected depth_scale with the integers in {depth}: metres per unit, 0.001 for millimetres"
             ' (or "depth_scale" in the camera file)'
         )
-    return Frame(pixels, stored, camera, name=Path(color).stem, depth_scale=depth_scale, max_pixels=max_pixels)
+    return Frame(pixels, stored, known, name=Path(color).stem, depth_scale=depth_scale, max_pixels=max_pixels)
+
+
+def _camera_and_scale(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
+    if isinstance(camera, os.PathLike) or (isinstance(camera, str) and _names_file(camera)):
+        return read_camera(camera, width, height)
+    return as_camera(camera, width, height), scale_from_mapping(camera) if isinstance(camera, Mapping) else None
 
 
 def _names_file(text: str) -> bool:
     return text.lower().endswith((".json", *YAML)) or os.path.isfile(text)
-
-
-def _checked_scale(path: PathLike, scale: float) -> float:
-    if scale > LARGEST_SCALE_M:
-        raise CameraError(
-            f"expected depth_scale in {path} as metres per unit, 0.001 for millimetres, got {scale}:"
-            " divide it by 1000 if it is millimetres per unit, take 1 / depth_scale if it is units per metre"
-        )
-    return scale
 
 
 def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
@@ -121,7 +116,7 @@ def read_camera(path: PathLike, width: int | None = None, height: int | None = N
                 f"expected fields with the intrinsics of a camera, got {type(values).__name__}: not found"
             )
         _refuse_many_images(values)
-        return camera_from_mapping(values, width, height), _depth_scale(values)
+        return camera_from_mapping(values, width, height), scale_from_mapping(values)
     except CameraError as error:
         raise CameraError(f"{path}: {error}") from None
 
@@ -131,7 +126,7 @@ def _read_mapping(path: PathLike) -> Any:
     yaml = _yaml(path) if Path(path).suffix.lower() in YAML else None
     refused = ValueError if yaml is None else yaml.YAMLError
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = Path(path).read_text(encoding="utf-8-sig")
         return json.loads(text) if yaml is None else next(yaml.safe_load_all(text), None)
     except (OSError, ValueError, RecursionError, refused) as error:
         kind, sentence = (
@@ -152,15 +147,6 @@ def _refuse_many_images(values: Mapping[str, Any]) -> None:
     inner = next(iter(values.values()), None)
     if isinstance(inner, Mapping) and "cam_K" in inner:
         raise CameraError(f"expected one camera, got those of {len(values)} images: store one image's cam_K alone")
-
-
-def _depth_scale(values: Mapping[str, Any]) -> float | None:
-    stored = values.get("depth_scale")
-    if stored is None:
-        return None
-    if not isinstance(stored, int | float):
-        raise CameraError(f"expected depth_scale as a number, got {stored!r}")
-    return stored / 1000 if "cam_K" in values else float(stored)
 
 
 def write_png(path: PathLike, image: Image) -> None:

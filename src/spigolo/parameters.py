@@ -6,7 +6,7 @@ import difflib
 import hashlib
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
 
@@ -132,19 +132,23 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
     where = ".".join(str(part) for i, part in enumerate(first["loc"]) if i == 0 or part not in kinds)
     if first["type"] == "extra_forbidden":
         wrong = str(first["loc"][-1])
-        near = difflib.get_close_matches(wrong, _keys(model), n=1, cutoff=0.5)
-        hint = f"did you mean {near[0]!r}? " if near else ""
+        paths = {path.rpartition(".")[2]: path for path in sorted(_paths(model), key=_depth, reverse=True)}
+        near = difflib.get_close_matches(wrong, paths, n=1, cutoff=0.5)
+        hint = f"did you mean {paths[near[0]]!r}? " if near else ""
         return f"unknown parameter {where!r} in {model.__name__}: {hint}It has {', '.join(model.model_fields)}"
     got = "" if isinstance(first["input"], dict | BaseModel) else f", got {first['input']!r}"
     message = first["msg"].removeprefix("Value error, ")
     return f"{where + ': ' if where else ''}{message}{got} (in {model.__name__})"
 
 
-def _keys(model: type[BaseModel]) -> set[str]:
-    keys: set[str] = set()
+def _paths(model: type[BaseModel]) -> Iterator[str]:
+    """The dotted names of a model's fields and of those of its stages."""
     for name, field in model.model_fields.items():
-        keys.add(name)
+        yield name
         for part in (field.annotation, *getattr(field.annotation, "__args__", ())):
             if isinstance(part, type) and issubclass(part, BaseModel):
-                keys |= _keys(part)
-    return keys
+                yield from (f"{name}.{path}" for path in _paths(part))
+
+
+def _depth(path: str) -> int:
+    return path.count(".")

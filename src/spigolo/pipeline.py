@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from spigolo.color import color_points
 from spigolo.config import Config, check_config
 from spigolo.cues import Cues, gather_cues
-from spigolo.frame import Frame
+from spigolo.frame import Frame, check_frame
 from spigolo.graph import Graph, weigh
 from spigolo.joining import join_parts
 from spigolo.objects import ObjectMask, Segmentation, select_objects
@@ -31,6 +31,7 @@ class Trace:
 
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segments a frame and keeps what each stage made. workspace: scratch kept between frames, one per thread."""
+    check_frame(frame)
     check_config(config)
     sized = config.at_size(frame.shape)  # lengths in pixels, for this image
     cues = gather_cues(frame, sized)  # eqs. 5-8, 10-21

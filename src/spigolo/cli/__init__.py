@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import warnings
+from io import TextIOWrapper
 from typing import Any
 
 import cyclopts
@@ -23,21 +24,41 @@ def main() -> None:
     from spigolo.cli.verbs import app
 
     warnings.showwarning = _say_warning
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without our signs gets question marks
     try:
         code = app(result_action="return_value", exit_on_error=False, print_error=True)
-        sys.stdout.flush()
+        _flush()
     except SpigoloError as error:
         print(f"spigolo: {error}", file=sys.stderr)
         code = FAILED
     except cyclopts.CycloptsError:
         code = FAILED  # already printed
     except BrokenPipeError:  # `| head` has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _write_no_more()
         code = DONE
+    except OSError as error:  # as of a full disk below the output
+        print(f"spigolo: {error}", file=sys.stderr)
+        code = FAILED
+        try:
+            _flush()
+        except OSError:
+            _write_no_more()
     except KeyboardInterrupt:
         print("spigolo: interrupted", file=sys.stderr)
         code = 130
     sys.exit(code)
+
+
+def _flush() -> None:
+    if sys.stdout is not None:  # it is None where it was closed
+        sys.stdout.flush()
+
+
+def _write_no_more() -> None:
+    """What is still to be written goes nowhere, so that the end of the process says nothing of it."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:

@@ -48,8 +48,9 @@ def segment(
         subfolders that have them, or with folders rgb/ and depth/ of equally named files. Any field of the preset is a
         flag as well: `--partition.gamma 0.004`; `spigolo presets OBJECTS` lists them.
     camera
-        Intrinsics: a JSON file (fx, fy, cx, cy, width, height, depth_scale), a YAML file of ROS CameraInfo, or a
-        camera's name such as kinect-v1. Default: camera.json beside the images; without one, what needs no 3-D works.
+        Intrinsics: a JSON file (fx, fy, cx, cy, width, height, depth_scale), a YAML file of ROS CameraInfo, a
+        camera's name such as kinect-v1, or a guess such as 60deg, the horizontal field of view. Default: camera.json
+        beside the images; without one, what needs no 3-D works.
     preset
         OBJECTS for your own data; SHELF, TABLE or CLUTTER for the paper's; or a TOML file.
     depth_scale

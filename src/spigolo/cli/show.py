@@ -64,6 +64,7 @@ def print_result(result: Segmentation, out: Path) -> None:
         print(f"  and {len(result.rejected) - MOST_REJECTED} smaller ones, all in {out / 'objects.json'}")
     if result.left_out:
         print(f"left out, as no intrinsics were given: {', '.join(result.left_out)}")
+        print("a guess of the field of view finds far more than none: --camera 60deg")
     print(f"written: {out / 'labels.png'}, {out / 'objects.json'}, {out / 'overlay.png'}")
 
 

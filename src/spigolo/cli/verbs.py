@@ -31,6 +31,7 @@ app = cyclopts.App(
     version=__version__,
     help="Finds the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.",
     help_epilogue="Begin with `spigolo demo`; then `spigolo doctor` on a frame of your own, then `spigolo segment`.",
+    suppress_keyboard_interrupt=False,
 )
 app.command(segment)
 app.command(trace)

@@ -36,7 +36,7 @@ def diagnose(frame: Frame) -> Diagnosis:
         return Diagnosis((*findings, note(COST, "no cost function is advised: there is no depth")))
     findings += [check_unit(frame.depth, filled), check_alignment(frame.color, filled)]
     if camera is None:
-        without = "no intrinsics given: no 3-D facts, no contact boundary, no support plane"
+        without = "no intrinsics given: no 3-D facts, no contact boundary, no support plane; a guess, 60deg, finds more"
         findings.append(note("intrinsics", without))
     else:
         findings += [check_intrinsics(camera), check_focal_length(filled, camera)]

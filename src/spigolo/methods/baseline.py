@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from spigolo.config import Inpainting, Rejection
 from spigolo.depth import inpaint_small_gaps
-from spigolo.frame import Frame
+from spigolo.frame import Frame, check_frame
 from spigolo.objects import Evidence, Segmentation, judge_regions, warn_of_depth
 from spigolo.parameters import Parameters
 from spigolo.presets import OBJECTS_2
@@ -71,6 +71,7 @@ class Baseline(ABC, Generic[C]):
 
     def __call__(self, frame: Frame) -> Segmentation:
         """The objects of a frame."""
+        check_frame(frame)
         warn_of_depth(frame, stacklevel=3)
         regions, contour = self.divide(frame)
         rules, camera = self.config.rejection, frame.camera

@@ -125,7 +125,7 @@ def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> 
 
 def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Window:
     """The window in which a map (H, W) is largest on average."""
-    height, width = shape[0] // DETAIL_SHARE, shape[1] // DETAIL_SHARE
+    height, width = max(shape[0] // DETAIL_SHARE, 1), max(shape[1] // DETAIL_SHARE, 1)
     means = cv2.blur(np.minimum(difference, 0.05), (width, height))
     y, x = np.unravel_index(int(means.argmax()), means.shape)
     y0, x0 = int(np.clip(y - height // 2, 0, shape[0] - height)), int(np.clip(x - width // 2, 0, shape[1] - width))

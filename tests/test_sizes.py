@@ -146,6 +146,23 @@ def test_contours_of_a_hole_are_both_sides_of_its_border_and_wide_color_edges_in
     assert np.array_equal(contours, wanted)
 
 
+def test_more_contour_is_asked_where_the_borders_of_holes_are_contours() -> None:
+    """Nothing has a mean boundary of 1: asked for that, all regions of a frame with holes are weak."""
+    frame = sp.read_frame(DEMO / "rgb.png", DEMO / "depth.png", DEMO / "camera.json")
+    depth = frame.depth.copy()
+    depth[::60], depth[:100] = 0, 0
+    depth[:, :250] = 0
+    some = sp.Frame(frame.color, depth, frame.camera)
+    for taken, objects in ((frame, True), (some, False)):
+        plain, strict = (
+            sp.segment(taken, sp.OBJECTS.replace(edges={"depth_contours": {"holes_min_contour": least}}))
+            for least in (None, 1.0)
+        )
+        assert len(plain) > 0
+        assert len(strict) == (len(plain) if objects else 0)
+        assert any(r.reason is sp.Reason.WEAK_CONTOUR and "least 1.00" in r.why for r in strict.rejected) is not objects
+
+
 @pytest.mark.frames
 def test_objects_of_real_frames_of_twice_the_size_are_found_as_before(data: Path) -> None:
     """Of 27; two or three more are lost where lengths do not grow."""

@@ -36,6 +36,8 @@ class DepthContours(Stage):
     holes_from: Share | None = None
     """Share of the frame without depth from which on the borders of what is missing are boundaries too, and all
     colour edges in it, as wide as those, so that regions do not flood through. None takes none."""
+    holes_min_contour: Share | None = None
+    """What takes the place of `Rejection.min_contour` in such frames, where hardly a region is without contours."""
 
 
 class Support(Stage):

@@ -33,7 +33,8 @@ class EdgeMaps:
 
     canny: E_E, every edge of the colour image. depth_boundary: E_B. contact_boundary: E_C. final: E_F, with the
     depth contours where they are asked for; contours: those alone, else None.
-    boundary: float32 in [0, 1], E_F as the second cost function takes it, soft or thin.
+    boundary: float32 in [0, 1], E_F as the second cost function takes it, soft or thin. holes: whether the borders of
+    what is missing are among the contours.
     """
 
     canny: Mask
@@ -42,6 +43,7 @@ class EdgeMaps:
     final: Mask
     contours: Mask | None
     boundary: npt.NDArray[np.float32]
+    holes: bool = False
 
 
 def find_edges(
@@ -54,7 +56,7 @@ def find_edges(
     canny, gx, gy = scharr_canny(image, config)
     depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
     final = final_boundary(depth_boundary, contact)
-    contours = foot
+    contours, holes = foot, None
     if config.depth_contours is not None:
         contours = find_contours(depth, camera, config.depth_contours)
         contours = contours if foot is None else contours | foot
@@ -64,7 +66,7 @@ def find_edges(
         final = final | contours
     lines = widen(final, config.line_px)
     cue = soften(lines, config.blur_px) if config.boundary == "soft" else lines.astype(np.float32)
-    return EdgeMaps(canny, depth_boundary, contact, final, contours, cue)
+    return EdgeMaps(canny, depth_boundary, contact, final, contours, cue, holes is not None)
 
 
 def scharr_canny(image: Color, config: Edges) -> tuple[Mask, Gradient, Gradient]:

@@ -200,13 +200,21 @@ def select_objects(
         depth=cues.depth,
         contour=contour_cue(cues, graph),
         plane=cues.support,
-        rules=config.rejection,
+        rules=_rules(config, cues),
         preset=config.name,
         digest=config.digest,
         left_out=("contact boundary",) if frame.camera is None and cues.edges is not None else (),
     )
     warn_of_depth(frame, stacklevel=5)
     return judge_regions(regions, frame, evidence, roi)
+
+
+def _rules(config: Config, cues: Cues) -> Rejection:
+    """What is rejected in this frame."""
+    added = config.edges.depth_contours
+    if added is None or added.holes_min_contour is None or cues.edges is None or not cues.edges.holes:
+        return config.rejection
+    return config.rejection.model_copy(update={"min_contour": added.holes_min_contour})
 
 
 def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi | None = None) -> Segmentation:

@@ -77,7 +77,7 @@ OBJECTS_2 = OBJECTS_1.replace(
         "max_length_m": 0.4,
         "max_width_m": 0.25,
     },
-    edges={"depth_contours": {"holes_from": 0.4}},
+    edges={"depth_contours": {"holes_from": 0.4, "holes_min_contour": 0.75}},
     lengths_grow=True,
 )
 """OBJECTS_1 with the parts of an object joined, the table taken for the support rather than the floor or the front of a

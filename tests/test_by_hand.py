@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.doctor import diagnose
 from test_objects import CAMERA, scene
 
 CONFIG = sp.TABLE.replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
@@ -203,3 +206,15 @@ def test_tiny_images_work(name: str, shape: tuple[int, int]) -> None:
     color = np.random.default_rng(0).integers(0, 255, (*shape, 3), dtype=np.uint8)
     depth = np.random.default_rng(1).uniform(0.5, 2, shape)
     consistent(sp.segment(sp.Frame(color, depth, camera), sp.PRESETS[name]))
+
+
+@pytest.mark.parametrize("corner", ["abc", None, [[1], [1, 2]], (0, 0), (2, 2, 2)])
+def test_a_metric_box_of_other_things_is_refused(corner: object) -> None:
+    with pytest.raises(sp.FrameError, match="expected a metric box with low < high"):
+        sp.MetricBox(corner, (1, 1, 1))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("work", [sp.segment, sp.trace, sp.Segmenter(), diagnose, *sp.METHODS.values()])
+def test_what_is_no_frame_is_refused(work: Callable[[object], object]) -> None:
+    with pytest.raises(sp.FrameError, match=r"expected a Frame such as .*, got ndarray"):
+        work(np.zeros((4, 4, 3), np.uint8))

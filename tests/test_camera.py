@@ -347,6 +347,16 @@ def test_a_mapping_brings_its_scale_as_a_file_does(images: tuple[Path, Path], tm
             make({"K": ROWS})
 
 
+def test_a_number_may_be_an_array_of_one_and_no_truth_value() -> None:
+    stored, color = np.full((HEIGHT, WIDTH), 1234, np.uint16), np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    assert Frame(color, stored, CAMERA, depth_scale=np.array(0.001)).depth[0, 0] == pytest.approx(1.234)
+    for scale in (True, "0.001", np.array([0.001])):
+        with pytest.raises(FrameError, match="depth_scale as positive metres per unit"):
+            Frame(color, stored, CAMERA, depth_scale=scale)
+    with pytest.raises(CameraError, match="focal length in pixels as fx, got True"):
+        Camera(True, 60.0, 31.0, 24.0, WIDTH, HEIGHT)
+
+
 def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
     (tmp_path / "camera.json").write_text(json.dumps({"K": ROWS}), encoding="utf-8-sig")
     assert io.read_camera(tmp_path / "camera.json", WIDTH, HEIGHT) == (CAMERA, None)

@@ -161,7 +161,9 @@ class Camera:
 
 
 def is_number(value: object) -> bool:
-    """Whether it is a number, of Python's or NumPy's; truth values are none."""
+    """Whether it is a number, of Python's or NumPy's, or an array of one alone; truth values are none."""
+    if isinstance(value, np.ndarray):
+        return value.ndim == 0 and value.dtype.kind in "uif"
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 

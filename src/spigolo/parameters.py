@@ -132,7 +132,7 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
     where = ".".join(str(part) for i, part in enumerate(first["loc"]) if i == 0 or part not in kinds)
     if first["type"] == "extra_forbidden":
         wrong = str(first["loc"][-1])
-        paths = {path.rpartition(".")[2]: path for path in sorted(_paths(model), key=_depth, reverse=True)}
+        paths = {path.rpartition(".")[2]: path for path in sorted(_paths(model), key=lambda p: -p.count("."))}
         near = difflib.get_close_matches(wrong, paths, n=1, cutoff=0.5)
         hint = f"did you mean {paths[near[0]]!r}? " if near else ""
         return f"unknown parameter {where!r} in {model.__name__}: {hint}It has {', '.join(model.model_fields)}"
@@ -148,7 +148,3 @@ def _paths(model: type[BaseModel]) -> Iterator[str]:
         for part in (field.annotation, *getattr(field.annotation, "__args__", ())):
             if isinstance(part, type) and issubclass(part, BaseModel):
                 yield from (f"{name}.{path}" for path in _paths(part))
-
-
-def _depth(path: str) -> int:
-    return path.count(".")

@@ -31,9 +31,12 @@ class MetricBox:
     T_base_camera: npt.ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        low, high = np.asarray(self.low_m), np.asarray(self.high_m)
-        numbers = low.dtype.kind in "uif" and high.dtype.kind in "uif"
-        if not numbers or low.shape != (3,) or high.shape != (3,) or not (low < high).all():
+        try:
+            low, high = np.asarray(self.low_m, float), np.asarray(self.high_m, float)
+            fits = low.shape == high.shape == (3,) and bool((low < high).all())
+        except (TypeError, ValueError):
+            fits = False
+        if not fits:
             raise FrameError(
                 f"expected a metric box with low < high in X, Y and Z (metres), got {self.low_m} and {self.high_m}"
             )

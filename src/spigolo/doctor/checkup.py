@@ -10,7 +10,7 @@ from spigolo.doctor.alignment import check_alignment
 from spigolo.doctor.findings import COST, Diagnosis, Finding, fine, note, warning
 from spigolo.doctor.intrinsics import check_focal_length, check_intrinsics
 from spigolo.doctor.measured import check_missing, check_negative, check_unit
-from spigolo.frame import Camera, DepthMap, Frame
+from spigolo.frame import Camera, DepthMap, Frame, check_frame
 
 CV2_WHEELS = (
     "opencv-python",
@@ -25,10 +25,11 @@ BORDER = 0.1
 
 
 def diagnose(frame: Frame) -> Diagnosis:
-    """Everything that can be told from one frame. Some 0.3 s for 640x480; raises nothing, prints nothing.
+    """Everything that can be told from one frame. Some 0.3 s for 640x480; prints nothing.
 
     A check that lacks evidence says so in a note. Without any depth the checks that need it are left out.
     """
+    check_frame(frame)
     camera: Camera | None = frame.camera
     filled = inpaint_small_gaps(frame.depth, Inpainting())
     findings = [check_wheels(), check_size(frame), check_negative(frame), *check_missing(frame.depth, filled)]

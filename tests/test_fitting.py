@@ -15,6 +15,7 @@ from spigolo.cli import FAILED
 from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.evaluation import Row, pool, read_rows
 from spigolo.experiments import Method, Toscana2016, evaluate, find_labelled_frames
+from spigolo.experiments.page import to_markdown
 from spigolo.fitting import (
     Choice,
     Range,
@@ -28,11 +29,13 @@ from spigolo.fitting import (
     fitted,
     goodness,
     hold_out,
+    hold_out_sets,
     read_search,
     search,
     space_of,
     write_fit,
 )
+from spigolo.fitting.report import make_page
 from spigolo.fitting.spaces import CONTOURS, JOINING, SUPPORT
 from spigolo.fitting.trials import Place
 from spigolo.parameters import parse_toml
@@ -160,6 +163,38 @@ def test_near_identical_frames_have_no_say_about_each_other() -> None:
     assert held == {"a": 0.1, "twin": 0.1, "b": 0.0}
     with pytest.raises(SpigoloError, match="of which there are 2, got 3: give --folds"):
         hold_out(twins, 3)
+
+
+def test_a_set_is_scored_by_what_is_best_on_the_others() -> None:
+    """Each trial is good on the frames of one set alone."""
+    made = tried({"a": 1.0, "b": 0.9, "c": 0.2}, {"a": 0.1, "b": 0.0, "c": 0.8})
+    with pytest.raises(SpigoloError, match="expected frames of several data sets, got one, s"):
+        hold_out_sets(made)
+    made = in_sets(made, "left", "left", "right")
+    held = {one.frame: one.score.overlap_f for one in hold_out_sets(made).rows if one.score}
+    assert held == {"a": 0.1, "b": 0.0, "c": 0.2}
+    assert [trial.number for trial in hold_out_sets(made).chosen] == [1, 0]
+    assert [trial.number for trial in hold_out_sets(made, with_start=False).chosen] == [1, 1]
+
+
+def in_sets(made: Search, *names: str) -> Search:
+    """The same trials of frames of these sets."""
+    places = tuple(replace(place, data_set=name) for place, name in zip(made.subject.places, names, strict=True))
+    trials = tuple(
+        replace(trial, rows=tuple(replace(r, data_set=name) for r, name in zip(trial.rows, names, strict=True)))
+        for trial in made.trials
+    )
+    return Search(replace(made.subject, places=places), trials)
+
+
+def test_the_report_says_what_a_set_left_out_gets_where_there_are_several() -> None:
+    made, start = tried({"a": 0.5, "b": 0.5}, {"a": 0.9, "b": 0.2}), Toscana2016(sp.TABLE)
+    one = to_markdown(make_page(made, hold_out(made, 2), start))
+    assert "set held out" not in one and "another question" in one
+    several = in_sets(made, "left", "right")
+    text = to_markdown(make_page(several, hold_out(several, 2), start))
+    assert "set held out: each set with the setting that is best on the other sets" in text
+    assert "| left | start |" in text and "another question" not in text
 
 
 def test_the_start_is_left_out_where_it_was_made_on_the_frames() -> None:

@@ -8,7 +8,7 @@ print(pool(hold_out(tried).rows).overlap_f)
 
 from __future__ import annotations
 
-from spigolo.fitting.choosing import HeldOut, best_trial, check_folds, goodness, hold_out
+from spigolo.fitting.choosing import HeldOut, best_trial, check_folds, goodness, hold_out, hold_out_sets
 from spigolo.fitting.drawing import draw
 from spigolo.fitting.report import fitted, score_table, write_fit
 from spigolo.fitting.search import only_labelled, search
@@ -31,6 +31,7 @@ __all__ = [
     "fitted",
     "goodness",
     "hold_out",
+    "hold_out_sets",
     "only_labelled",
     "read_search",
     "score_table",

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from spigolo.errors import SpigoloError
-from spigolo.evaluation.resampling import folds
+from spigolo.evaluation.resampling import Split, folds, leave_one_set_out
 from spigolo.evaluation.rows import Row
 from spigolo.fitting.trials import Search, Trial
 
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """Rows of every frame by a trial chosen without the frame's fold. chosen: the trial of each fold."""
+    """Rows of every frame by a trial chosen without its fold or set. chosen: the trial of each fold or set."""
 
     rows: tuple[Row, ...]
     chosen: tuple[Trial, ...]
@@ -62,12 +62,23 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
     """
     groups = [place.group for place in search.subject.places]
     check_folds(groups, count)
+    return _score_outside(search, folds(groups, count, seed), with_start)
+
+
+def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
+    """Every data set scored by the trial that is best on the others: what to expect of another camera or place.
+
+    The sets come in the order of their names. Raises SpigoloError where there is one set alone.
+    """
+    places = search.subject.places
+    sets = [place.data_set for place in places]
+    if len(set(sets)) < 2:
+        raise SpigoloError(f"expected frames of several data sets, got one, {sets[0]}: label frames of another place")
+    return _score_outside(search, leave_one_set_out(sets, [place.group for place in places]), with_start)
+
+
+def _score_outside(search: Search, splits: Sequence[Split], with_start: bool) -> HeldOut:
     trials = search.trials if with_start else search.trials[1:]
-    rows: list[Row | None] = [None] * len(groups)
-    chosen = []
-    for split in folds(groups, count, seed):
-        best = best_trial(trials, split.inside.tolist())
-        chosen.append(best)
-        for i in split.outside:
-            rows[i] = best.rows[i]
-    return HeldOut(tuple(row for row in rows if row is not None), tuple(chosen))
+    chosen = tuple(best_trial(trials, split.inside.tolist()) for split in splits)
+    rows = {i: best.rows[i] for best, split in zip(chosen, splits, strict=True) for i in split.outside.tolist()}
+    return HeldOut(tuple(rows[i] for i in sorted(rows)), chosen)

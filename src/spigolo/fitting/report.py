@@ -9,8 +9,8 @@ from typing import Any
 from spigolo.errors import FileError
 from spigolo.experiments.contenders import Contender
 from spigolo.experiments.page import Cell, Items, Page, Paragraph, Table, to_markdown
-from spigolo.experiments.tables import FEW_GROUPS, NONE, brief_table, change_table
-from spigolo.fitting.choosing import HeldOut, best_trial
+from spigolo.experiments.tables import FEW_GROUPS, NONE, brief_table, change_table, set_table
+from spigolo.fitting.choosing import HeldOut, best_trial, hold_out_sets
 from spigolo.fitting.spaces import apply
 from spigolo.fitting.trials import Search
 from spigolo.methods import Method, Toscana2016
@@ -23,7 +23,7 @@ def fitted(search: Search, start: Method) -> Method:
 
 
 def score_table(search: Search, held: HeldOut) -> Table:
-    """The start, the fitted parameters on the frames that chose them, and on frames that had no say."""
+    """The start, the fitted parameters on the frames that chose them, on frames and on sets that had no say."""
     return brief_table([contender for contender, _ in _lines(search, held)])
 
 
@@ -47,7 +47,7 @@ def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tup
 def make_page(search: Search, held: HeldOut, start: Method) -> Page:
     """The report."""
     lines = _lines(search, held)
-    (first, _), (last, _) = lines[0], lines[-1]
+    first, last = lines[0][0], lines[2][0]
     return Page(
         f"{start.name} {start.preset}".rstrip() + ", fitted",
         [
@@ -57,6 +57,7 @@ def make_page(search: Search, held: HeldOut, start: Method) -> Page:
             ),
             score_table(search, held),
             Items([f"{contender.label}: {meaning}" for contender, meaning in lines]),
+            *([Paragraph("Each set:"), set_table([c for c, _ in lines])] if _has_several_sets(search) else []),
             Paragraph("What is left out, compared with the start:"),
             change_table([(first, last)]),
             Items(list(_remarks(search, held))),
@@ -68,7 +69,7 @@ def make_page(search: Search, held: HeldOut, start: Method) -> Page:
 
 def _lines(search: Search, held: HeldOut) -> list[tuple[Contender, str]]:
     best = best_trial(search.trials)
-    return [
+    lines = [
         (Contender("start", "", search.start.rows), "the parameters that the search began with."),
         (
             Contender("fitted", "", best.rows),
@@ -80,6 +81,14 @@ def _lines(search: Search, held: HeldOut) -> list[tuple[Contender, str]]:
             " of the same kind.",
         ),
     ]
+    if _has_several_sets(search):
+        means = "each set with the setting that is best on the other sets: what to expect of another camera or place."
+        lines.append((Contender("set held out", "", hold_out_sets(search).rows), means))
+    return lines
+
+
+def _has_several_sets(search: Search) -> bool:
+    return len({place.data_set for place in search.subject.places}) > 1
 
 
 def _remarks(search: Search, held: HeldOut) -> Iterator[str]:
@@ -92,7 +101,8 @@ def _remarks(search: Search, held: HeldOut) -> Iterator[str]:
     groups = len({place.group for place in search.subject.places})
     if groups < FEW_GROUPS:
         yield f"{groups} distinct frames: too few to tell settings apart; label more."
-    yield "Frames that are not like these, of another camera or another place, are another question."
+    if not _has_several_sets(search):
+        yield "Frames that are not like these, of another camera or another place, are another question."
 
 
 def _changes(before: Method, after: Method) -> Table:

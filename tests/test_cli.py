@@ -311,6 +311,61 @@ def test_images_without_depth_are_named(tmp_path: Path) -> None:
         assert [f.name for f in find_frames([str(tmp_path / "tum")])] == ["3"]
 
 
+def test_what_is_no_depth_is_no_depth_image(tmp_path: Path) -> None:
+    for folder, names in (("rgb", ("1.png", "2.png")), ("depth", ("1.png", "1.json", "2.png", "2.npy", "3.png"))):
+        (tmp_path / folder).mkdir()
+        for name in names:
+            (tmp_path / folder / name).touch()
+    with pytest.warns(UserWarning, match=r"1 depth images have no colour image of their name: .*3.png"):
+        assert [f.depth.name for f in find_frames([str(tmp_path)])] == ["1.png", "2.npy"]
+
+
+def test_none_switches_off_what_may_be_off_and_stays_a_word_elsewhere() -> None:
+    config = configure("OBJECTS", {"joining": "none", "edges.sign_rule": "none", "rejection.max_length_m": "NONE"})
+    assert (config.joining, config.edges.sign_rule, config.rejection.max_length_m) == (None, "none", None)
+
+
+def test_a_mistyped_flag_of_the_verb_is_recognised(tmp_path: Path) -> None:
+    for wrong, right in (("--depthscale", "--depth-scale"), ("--roimask", "--roi-mask")):
+        done = spigolo("segment", SCENE, wrong, "1", "--out", tmp_path)
+        assert f"unknown flag {wrong} for preset OBJECTS_2: did you mean {right}?" in done.stderr
+
+
+@pytest.mark.parametrize("kind", ["8", "16", "rgb"])
+def test_a_mask_of_any_kind_says_where_objects_are_wanted(tmp_path: Path, kind: str) -> None:
+    inside = np.zeros((480, 640), np.uint16)
+    inside[:, :320] = 3
+    image = {"8": inside.astype(np.uint8), "16": inside, "rgb": np.dstack([0 * inside] * 2 + [inside]).astype(np.uint8)}
+    cv2.imwrite(str(tmp_path / "mask.png"), image[kind])
+    done = spigolo("segment", SCENE, "--roi-mask", tmp_path / "mask.png", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    labels = cv2.imread(str(tmp_path / "out" / "labels.png"), cv2.IMREAD_UNCHANGED)
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    assert labels.max() > 0 and np.array_equal(labels, sp.segment(frame, roi=inside > 0).labels)
+
+
+def test_what_labels_fit_is_written_where_the_camera_distorts(tmp_path: Path) -> None:
+    camera = json.loads((SCENE / "camera.json").read_text()) | {"distortion": [0.1, 0, 0, 0]}
+    (tmp_path / "camera.json").write_text(json.dumps(camera))
+    done = spigolo("segment", SCENE, "--camera", tmp_path / "camera.json", "--out", tmp_path / "out")
+    assert "labels fit the undistorted colour image" in done.stdout
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", tmp_path / "camera.json")
+    assert np.array_equal(cv2.imread(str(tmp_path / "out" / "rgb.png"))[..., ::-1], frame.color)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["--methods", "rao2010", "--partition.gamma", "1"], "expected --partition.gamma with toscana2016"),
+        (["--presets"], "expected methods, and presets of toscana2016, got none"),
+    ],
+)
+def test_an_evaluation_of_nothing_is_refused(tmp_path: Path, words: list[str], sentence: str) -> None:
+    done = spigolo("evaluate", SCENE, *words, "--out", tmp_path / "rows.jsonl")
+    assert done.returncode == 2 and sentence in done.stderr
+    assert not (tmp_path / "rows.jsonl").exists()
+
+
 def test_a_flag_takes_several_values() -> None:
     for text in ("12,24", "(12, 24)", "[12, 24]"):
         assert configure("SHELF", {"saliency.surrounds_px": text}).saliency.surrounds_px == (12, 24)

@@ -22,3 +22,10 @@ def test_an_unknown_method_is_named(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "unknown method 'rao2011': expected some of toscana2016" in done.stderr
     assert not (tmp_path / "x.png").exists()
+
+
+def test_one_frame_is_compared_and_a_folder_is_no_picture(tmp_path: Path) -> None:
+    done = spigolo("compare", SCENE, SCENE, "--methods", "rao2010", "--out", tmp_path / "x.png")
+    assert done.returncode == 2 and "expected one frame, got 2" in done.stderr
+    done = spigolo("compare", SCENE, "--methods", "rao2010", "--out", tmp_path / "new")
+    assert done.returncode == 0 and (tmp_path / "new" / "compare.png").is_file(), done.stderr

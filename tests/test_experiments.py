@@ -151,6 +151,50 @@ def test_info_says_what_is_labelled_and_ignored(root: Path) -> None:
     assert (frame.labelling, frame.ignore_label) == ("full", 1)
 
 
+@pytest.mark.parametrize(
+    ("info", "words"),
+    [
+        ('{"fully_labelled": "no"}', "expected true or false as fully_labelled in .*, got 'no'"),
+        ('{"ignore_label": true}', "expected a label as ignore_label in .*, got True"),
+    ],
+)
+def test_info_of_another_type_is_refused(root: Path, info: str, words: str) -> None:
+    (root / "shop" / "f0" / "info.json").write_text(info)
+    with pytest.raises(FileError, match=words):
+        find_labelled_frames([root])
+
+
+def test_info_may_ignore_the_background_and_begin_with_a_byte_order_mark(root: Path) -> None:
+    (root / "shop" / "f0" / "info.json").write_text('{"ignore_label": 0}', encoding="utf-8-sig")
+    assert find_labelled_frames([root / "shop" / "f0"])[0].ignore_label == 0
+
+
+def test_groups_of_frames_that_are_not_there_are_told_of(root: Path) -> None:
+    for name in ("f1", "shop/f9"):
+        (root / "splits.json").write_text(json.dumps({"near_duplicate_groups": [["shop/f0", name]]}))
+        with pytest.warns(UserWarning, match=f"names {name}, but no frame is called so"):
+            find_labelled_frames([root])
+    (root / "splits.json").write_text(json.dumps({"near_duplicate_groups": [["elsewhere/f0", "elsewhere/f1"]]}))
+    assert find_labelled_frames([root])[0].group == "osd-small/f0"  # of a set that was not copied
+
+
+def test_labels_are_undistorted_as_the_images_are(root: Path) -> None:
+    """They are drawn on the image as it is stored: seen through the same lens they fit the frame again."""
+    entry = find_labelled_frames([root / "shop" / "f0"])[0]
+    straight = entry.read_truth()
+    camera = json.loads((entry.folder / "camera.json").read_text()) | {"distortion": [3.0, 0, 0, 0]}
+    (entry.folder / "camera.json").write_text(json.dumps(camera))
+    frame, truth = entry.read_both()
+    assert frame.undistorted and straight is not None and truth is not None
+    lens = sp.Camera(**{k: v for k, v in camera.items() if k != "depth_scale"})
+    stored = cv2.imread(str(entry.folder / "label.png"), cv2.IMREAD_UNCHANGED)
+    seen = lens.undistort(np.ones(stored.shape, np.uint8), nearest=True) > 0
+    bent = lens.undistort(stored, nearest=True)
+    assert np.array_equal(truth.ignore, ~seen | (bent == 255)) and not seen.all()
+    assert np.array_equal(truth.labels, np.where(truth.ignore, 0, bent))
+    assert not np.array_equal(truth.labels, straight.labels)
+
+
 def test_folders_that_hold_no_frames_are_refused(root: Path, tmp_path: Path) -> None:
     with pytest.raises(FileError, match="there is no folder"):
         find_labelled_frames([tmp_path / "nowhere"])
@@ -244,6 +288,40 @@ def test_rows_of_another_frame_of_that_name_are_not_taken(root: Path, tmp_path: 
     cv2.imwrite(str(label), 0 * cv2.imread(str(label), cv2.IMREAD_UNCHANGED))
     with pytest.raises(FileError, match="got another frame of that name: give another --out"):
         evaluate(frames, make_methods(["rao2010"], []), path)
+
+
+def test_rows_follow_what_is_said_of_their_frames(root: Path, tmp_path: Path, counting: Counting) -> None:
+    path, runs = tmp_path / "rows.jsonl", 0
+    for full, labelling in ((["osd-*"], "part"), (["osd-*", "shop"], "full")):
+        rows = evaluate(find_labelled_frames([root], full), [counting], path)
+        assert [one.labelling for one in rows[3:]] == [labelling, labelling, "none"]
+        assert read_rows(path) == rows
+        runs = runs or len(counting.runs)
+    (root / "splits.json").write_text("{}")
+    rows = evaluate(find_labelled_frames([root]), [counting], path)
+    assert [one.group for one in read_rows(path)[3:]] == ["shop/f0", "shop/f1", "shop/f2"]
+    assert len(counting.runs) == runs  # nothing was run again
+
+
+def test_a_frame_that_was_mended_is_evaluated_again(root: Path, tmp_path: Path, counting: Counting) -> None:
+    path, depth = tmp_path / "rows.jsonl", root / "osd-small" / "f2" / "depth.png"
+    whole = depth.read_bytes()
+    depth.write_bytes(b"")
+    frames = find_labelled_frames([root / "osd-small"])
+    for _ in range(2):
+        assert [one.error is None for one in evaluate(frames, [counting], path)] == [True, True, False]
+    runs = len(counting.runs)
+    depth.write_bytes(whole)
+    assert [one.error for one in evaluate(frames, [counting], path)] == [None] * 3 == [r.error for r in read_rows(path)]
+    assert len(counting.runs) == runs + 2  # once untimed
+
+
+def test_a_method_that_answers_with_labels_alone_is_told(
+    root: Path, tmp_path: Path, counting: Counting, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Counting, "__call__", lambda self, frame: np.zeros(frame.shape, int))
+    (one,) = evaluate(find_labelled_frames([root / "shop" / "f0"]), [counting], tmp_path / "rows.jsonl")
+    assert one.error == "expected a Segmentation from counting, got ndarray: build one"
 
 
 def test_a_row_says_what_was_found(root: Path, tmp_path: Path) -> None:
@@ -544,6 +622,9 @@ def test_a_report_of_one_method_without_frames_has_neither_differences_nor_pictu
 def test_a_report_says_why_it_has_no_pictures(root: Path, tmp_path: Path) -> None:
     frames = find_labelled_frames([root / "osd-small"])
     gone = row("f0", data_set="osd-small", method="gone")
+    write_report(gather({"x": [gone]}), tmp_path / "c", frames)
+    assert "gone is none of spigolo.METHODS" in (tmp_path / "c" / "index.html").read_text(encoding="utf-8")
+    gone = row("f0", data_set="osd-small", method="rao2010")
     write_report(gather({"x": [gone]}), tmp_path / "a", frames)
     assert "no longer makes a method with the digest" in (tmp_path / "a" / "index.html").read_text(encoding="utf-8")
     write_report(gather({"x": [row("elsewhere")]}), tmp_path / "b", frames)

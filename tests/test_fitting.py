@@ -227,6 +227,18 @@ def test_a_search_goes_on_where_it_stopped(root: Path, tmp_path: Path) -> None:
             search(others, start, out, 2, seed)
 
 
+def test_a_search_that_never_began_is_in_nobodys_way(root: Path, tmp_path: Path) -> None:
+    """A broken frame ends it at once; mended, the frames are others."""
+    depth, out = root / "osd-small" / "f2" / "depth.png", tmp_path / "trials.jsonl"
+    whole = depth.read_bytes()
+    depth.write_bytes(b"")
+    with pytest.raises(FileError, match="expected frames that can be worked with"):
+        search(find_labelled_frames([root]), Toscana2016(BOXES), out, 1)
+    depth.write_bytes(whole)
+    made = search(find_labelled_frames([root]), Toscana2016(BOXES), out, 1)
+    assert read_search(out) == made and len(made.trials) == 2
+
+
 def test_trials_read_back_as_they_were_scored(root: Path, tmp_path: Path) -> None:
     frames, start = find_labelled_frames([root])[:4], Toscana2016(BOXES)
     scored = evaluate(frames, [start], tmp_path / "rows.jsonl")
@@ -320,6 +332,7 @@ def test_another_method_is_fitted_as_well(root: Path, tmp_path: Path) -> None:
         (["FRAMES", "--method", "best"], "unknown method 'best'"),
         (["FRAMES", "--preset", "tabel"], "unknown preset 'tabel'"),
         (["FRAMES", "--folds", "9"], "of which there are 3, got 9"),
+        (["FRAMES", "--method", "rao2010", "--partition.gamma", "1"], "expected --partition.gamma with toscana2016"),
         (["FRAMES", "--trials", "0", "--folds", "2"], "expected trials of 1 or more, got 0"),
     ],
 )

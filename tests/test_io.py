@@ -36,6 +36,24 @@ def test_a_red_picture_stays_red_and_millimetres_become_metres(files: Path) -> N
     assert cv2.imread(str(files / "rgb.png"))[0, 0].tolist() == [0, 0, 250]
 
 
+def test_an_orientation_in_the_metadata_turns_nothing(tmp_path: Path) -> None:
+    """Depth has none, and both are of one camera."""
+    color = np.zeros((16, 32, 3), np.uint8)
+    color[:8] = 255
+    data = cv2.imencode(".jpg", color)[1].tobytes()
+    exif = b"Exif\0\0MM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0"  # turn by 90 degrees
+    (tmp_path / "a.jpg").write_bytes(data[:2] + b"\xff\xe1" + (len(exif) + 2).to_bytes(2, "big") + exif + data[2:])
+    assert cv2.imread(str(tmp_path / "a.jpg")).shape == (32, 16, 3)  # as OpenCV would
+    assert io.read_color(tmp_path / "a.jpg").shape == (16, 32, 3)
+
+
+def test_a_mask_is_all_that_is_not_black(tmp_path: Path) -> None:
+    clear = np.zeros((2, 3, 4), np.uint8)
+    clear[..., 3], clear[0, 0, 1] = 255, 1
+    cv2.imwrite(str(tmp_path / "clear.png"), clear)
+    assert io.read_mask(tmp_path / "clear.png").tolist() == [[True, False, False], [False] * 3]
+
+
 def test_the_scale_given_beats_the_scale_of_the_file(files: Path) -> None:
     frame = sp.read_frame(files / "rgb.png", files / "depth.png", files / "camera.json", depth_scale=0.0002)
     assert frame.depth[0, 0] == pytest.approx(0.2468)
@@ -159,6 +177,30 @@ def test_a_preset_file_starts_from_a_preset(tmp_path: Path) -> None:
     path.write_text('base = "table"\n[partition]\ngamma = 0.01\n')
     config = sp.preset(path)
     assert config == sp.TABLE.replace(name="mine", partition={"gamma": 0.01})
+
+
+def test_a_preset_file_that_says_half_must_say_half_of_what(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    for text in ("", "[rejection]\nmax_distance_m = 1.5\n"):
+        path.write_text(text)
+        with pytest.raises(sp.ConfigError, match=r'mine\.toml: expected the line base = "OBJECTS"'):
+            sp.preset(path)
+    for name, whole in sp.PRESETS.items():
+        path.write_text(whole.to_toml())
+        assert sp.preset(path) == whole, name
+
+
+def test_a_preset_file_may_switch_off_and_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "OBJECTS"\njoining = "none"\n[rejection]\nsupport = "none"\n', encoding="utf-8-sig")
+    config = sp.preset(path)
+    assert config == sp.OBJECTS.replace(name="mine", joining=None, rejection={"support": None})
+
+
+def test_a_changed_copy_leaves_the_callers_values_alone() -> None:
+    mine: dict[str, object] = {"vessel": {}}
+    changed = sp.TABLE.replace(rejection={"support": {}}, joining=mine, **{"joining.vessel.sure_contrast": 0.2})
+    assert changed.joining is not None and mine == {"vessel": {}}
 
 
 @pytest.mark.parametrize(

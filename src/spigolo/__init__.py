@@ -19,7 +19,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spigolo.additions import DepthContours, Joining, Support, Wall
+    from spigolo.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
     from spigolo.boxes import OrientedBox
     from spigolo.config import (
         AutoCost,
@@ -36,10 +36,12 @@ if TYPE_CHECKING:
         Smoothing,
     )
     from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError, UnitWarning
+    from spigolo.export import to_json
     from spigolo.facts import RegionFacts
     from spigolo.frame import Camera, Frame
+    from spigolo.intrinsics import as_camera, camera_from_mapping
     from spigolo.io import read_camera, read_frame
-    from spigolo.methods import METHODS
+    from spigolo.methods import METHODS, segment_around
     from spigolo.objects import ObjectMask, RejectedRegion, Segmentation
     from spigolo.pipeline import Trace, segment, segment_at, trace
     from spigolo.presets import CLUTTER, OBJECTS, OBJECTS_1, OBJECTS_2, PRESETS, SHELF, TABLE, preset
@@ -52,15 +54,17 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _HOMES = {
-    "additions": "DepthContours Joining Support Wall",
+    "additions": "Cap DepthContours Joining Smooth Support Vessel Wall",
     "config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency SaliencyCost"
     " Smoothing",
     "errors": "CameraError ConfigError FileError FrameError SpigoloError UnitWarning",
     "frame": "Camera Frame",
+    "export": "to_json",
+    "intrinsics": "as_camera camera_from_mapping",
     "io": "read_camera read_frame",
     "boxes": "OrientedBox",
     "facts": "RegionFacts",
-    "methods": "METHODS",
+    "methods": "METHODS segment_around",
     "objects": "ObjectMask RejectedRegion Segmentation",
     "registration": "register_depth",
     "rejection": "Reason",

@@ -34,10 +34,10 @@ class Frame:
 
     color (H, W, 3) uint8 RGB. depth (H, W): floating-point metres, or integers with `depth_scale` metres per unit,
     which may be a field of a camera's mapping; 0, NaN, infinite, negative and masked depth is missing, and is 0 here.
-    camera: any form that `as_camera` takes, None where
-    the intrinsics are not known; images of a camera with distortion are undistorted here, once, and `camera` is then
-    the one without. negative_depth: how many pixels were negative. Raises FrameError where they do not fit together
-    or have more than `max_pixels`, CameraError where the camera cannot be.
+    camera: any form that `as_camera` takes, None where the intrinsics are not known; images of a camera with distortion
+    are undistorted here, once, and `camera` is then the one without: answers fit `color`, and not the image given
+    (`undistorted` says so). negative_depth: how many pixels were negative. Raises FrameError where they do not fit
+    together or have more than `max_pixels`, CameraError where the camera cannot be.
     """
 
     color: Color
@@ -46,6 +46,7 @@ class Frame:
     name: str = ""
     stamp_ns: int | None = None
     negative_depth: int = field(init=False, default=0)
+    undistorted: bool = field(init=False, default=False)
 
     def __init__(
         self,
@@ -67,11 +68,12 @@ class Frame:
         if negative:
             warnings.warn(f"{negative} pixels have negative depth and count as missing", stacklevel=2)
         pixels = np.array(pixels, np.uint8, order="C")
-        if known is not None and known.distortion:
+        bent = known is not None and bool(known.distortion)
+        if known is not None and bent:
             pixels, metres = known.undistort(pixels), known.undistort(metres, nearest=True)
             known = known.without_distortion()
         values = {"color": pixels, "depth": metres, "camera": known, "name": name, "stamp_ns": stamp_ns}
-        for key, value in (values | {"negative_depth": negative}).items():
+        for key, value in (values | {"negative_depth": negative, "undistorted": bent}).items():
             object.__setattr__(self, key, value)
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -31,6 +32,8 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
     """
     if value is None or isinstance(value, Camera):
         return value
+    if isinstance(value, os.PathLike) or (isinstance(value, str) and os.path.isfile(value)):
+        raise CameraError(f"expected a camera, got the file {os.fspath(value)}: read it with spigolo.read_camera")
     if isinstance(value, str):
         return Camera.named(value, width, height)
     if isinstance(value, Mapping):

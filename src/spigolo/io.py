@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from spigolo.camera import Camera
 from spigolo.errors import CameraError, FileError, FrameError
-from spigolo.frame import MAX_PIXELS, Frame
+from spigolo.frame import MAX_PIXELS, Frame, Mask
 from spigolo.intrinsics import CameraLike, as_camera, camera_from_mapping, check_scale, scale_from_mapping
 
 Image = npt.NDArray[Any]
@@ -66,8 +66,12 @@ def _names_file(text: str) -> bool:
 
 
 def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
-    """RGB (H, W, 3) uint8 of any image file that OpenCV reads; grey becomes RGB, transparency is dropped."""
-    return np.asarray(cv2.cvtColor(_decode(path, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB), np.uint8)
+    """RGB (H, W, 3) uint8 of any image file that OpenCV reads; grey becomes RGB, transparency is dropped.
+
+    As stored, like the depth beside it: an orientation in the file's metadata turns nothing.
+    """
+    stored = _decode(path, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+    return np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB), np.uint8)
 
 
 def read_depth(path: PathLike) -> Image:
@@ -97,6 +101,12 @@ def read_labels(path: PathLike) -> Image:
             " store label numbers, 0 for background, as a grey PNG"
         )
     return stored
+
+
+def read_mask(path: PathLike) -> Mask:
+    """Where an image (H, W) of any depth is not black; transparency does not count."""
+    stored = _decode(path, cv2.IMREAD_UNCHANGED)
+    return np.asarray(stored != 0) if stored.ndim == 2 else np.asarray(stored[..., :3].any(axis=2))
 
 
 def read_camera(path: PathLike, width: int | None = None, height: int | None = None) -> tuple[Camera, float | None]:

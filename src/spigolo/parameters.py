@@ -7,10 +7,11 @@ import hashlib
 import json
 import sys
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from spigolo.errors import ConfigError
 
@@ -59,6 +60,18 @@ class Stage(BaseModel):
         except ValidationError as error:
             raise ConfigError(_sentence(error, type(self))) from None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _none_switches_off(cls, values: Any) -> Any:
+        """The word "none" is None for what may be None: preset files and flags have no other."""
+        if not isinstance(values, Mapping):
+            return values
+        optional = {name for name, field in cls.model_fields.items() if type(None) in get_args(field.annotation)}
+        return {
+            key: None if isinstance(value, str) and value == "none" and key in optional else value
+            for key, value in values.items()
+        }
+
     def grown(self: S, factor: float) -> S:
         """A copy whose lengths in pixels, those of its stages too, are so many times longer."""
         values: dict[str, Any] = {}
@@ -103,7 +116,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    return value.model_dump() if isinstance(value, BaseModel) else value
+    return value.model_dump() if isinstance(value, BaseModel) else deepcopy(value)  # the caller's stays as it is
 
 
 def _nest(dotted: str, value: Any) -> Any:

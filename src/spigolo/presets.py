@@ -104,10 +104,15 @@ SUMMARIES = {
 }
 
 
+WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
+"""The tables of a file that holds a whole preset."""
+
+
 def preset(name: str | Path) -> Config:
     """The preset of that name in any case, or the one in a TOML file.
 
-    A line `base = "TABLE"` in the file starts from that preset, so that the file holds only what differs.
+    A line `base = "TABLE"` in the file starts from that preset, so that the file holds only what differs; "none" then
+    switches a rule off. Without that line it holds all, as `to_toml` writes it.
     Raises ConfigError for a name or key that is not known.
     """
     if str(name).upper() in PRESETS:
@@ -116,7 +121,7 @@ def preset(name: str | Path) -> Config:
     if path.suffix.lower() != ".toml":
         raise ConfigError(f"unknown preset {str(name)!r}: expected one of {', '.join(PRESETS)} or a .toml file")
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise ConfigError(f"expected a preset in {path}, but it cannot be read: {reason}") from None
@@ -131,7 +136,13 @@ def _from_text(text: str, path: Path) -> Config:
     values.setdefault("name", path.stem)
     base = values.pop("base", None)
     if base is None:
-        return Config(**values)
+        config = Config(**values)
+        if not values.keys() >= WHOLE:
+            raise ConfigError(
+                'expected the line base = "OBJECTS", or another preset to start from, first in a file that holds only'
+                " what differs"
+            )
+        return config
     if str(base).upper() not in PRESETS:
         raise ConfigError(f"unknown preset {str(base)!r} as base: expected one of {', '.join(PRESETS)}")
     return PRESETS[str(base).upper()].replace(**values)

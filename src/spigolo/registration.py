@@ -39,7 +39,10 @@ def register_depth(
     """
     for camera in (depth_camera, color_camera):
         if not isinstance(camera, Camera):
-            raise CameraError(f"expected a Camera, which has a size, got {type(camera).__name__}: see `as_camera`")
+            raise CameraError(
+                f"expected a Camera, which has a size, got {type(camera).__name__}:"
+                " make one with spigolo.Camera.from_matrix(K, width, height)"
+            )
     metres, _ = depth_in_metres(np.asarray(np.ma.filled(depth, 0)), depth_scale)
     if metres.shape != (depth_camera.height, depth_camera.width):
         raise FrameError(

@@ -10,14 +10,14 @@ from cyclopts import Parameter
 
 from spigolo.cli import DONE
 from spigolo.cli.figures import Out, read_all
-from spigolo.errors import ConfigError
+from spigolo.errors import ConfigError, FileError
 
 
 def compare(
     *inputs: str,
     camera: str | None = None,
     depth_scale: float | None = None,
-    methods: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = (),
+    methods: Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=())] = (),
     out: Out = Path("spigolo-compare.png"),
 ) -> int:
     """Draws every method's regions of a frame beside ours, with objects and time: the paper's last figure.
@@ -35,7 +35,7 @@ def compare(
     methods
         Which methods stand beside ours. Default: all.
     out
-        PNG file for the picture.
+        PNG file for the picture, or a folder for compare.png.
 
     """
     from spigolo import io
@@ -46,13 +46,17 @@ def compare(
     unknown = [name for name in methods if name not in METHODS]
     if unknown:
         raise ConfigError(f"unknown method {unknown[0]!r}: expected some of {', '.join(METHODS)}")
-    frame = next(iter(read_all(inputs, camera, depth_scale).values()))
+    frames = list(read_all(inputs, camera, depth_scale).values())
+    if len(frames) != 1:
+        raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
+    (frame,) = frames
+    picture = out if out.suffix.lower() == ".png" else out / "compare.png"
     answers = {}
     for name in [*(name for name in methods or METHODS if name != ours), ours]:
         METHODS[name](frame)  # the first run may compile
         start = time.perf_counter()
         answers[name] = METHODS[name](frame), time.perf_counter() - start
         print(f"{name}: {len(answers[name][0])} objects, {1e3 * answers[name][1]:.0f} ms")
-    io.write_png(out, comparison(frame, answers, ours))
-    print(f"picture: {out}")
+    io.write_png(picture, comparison(frame, answers, ours))
+    print(f"picture: {picture}")
     return DONE

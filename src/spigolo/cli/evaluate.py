@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -63,8 +63,11 @@ def evaluate(
     from spigolo.experiments import evaluate as run
     from spigolo.experiments import find_labelled_frames, gather, make_methods
 
-    configs = [configure(preset, flags) for preset in presets]
+    configs = [configure(preset, flags, evaluate) for preset in presets]
+    check_flags(flags, methods)
     chosen = make_methods(methods, configs)
+    if not chosen:
+        raise ConfigError("expected methods, and presets of toscana2016, got none: leave the flag out for the usual")
     found = find_labelled_frames([Path(word) for word in words], full)
     new: list[Row] = []
     with progress() as bar:
@@ -144,6 +147,15 @@ def _report_paper(contenders: list[Contender], out: Path) -> int:
         print(f"{title}\n{to_text(table)}\n")
     print(f"written: {out / 'index.html'}, {out / 'report.md'}")
     return DONE
+
+
+def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
+    """Raises ConfigError for fields of a preset where no method has one."""
+    if flags and "toscana2016" not in methods:
+        raise ConfigError(
+            f"expected --{next(iter(flags)).replace('_', '-')} with toscana2016, whose presets have it, got"
+            f" {', '.join(methods)} alone: leave the flag out, or set the method's own fields in Python (`replace`)"
+        )
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from spigolo.cli import DONE
-from spigolo.cli.evaluate import Inputs, Many, progress
+from spigolo.cli.evaluate import Inputs, Many, check_flags, progress
 from spigolo.cli.inputs import configure, split_flags
 from spigolo.errors import FileError
 
@@ -63,7 +63,8 @@ def fit(
     from spigolo.experiments.page import to_text
     from spigolo.fitting import check_folds, goodness, hold_out, only_labelled, score_table, search, write_fit
 
-    (start,) = make_methods([method], [configure(preset, flags)])
+    check_flags(flags, [method])
+    (start,) = make_methods([method], [configure(preset, flags, fit)])
     found = only_labelled(find_labelled_frames([Path(word) for word in words], full))
     check_folds([frame.group for frame in found], folds)
     with progress() as bar:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import difflib
+import inspect
 import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from spigolo.config import Config
 
 IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+DEPTHS = (*IMAGES, ".npy")
 COLOR_NAMES = ("rgb", "color", "colour", "image")
 
 
@@ -48,21 +50,27 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     return inputs, flags
 
 
-def configure(preset: str, flags: dict[str, str]) -> Config:
-    """The preset with the fields that flags change, each checked by its type."""
+def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
+    """The preset with the fields that flags change, each checked by its type. verb: whose own flags may be meant."""
     from spigolo.presets import preset as find
 
     config = find(preset)
     known = field_names(config)
     for key in flags:
         if key not in known:
-            near = difflib.get_close_matches(key, known, n=3, cutoff=0.4)
+            meant = difflib.get_close_matches(key, _own_flags(verb), n=1, cutoff=0.75)
+            near = meant or difflib.get_close_matches(key, known, n=3, cutoff=0.4)
             hint = f"did you mean {' or '.join('--' + n.replace('_', '-') for n in near)}?" if near else ""
             raise ConfigError(f"unknown flag --{key.replace('_', '-')} for preset {config.name}: {hint}".rstrip(": "))
     empty = next((key for key, value in flags.items() if not value), None)
     if empty is not None:
         raise ConfigError(f"expected a value after --{empty.replace('_', '-')}, got none")
     return config.replace(**{key: _scalar(value) for key, value in flags.items()}) if flags else config
+
+
+def _own_flags(verb: Callable[..., int] | None) -> list[str]:
+    parameters = {} if verb is None else inspect.signature(verb).parameters
+    return [name for name, parameter in parameters.items() if parameter.kind is parameter.KEYWORD_ONLY]
 
 
 def field_names(config: Config) -> dict[str, str]:
@@ -89,11 +97,11 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def _scalar(text: str) -> Any:
-    """A value as TOML would read it, `1,2` is several; `none` is None; anything else is text."""
+    """A value as TOML would read it, `1,2` is several; anything else is text."""
     if "," in text:
         return [_scalar(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]
     if text.lower() == "none":
-        return None
+        return "none"
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (int, float):
@@ -163,9 +171,9 @@ def _frame_of(folder: Path) -> list[FramePaths]:
     color = next(
         (f for name in COLOR_NAMES for f in sorted(folder.glob(f"{name}.*")) if f.suffix.lower() in IMAGES), None
     )
-    depth = next((f for f in sorted(folder.glob("depth.*")) if f.suffix.lower() in (*IMAGES, ".npy")), None)
+    depth = next((f for f in sorted(folder.glob("depth.*")) if f.suffix.lower() in DEPTHS), None)
     if color and not depth:
-        _warn_of_single([color])
+        _warn_of_single([color], "colour images have no depth image")
     return [FramePaths(folder.name, color, depth, _camera_in(folder))] if color and depth else []
 
 
@@ -173,17 +181,20 @@ def _paired(folder: Path) -> list[FramePaths]:
     colors = next((folder / name for name in COLOR_NAMES if (folder / name).is_dir()), None)
     if colors is None or not (folder / "depth").is_dir():
         return []
-    depths = {f.stem: f for f in (folder / "depth").iterdir()}
+    stored = sorted((folder / "depth").iterdir(), key=lambda f: f.suffix.lower() == ".npy")  # the array wins
+    depths = {f.stem: f for f in stored if f.suffix.lower() in DEPTHS}
     images = [f for f in sorted(colors.iterdir()) if f.suffix.lower() in IMAGES]
-    _warn_of_single([f for f in images if f.stem not in depths])
+    _warn_of_single([f for f in images if f.stem not in depths], "colour images have no depth image")
+    named = {f.stem for f in images}
+    _warn_of_single([f for f in depths.values() if f.stem not in named], "depth images have no colour image")
     return [FramePaths(f.stem, f, depths[f.stem], _camera_in(folder)) for f in images if f.stem in depths]
 
 
-def _warn_of_single(images: Sequence[Path]) -> None:
-    """Says which colour images are left out for want of a depth image."""
+def _warn_of_single(images: Sequence[Path], lack: str) -> None:
+    """Says which images are left out for want of the other one."""
     if images:
         named = ", ".join(str(image) for image in images[:3]) + (", ..." if len(images) > 3 else "")
-        warnings.warn(f"{len(images)} colour images have no depth image of their name: {named}", stacklevel=2)
+        warnings.warn(f"{len(images)} {lack} of their name: {named}", stacklevel=2)
 
 
 def _camera_in(folder: Path) -> Path | None:

@@ -70,7 +70,7 @@ def segment(
 
     """
     words, flags = split_flags(inputs)
-    config = configure(preset, flags)
+    config = configure(preset, flags, segment)
     frames = find_frames(words)
     wanted = _roi(roi, roi_mask, roi_box)
     from spigolo.cli import show
@@ -83,6 +83,8 @@ def segment(
         result = run(frame, wanted)
         show.write_result(result, frame, out)
         show.print_result(result, out)
+        if frame.undistorted:
+            print(f"the camera has distortion: labels fit the undistorted colour image, {out / 'rgb.png'}")
         return DONE
     failed = 0
     for paths in show.progress(frames, "segmenting"):
@@ -129,7 +131,7 @@ def trace(
 
     """
     words, flags = split_flags(inputs)
-    config = configure(preset, flags)
+    config = configure(preset, flags, trace)
     paths = _only(find_frames(words))
     from spigolo import io, pipeline
     from spigolo.cli import show
@@ -202,11 +204,9 @@ def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Ro
             "expected one region of interest, got several: --roi, --roi-mask and --roi-box exclude each other"
         )
     if mask is not None:
-        import numpy as np
+        from spigolo.io import read_mask
 
-        from spigolo.io import read_color
-
-        return np.asarray(read_color(mask).any(axis=2))
+        return read_mask(mask)
     if box is not None:
         from spigolo.roi import MetricBox
 

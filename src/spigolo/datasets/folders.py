@@ -12,20 +12,24 @@ A SET or a FRAME alone serves as well.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from spigolo.camera import Camera
 from spigolo.datasets.entry import DataSet, Entry, Labelling, Truth
 from spigolo.datasets.jsons import read_mapping
-from spigolo.errors import FileError
+from spigolo.errors import FileError, SpigoloError
 from spigolo.frame import Frame
-from spigolo.io import read_frame, read_labels
+from spigolo.io import read_camera, read_frame, read_labels
 
 IGNORE_LABEL = 255
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +55,22 @@ class FrameFolder(Entry):
             return None
         labels = read_labels(self.folder / "label.png")
         ignore = labels == self.ignore_label
+        camera = self._distorting_camera(labels.shape[1], labels.shape[0])
+        if camera is not None and (camera.height, camera.width) == labels.shape:
+            labels = camera.undistort(labels, nearest=True)
+            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # also what the image did not see
         return Truth(np.where(ignore, 0, labels), ignore)
+
+    def _distorting_camera(self, width: int, height: int) -> Camera | None:
+        """Its camera if that has distortion: labels are drawn on the image as it is stored, a frame is undistorted.
+
+        None also where the camera cannot be read; `read` says so.
+        """
+        try:
+            camera, _ = read_camera(self.folder / "camera.json", width, height)
+        except SpigoloError:
+            return None
+        return camera if camera.distortion else None
 
 
 class Folders(DataSet):
@@ -66,24 +85,21 @@ class Folders(DataSet):
         return next(_places(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
-        groups: dict[Path, dict[str, str]] = {}
+        groups: dict[Path, Mapping[str, str]] = {}
         for place in _places(self.folder):
-            root = place.parents[1]
+            root = place.parent.parent
             if root not in groups:
                 groups[root] = _groups(root)
             yield self._describe(place, groups[root])
 
     def _describe(self, place: Path, groups: Mapping[str, str]) -> FrameFolder:
         data_set, name = self._named(place.parent.name), place.name
-        info = _mapping(place / "info.json")
+        whole = _field(place / "info.json", "fully_labelled", bool, self._labelled(data_set) == "full")
+        ignored = _field(place / "info.json", "ignore_label", int, IGNORE_LABEL)
         labelling: Labelling = "none"
         if (place / "label.png").is_file():
-            whole = info.get("fully_labelled", self._labelled(data_set) == "full")
             labelling = "full" if whole else "part"
         key = f"{place.parent.name}/{name}"
-        ignored = info.get("ignore_label") or IGNORE_LABEL
-        if not isinstance(ignored, int):
-            raise FileError(f"expected a label as ignore_label in {place / 'info.json'}, got {ignored!r}")
         return FrameFolder(data_set, name, groups.get(key, key), labelling, place, ignored)
 
 
@@ -91,12 +107,35 @@ def _places(folder: Path) -> Iterator[Path]:
     return (path.parent for pattern in ("", "*/", "*/*/") for path in sorted(folder.glob(f"{pattern}rgb.png")))
 
 
-def _groups(root: Path) -> dict[str, str]:
-    """Group of each frame that is like others: the name of the first of them."""
+def _groups(root: Path) -> Mapping[str, str]:
+    """Group of each frame that is like others: the name of the first of them. Warns of names that no frame has."""
     groups = _mapping(root / "splits.json").get("near_duplicate_groups", [])
     if not isinstance(groups, list) or not all(isinstance(g, list) and g for g in groups):
         raise FileError(f"expected lists of frames as near_duplicate_groups in {root / 'splits.json'}, got {groups!r}")
+    groups = [[str(name) for name in members] for members in groups]
+    absent = [name for members in groups for name in members if _is_absent(root, name)]
+    if absent:
+        warnings.warn(
+            f"{root / 'splits.json'} names {absent[0]}, but no frame is called so: write SET/FRAME", stacklevel=2
+        )
     return {name: members[0] for members in groups for name in members}
+
+
+def _is_absent(root: Path, name: str) -> bool:
+    """Whether no frame has a name, though its set is there."""
+    data_set, slash, _ = name.partition("/")
+    return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
+
+
+def _field(path: Path, name: str, kind: type[T], default: T) -> T:
+    """A field of a JSON file; raises FileError for a value of another type."""
+    value = _mapping(path).get(name)
+    if value is None:
+        return default
+    if type(value) is not kind:
+        meant = "true or false" if kind is bool else "a label"
+        raise FileError(f"expected {meant} as {name} in {path}, got {value!r}")
+    return value
 
 
 def _mapping(path: Path) -> Mapping[str, Any]:

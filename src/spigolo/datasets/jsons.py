@@ -13,7 +13,7 @@ from spigolo.errors import FileError
 def read_mapping(path: Path) -> Mapping[str, Any]:
     """The fields of a JSON file; raises FileError."""
     try:
-        values = json.loads(path.read_text(encoding="utf-8"))
+        values = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError) as error:
         raise FileError(f"expected JSON in {path}, but it cannot be read: {error}") from None
     if not isinstance(values, Mapping):

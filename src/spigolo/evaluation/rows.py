@@ -5,7 +5,7 @@ Letters used in shapes: H, W = image; N = true objects.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -20,7 +20,7 @@ from spigolo.errors import FileError
 from spigolo.evaluation.checks import checked_pair
 from spigolo.evaluation.matching import OverlapTable, overlap_table
 from spigolo.evaluation.measures import score_frame
-from spigolo.io import append_lines
+from spigolo.io import append_lines, write_bytes
 
 PIECE = 0.05
 """A region with a smaller share of an object is no piece of it."""
@@ -246,6 +246,12 @@ class RowFile:
         self._file.write(row_to_json(row).encode() + b"\n")
         self._file.flush()
         self.rows.append(row)
+
+    def rewrite(self, rows: Sequence[Row]) -> None:
+        """Puts these in place of all that it holds, at once."""
+        self._file.close()
+        write_bytes(self.path, b"".join(row_to_json(row).encode() + b"\n" for row in rows))
+        self.rows, self._file = list(rows), append_lines(self.path)
 
     def close(self) -> None:
         """Closes the file."""

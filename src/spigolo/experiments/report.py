@@ -14,6 +14,7 @@ from spigolo.experiments.page import Block, Gallery, Heading, Items, Page, Parag
 from spigolo.experiments.pictures import Tell, draw_worst
 from spigolo.experiments.tables import FEW_GROUPS, change_table, pooled_table, rejection_table, set_table
 from spigolo.io import write_bytes
+from spigolo.methods import METHODS
 
 HTML, MARKDOWN = "index.html", "report.md"
 
@@ -112,6 +113,8 @@ def _worst(contenders: Sequence[Contender], frames: Sequence[Entry], out: Path, 
 
 def _why_none(contender: Contender, folders: dict[tuple[str, str], Entry]) -> str:
     if any((row.data_set, row.frame) in folders and row.score is not None for row in contender.rows):
+        if contender.rows[0].method not in METHODS:
+            return f"{contender.rows[0].method} is none of spigolo.METHODS, so that it cannot be run again here"
         return "this version of spigolo no longer makes a method with the digest of its rows"
     return "the folders given hold none of its labelled frames"
 

@@ -8,11 +8,11 @@ import signal
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import TypeVar
@@ -87,6 +87,8 @@ class Worker:
             self._warm.add(key)
         wall, cpu = time.perf_counter(), time.process_time()
         result = method(frame)
+        if not isinstance(result, Segmentation):
+            raise SpigoloError(f"expected a Segmentation from {method.name}, got {type(result).__name__}: build one")
         return Run(result, time.process_time() - cpu, time.perf_counter() - wall)
 
 
@@ -104,13 +106,15 @@ def evaluate(
         raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
     wanted = [Task(frame, method.name, method.digest) for frame in frames for method in methods]
     with RowFile(out) as file:
-        _check_unchanged(frames, file)
+        rows = _brought_up(frames, file)
+        if rows != file.rows:
+            file.rewrite(rows)
         there = {row.key for row in file.rows}
         tasks = [task for task in wanted if task.key not in there]
         if tell is not None:
             tell(0, len(tasks), None)
-        with closing(_run(tasks, methods, jobs)) as rows:
-            for done, row in enumerate(rows, start=1):
+        with closing(_run(tasks, methods, jobs)) as made:
+            for done, row in enumerate(made, start=1):
                 file.append(row)
                 if tell is not None:
                     tell(done, len(tasks), row)
@@ -118,16 +122,44 @@ def evaluate(
     return [by_key[task.key] for task in wanted]
 
 
-def _check_unchanged(frames: Sequence[Entry], file: RowFile) -> None:
-    """Rows of other frames that have these names would pass for those of these."""
-    held = {(row.data_set, row.frame): row.content for row in file.rows if row.content}
-    for frame in frames:
-        kept = held.get((frame.data_set, frame.name))
-        if kept is not None and kept != frame.content:
+def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
+    """The rows of a file with groups and labelling as the frames have them now: neither asks for a new run.
+
+    Without errors of what was mended since. Raises FileError for rows of other frames that have the names of these.
+    """
+    entries = {(frame.data_set, frame.name): frame for frame in frames}
+    contents = {place: _readable_content(entries[place]) for place in _places(file.rows) & entries.keys()}
+    rows = []
+    for row in file.rows:
+        place = row.data_set, row.frame
+        changed = place in contents and row.content != contents[place]
+        if changed and row.error is None and row.content:
             raise FileError(
-                f"expected {frame.data_set}/{frame.name} as it was when {file.path} was written, got another frame of"
-                " that name: give another --out"
+                f"expected {row.data_set}/{row.frame} as it was when {file.path} was written, got another frame of that"
+                " name: give another --out"
             )
+        if not (changed and row.error is not None):
+            rows.append(_as_described(row, entries.get(place)))
+    return rows
+
+
+def _places(rows: Iterable[Row]) -> set[tuple[str, str]]:
+    return {(row.data_set, row.frame) for row in rows}
+
+
+def _readable_content(frame: Entry) -> str:
+    """As the row of a frame has it: nothing where a file cannot be read."""
+    try:
+        return frame.content
+    except FileError:
+        return ""
+
+
+def _as_described(row: Row, frame: Entry | None) -> Row:
+    """A row with the group and labelling of its frame; what was scored without labels stays so."""
+    if frame is None or "none" in (row.labelling, frame.labelling):
+        return row
+    return replace(row, group=frame.group, labelling=frame.labelling)
 
 
 def _run(tasks: Sequence[Task], methods: Sequence[Method], jobs: int) -> Generator[Row]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +57,7 @@ def make_page(search: Search, held: HeldOut, start: Method) -> Page:
             ),
             score_table(search, held),
             Items([f"{contender.label}: {meaning}" for contender, meaning in lines]),
-            *([Paragraph("Each set:"), set_table([c for c, _ in lines])] if _has_several_sets(search) else []),
+            *_of_each_set(search, lines),
             Paragraph("What is left out, compared with the start:"),
             change_table([(first, last)]),
             Items(list(_remarks(search, held))),
@@ -85,6 +85,12 @@ def _lines(search: Search, held: HeldOut) -> list[tuple[Contender, str]]:
         means = "each set with the setting that is best on the other sets: what to expect of another camera or place."
         lines.append((Contender("set held out", "", hold_out_sets(search).rows), means))
     return lines
+
+
+def _of_each_set(search: Search, lines: Sequence[tuple[Contender, str]]) -> list[Paragraph | Table]:
+    if not _has_several_sets(search):
+        return []
+    return [Paragraph("Each set:"), set_table([contender for contender, _ in lines])]
 
 
 def _has_several_sets(search: Search) -> bool:

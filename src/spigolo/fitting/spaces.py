@@ -7,7 +7,6 @@ leaves out; while it is off, what is drawn for that stage is left out as well.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -190,4 +189,4 @@ def complete(drawn: Setting, space: Space) -> Setting:
 
 def apply(setting: Setting, method: Method) -> Method:
     """The method with a setting; raises ConfigError for one that it cannot have."""
-    return method.replace(**deepcopy(setting)) if setting else method
+    return method.replace(**setting) if setting else method

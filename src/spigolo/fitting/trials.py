@@ -18,7 +18,7 @@ from typing import Any
 from spigolo.errors import FileError
 from spigolo.evaluation.rows import Labelling, Row, RowScore
 from spigolo.fitting.spaces import Setting
-from spigolo.io import append_lines
+from spigolo.io import append_lines, write_bytes
 
 SHARES = ("overlap_precision", "overlap_recall", "boundary_precision", "boundary_recall", "f75", "leaks")
 COUNTS = ("n_segments", "true_positives", "found_70_recall", "found_70_both", "pieces")
@@ -109,7 +109,9 @@ class TrialFile:
         self._subject, self.trials = subject, []
         if path.exists() and b"\n" in path.read_bytes():
             held = read_search(path)
-            if held.subject != subject:
+            if not held.trials:
+                write_bytes(path, b"")  # begun with these or other frames, and never went on
+            elif held.subject != subject:
                 other = _describe(held.subject)
                 got = f"those of {other}" if other != _describe(subject) else "those of other frames, or other labels"
                 raise FileError(

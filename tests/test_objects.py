@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -305,3 +306,28 @@ def test_auto_cost_follows_the_missing_depth() -> None:
     assert isinstance(shadows.cues.cost, sp.SaliencyCost)
     assert shadows.graph.shadows
     assert shadows.cues.edges is None
+
+
+def test_every_field_of_the_json_says_what_its_fact_says() -> None:
+    scene = Path(sp.__file__).parent / "demo_scene"
+    frame = sp.read_frame(*(scene / name for name in ("rgb.png", "depth.png", "camera.json")))
+    result = sp.segment(frame, roi=(0, 0, 300, 640))
+    values = json.loads(json.dumps(sp.to_json(result)))
+    assert values["image_size_px"] == [480, 640] and (values["preset"], values["digest"]) == (
+        "OBJECTS_2",
+        result.digest,
+    )
+    names = {"missing_depth": "missing", "unfilled_depth": "unfilled", "above_support": "above", "inside_roi": "inside"}
+    assert len(values["objects"]) == len(result) > 3 and len(values["rejected"]) == len(result.rejected) > 3
+    for told, region in zip(values["objects"] + values["rejected"], [*result, *result.rejected], strict=True):
+        box = told.pop("oriented_box", None)
+        if box is not None:
+            assert box == {
+                k: getattr(region.oriented_box(), k).tolist() for k in ("center_m", "size_m", "R_camera_box")
+            }
+        for name, value in told.items():
+            fact = getattr(region, names.get(name, name))
+            assert value == (list(fact) if isinstance(fact, tuple) else getattr(fact, "value", fact)), name
+    for fact in ("missing_depth", "unfilled_depth", "dark", "above_support", "inside_roi", "contour", "cut", "hides"):
+        others = [o[fact] for o in values["objects"] + values["rejected"]]
+        assert len(set(others)) > 1, fact  # a fact that is the same everywhere would tell nothing here

@@ -11,7 +11,7 @@ from spigolo.objects import Segmentation
 def to_json(result: Segmentation) -> dict[str, Any]:
     """The whole answer but its pixels, ready for json.dumps: objects by label, rejected regions with their reasons.
 
-    Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x).
+    Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x); the rest is as in RegionFacts.
     """
     return {
         "preset": result.preset,
@@ -33,9 +33,14 @@ def _facts(region: RegionFacts) -> dict[str, Any]:
         "spread_px2": list(region.spread_px2),
         "eccentricity": region.eccentricity,
         "missing_depth": region.missing,
+        "unfilled_depth": region.unfilled,
         "dark": region.dark,
         "above_support": region.above,
+        "inside_roi": region.inside,
         "contour": region.contour,
+        "cut": region.cut,
+        "hides": region.hides,
+        "lean_deg": region.lean_deg,
     }
 
 

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from spigolo.errors import FileError
 from spigolo.experiments.contenders import Contender
 from spigolo.experiments.page import Cell, Items, Page, Paragraph, Table, to_markdown
 from spigolo.experiments.tables import FEW_GROUPS, NONE, brief_table, change_table, set_table
 from spigolo.fitting.choosing import HeldOut, best_trial, hold_out_sets
 from spigolo.fitting.spaces import apply
 from spigolo.fitting.trials import Search
+from spigolo.io import write_bytes
 from spigolo.methods import Method, Toscana2016
 
 
@@ -36,11 +36,7 @@ def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tup
     preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"
     texts = {preset: _toml(method), page: to_markdown(make_page(search, held, start))}
     for path, text in texts.items():
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise FileError(f"could not write {path}: {error.strerror or error}") from None
+        write_bytes(path, text.encode())
     return preset, page
 
 

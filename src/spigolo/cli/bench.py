@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE
-from spigolo.cli.inputs import find_frames
+from spigolo.cli.inputs import DEMO_SCENE, find_frames
+from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FrameError
 from spigolo.frame import MAX_PIXELS
 
@@ -119,7 +120,7 @@ def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
     """The frames by name."""
     from spigolo import io
 
-    found = find_frames(folders or [str(Path(__file__).parents[1] / "demo_scene")])
+    found = find_frames(folders or [str(DEMO_SCENE)])
     frames = {paths.name: io.read_frame(paths.color, paths.depth, paths.camera) for paths in found}
     if small := [name for name, frame in frames.items() if min(frame.shape) < 16]:
         raise FrameError(f"expected frames of at least 16x16 pixels to time, got {small[0]}")
@@ -129,12 +130,10 @@ def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
 @contextmanager
 def _progress() -> Iterator[Tell]:
     """A bar on the error stream, drawn between the runs alone: a thread that redraws it would be timed as well."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
     columns = (TimeElapsedColumn(), BarColumn(), TextColumn("{task.description}"))
-    hidden = not sys.stderr.isatty()
-    with Progress(*columns, console=Console(stderr=True), auto_refresh=False, transient=True, disable=hidden) as bar:
+    with progress(*columns, auto_refresh=False, transient=True) as bar:
         task = bar.add_task("", total=1.0)
 
         def tell(what: str, done: float) -> None:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from spigolo.cli import DONE
-from spigolo.cli.figures import Out, read_all
+from spigolo.cli.figures import read_all
+from spigolo.cli.inputs import Many, Out
 from spigolo.errors import ConfigError, FileError
 
 
@@ -17,7 +15,7 @@ def compare(
     *inputs: str,
     camera: str | None = None,
     depth_scale: float | None = None,
-    methods: Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=())] = (),
+    methods: Many = (),
     out: Out = Path("spigolo-compare.png"),
 ) -> int:
     """Draws every method's regions of a frame beside ours, with objects and time: the paper's last figure.

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from spigolo.cli import DONE
+from spigolo.cli.progress import progress
 
 
 def datasets() -> int:
@@ -34,17 +35,14 @@ def fetch(name: str, *, to: Path = Path()) -> int:
         The folder that will hold the folder of the set.
 
     """
-    import sys
-
-    from rich.console import Console
-    from rich.progress import DownloadColumn, Progress, TaskID, TextColumn, TransferSpeedColumn
+    from rich.progress import DownloadColumn, TaskID, TextColumn, TransferSpeedColumn
 
     from spigolo.datasets.catalogue import known_set
     from spigolo.datasets.fetching import fetch as run
 
     known = known_set(name)
     columns = TextColumn("{task.description}"), DownloadColumn(), TransferSpeedColumn()
-    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
+    with progress(*columns) as bar:
         tasks: dict[str, TaskID] = {}
 
         def tell(file: str, done: int, total: int | None) -> None:

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from spigolo.cli import DONE, SOME_FAILED
-from spigolo.cli.inputs import configure, split_flags
+from spigolo.cli.inputs import Inputs, Jobs, Many, Out, configure, split_flags
+from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FileError
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from spigolo.evaluation.rows import Row
     from spigolo.experiments import Contender
 
-Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
-Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
 
@@ -30,8 +26,8 @@ def evaluate(
     methods: Many = ("toscana2016",),
     presets: Many = ("OBJECTS",),
     full: Many = ("osd-*", "hand-uoc"),
-    jobs: Annotated[int, Parameter(alias="-j")] = 1,
-    out: Annotated[Path, Parameter(alias="-o")] = Path("rows.jsonl"),
+    jobs: Jobs = 1,
+    out: Out = Path("rows.jsonl"),
 ) -> int:
     """Runs methods on labelled frames and writes a row of JSON for each: scores, time, rejected regions.
 
@@ -92,7 +88,7 @@ def report(
     frames: Folders = (),
     against: str | None = None,
     paper: Annotated[bool, Parameter(negative=())] = False,
-    out: Annotated[Path, Parameter(alias="-o")] = Path("spigolo-report"),
+    out: Out = Path("spigolo-report"),
 ) -> int:
     """Makes a page of rows: accuracy beside time, differences, the worst frames, limitations.
 
@@ -156,16 +152,6 @@ def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
             f"expected --{next(iter(flags)).replace('_', '-')} with toscana2016, whose presets have it, got"
             f" {', '.join(methods)} alone: leave the flag out, or set the method's own fields in Python (`replace`)"
         )
-
-
-@contextmanager
-def progress() -> Iterator[Progress]:
-    """A bar on the error stream, nothing where that is a file."""
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
-        yield bar
 
 
 def _print_pooled(contenders: list[Contender]) -> None:

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE
-from spigolo.cli.inputs import find_frames
+from spigolo.cli.inputs import DEMO_SCENE, Out, find_frames
 
 if TYPE_CHECKING:
     from spigolo.frame import Frame
-
-Out = Annotated[Path, Parameter(alias="-o")]
 
 
 def figures(
@@ -58,5 +54,5 @@ def read_all(inputs: tuple[str, ...], camera: str | None, depth_scale: float | N
     """The frames by name."""
     from spigolo import io
 
-    words = list(inputs) or [str(Path(__file__).parents[1] / "demo_scene")]
+    words = list(inputs) or [str(DEMO_SCENE)]
     return {p.name: io.read_frame(p.color, p.depth, camera or p.camera, depth_scale) for p in find_frames(words)}

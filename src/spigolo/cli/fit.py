@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE
-from spigolo.cli.evaluate import Inputs, Many, check_flags, progress
-from spigolo.cli.inputs import configure, split_flags
+from spigolo.cli.evaluate import check_flags
+from spigolo.cli.inputs import Inputs, Jobs, Many, Out, configure, split_flags
+from spigolo.cli.progress import progress
 from spigolo.errors import FileError
 
 if TYPE_CHECKING:
@@ -24,8 +23,8 @@ def fit(
     folds: int = 5,
     seed: int = 0,
     full: Many = ("osd-*", "hand-uoc"),
-    jobs: Annotated[int, Parameter(alias="-j")] = 1,
-    out: Annotated[Path, Parameter(alias="-o")] = Path("spigolo-fit"),
+    jobs: Jobs = 1,
+    out: Out = Path("spigolo-fit"),
 ) -> int:
     """Fits a preset to labelled frames of your own: some twenty will do.
 

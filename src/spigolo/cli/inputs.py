@@ -10,7 +10,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
 
 from spigolo.errors import ConfigError, FileError
 
@@ -18,8 +20,15 @@ if TYPE_CHECKING:
     from spigolo.config import Config
 
 IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
 DEPTHS = (*IMAGES, ".npy")
 COLOR_NAMES = ("rgb", "color", "colour", "image")
+
+
+Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
+Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
+Out = Annotated[Path, Parameter(alias="-o")]
+Jobs = Annotated[int, Parameter(alias="-j")]
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from spigolo.cli import DONE
+from spigolo.cli.inputs import Out
+from spigolo.cli.progress import progress
 
 
 def render(
@@ -17,7 +15,7 @@ def render(
     count: int = 60,
     seed: int = 0,
     layout: str = "folders",
-    out: Annotated[Path, Parameter(alias="-o")] = Path("spigolo-rendered"),
+    out: Out = Path("spigolo-rendered"),
 ) -> int:
     """Renders household scenes with exact masks and poses, as a structured-light camera would record them.
 
@@ -39,12 +37,9 @@ def render(
         Folder for them. `rendered.json` in it says that they are no photographs.
 
     """
-    from rich.console import Console
-    from rich.progress import Progress
-
     from spigolo.synthetic.layouts import write_family
 
-    with Progress(console=Console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+    with progress(transient=True) as bar:
         task = bar.add_task("rendering", total=count)
         written = write_family(family, count, seed, out, layout, lambda done: bar.update(task, completed=done))
     print(f"{written} {'frame' if written == 1 else 'frames'} of {family}, seed {seed}: {out}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from spigolo.cli import DONE, SOME_FAILED
-from spigolo.cli.inputs import FramePaths, configure, find_frames, split_flags
+from spigolo.cli.inputs import FramePaths, Inputs, Out, configure, find_frames, split_flags
 from spigolo.errors import FileError, SpigoloError, UnitWarning
 from spigolo.frame import MAX_PIXELS
 
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from spigolo.frame import Frame
     from spigolo.roi import Roi
 
-Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
-Out = Annotated[Path, Parameter(alias="-o")]
 PixelBox = Annotated[tuple[int, int, int, int], Parameter(negative=())]
 SpaceBox = Annotated[tuple[float, float, float, float, float, float], Parameter(negative=())]
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import cyclopts
-from cyclopts import Parameter
 
 from spigolo import __version__
 from spigolo.cli import DONE
@@ -16,7 +15,7 @@ from spigolo.cli.datasets import datasets, fetch
 from spigolo.cli.evaluate import evaluate, report
 from spigolo.cli.figures import figures
 from spigolo.cli.fit import fit
-from spigolo.cli.inputs import field_names
+from spigolo.cli.inputs import DEMO_SCENE, Out, field_names
 from spigolo.cli.render import render
 from spigolo.cli.segment import doctor, segment, trace
 
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from spigolo.frame import Color
     from spigolo.pipeline import Trace
 
-Out = Annotated[Path, Parameter(alias="-o")]
 
 app = cyclopts.App(
     name="spigolo",
@@ -103,8 +101,7 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
     from spigolo.cli import show
     from spigolo.presets import OBJECTS
 
-    scene = Path(__file__).parents[1] / "demo_scene"
-    frame = io.read_frame(scene / "rgb.png", scene / "depth.png", scene / "camera.json")
+    frame = io.read_frame(DEMO_SCENE / "rgb.png", DEMO_SCENE / "depth.png", DEMO_SCENE / "camera.json")
     run = pipeline.trace(frame, OBJECTS)
     show.write_result(run.segmentation, frame, out)
     io.write_png(out / "demo.png", _panels(run))

@@ -1,0 +1,21 @@
+"""A bar on the error stream while something takes long, nothing where that is a file."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, ProgressColumn
+
+
+@contextmanager
+def progress(*columns: ProgressColumn, **options: Any) -> Iterator[Progress]:
+    """The bar, to add tasks to. columns, options: as those of rich's Progress."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty(), **options) as bar:
+        yield bar

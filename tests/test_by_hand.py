@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 import spigolo as sp
 from spigolo.doctor import diagnose
+from spigolo.methods import METHODS, segment_around
 from test_objects import CAMERA, scene
 
 CONFIG = sp.TABLE.replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
@@ -196,6 +199,34 @@ def test_a_frame_without_any_depth_has_no_objects_and_one_warning(name: str) -> 
     assert len(caught) == 1
     assert len(answer) == 0
     assert {r.reason for r in answer.rejected} == {sp.Reason.NO_DEPTH}
+
+
+DOORS: dict[str, Callable[[sp.Frame], object]] = {
+    "segment": lambda frame: sp.segment(frame, CONFIG),
+    "segment_at": lambda frame: sp.segment_at(frame, LEFT, CONFIG),
+    "trace": lambda frame: sp.trace(frame, CONFIG),
+    "Segmenter": sp.Segmenter(CONFIG),
+    "segment_around": lambda frame: segment_around(frame, LEFT),
+    **METHODS,
+}
+
+
+@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("depth", [0.0, 700.0], ids=["none", "in millimetres"])
+def test_a_warning_names_the_line_of_who_called_whatever_the_door(door: str, depth: float) -> None:
+    with pytest.warns(UserWarning, match=r"depth") as caught:
+        DOORS[door](sp.Frame(scene().color, np.full((120, 160), depth), CAMERA))
+    assert [warning.filename for warning in caught] == [__file__]
+
+
+def test_a_warning_of_negative_depth_names_the_line_of_who_called(tmp_path: Path) -> None:
+    np.save(tmp_path / "depth.npy", -scene().depth)
+    (tmp_path / "rgb.png").write_bytes(cv2.imencode(".png", scene().color)[1].tobytes())
+    with pytest.warns(UserWarning, match="negative depth") as made:
+        sp.Frame(scene().color, -scene().depth, CAMERA)
+    with pytest.warns(UserWarning, match="negative depth") as read:
+        sp.read_frame(tmp_path / "rgb.png", tmp_path / "depth.npy", CAMERA)
+    assert [warning.filename for warning in (*made, *read)] == [__file__] * 2
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 7), (9, 1), (2, 2), (5, 40)])

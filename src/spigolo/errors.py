@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import sys
+import warnings
+
+PACKAGE = os.path.dirname(__file__) + os.sep
+"""Where the files of this package begin."""
+
 
 class SpigoloError(Exception):
     """Base of every error that spigolo raises on purpose."""
@@ -25,3 +32,11 @@ class FileError(SpigoloError, OSError):
 
 class UnitWarning(UserWarning):
     """Depth can hardly be in metres."""
+
+
+def warn(message: str, kind: type[Warning] = UserWarning) -> None:
+    """Warns at the line that called into this package, whichever way led here."""
+    frame, level = sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, kind, stacklevel=level)

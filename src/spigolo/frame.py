@@ -6,7 +6,6 @@ in metres, 0 where it is missing.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.camera import Camera, is_number
-from spigolo.errors import FrameError
+from spigolo.errors import FrameError, warn
 from spigolo.intrinsics import CameraLike, as_camera, check_scale, scale_from_mapping
 
 __all__ = ["MAX_PIXELS", "Camera", "Color", "DepthMap", "Frame", "Mask", "depth_in_metres"]
@@ -66,7 +65,7 @@ class Frame:
         metres, negative = depth_in_metres(stored, depth_scale)
         known = _fitting_camera(pixels, metres, camera)
         if negative:
-            warnings.warn(f"{negative} pixels have negative depth and count as missing", stacklevel=2)
+            warn(f"{negative} pixels have negative depth and count as missing")
         pixels = np.array(pixels, np.uint8, order="C")
         bent = known is not None and bool(known.distortion)
         if known is not None and bent:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from operator import attrgetter
@@ -14,7 +13,7 @@ import numpy.typing as npt
 
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
-from spigolo.errors import SpigoloError, UnitWarning
+from spigolo.errors import SpigoloError, UnitWarning, warn
 from spigolo.facts import (
     Labels,
     RegionFacts,
@@ -205,7 +204,7 @@ def select_objects(
         digest=config.digest,
         left_out=("contact boundary",) if frame.camera is None and cues.edges is not None else (),
     )
-    warn_of_depth(frame, stacklevel=5)
+    warn_of_depth(frame)
     return judge_regions(regions, frame, evidence, roi)
 
 
@@ -234,19 +233,15 @@ def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi |
     return assemble(scene, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
 
 
-def warn_of_depth(frame: Frame, stacklevel: int) -> None:
-    """Warns of depth that leaves nothing to be found, as far as a few thousand pixels tell; stacklevel: who called."""
+def warn_of_depth(frame: Frame) -> None:
+    """Warns of depth that leaves nothing to be found, as far as a few thousand pixels tell."""
     if not frame.depth.any():
-        warnings.warn("the frame has no depth at all, so nothing in it is an object", stacklevel=stacklevel)
+        warn("the frame has no depth at all, so nothing in it is an object")
         return
     few = frame.depth[::SAMPLED, ::SAMPLED]
     median = float(np.median(few[few > 0])) if few.any() else 0.0
     if median > FARTHEST_M:
-        warnings.warn(
-            f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001",
-            UnitWarning,
-            stacklevel=stacklevel,
-        )
+        warn(f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", UnitWarning)
 
 
 def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]) -> Segmentation:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import difflib
 import inspect
-import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
-from spigolo.errors import ConfigError, FileError
+from spigolo.errors import ConfigError, FileError, warn
 
 if TYPE_CHECKING:
     from spigolo.config import Config
@@ -203,7 +202,7 @@ def _warn_of_single(images: Sequence[Path], lack: str) -> None:
     """Says which images are left out for want of the other one."""
     if images:
         named = ", ".join(str(image) for image in images[:3]) + (", ..." if len(images) > 3 else "")
-        warnings.warn(f"{len(images)} {lack} of their name: {named}", stacklevel=2)
+        warn(f"{len(images)} {lack} of their name: {named}")
 
 
 def _camera_in(folder: Path) -> Path | None:

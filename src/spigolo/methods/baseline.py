@@ -72,7 +72,7 @@ class Baseline(ABC, Generic[C]):
     def __call__(self, frame: Frame) -> Segmentation:
         """The objects of a frame."""
         check_frame(frame)
-        warn_of_depth(frame, stacklevel=3)
+        warn_of_depth(frame)
         regions, contour = self.divide(frame)
         rules, camera = self.config.rejection, frame.camera
         support = rules.support

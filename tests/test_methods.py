@@ -9,6 +9,7 @@ import subprocess
 import threading
 import time
 import warnings
+from dataclasses import FrozenInstanceError
 from functools import cache
 from pathlib import Path
 
@@ -175,6 +176,19 @@ def test_parameters_digest_and_copies(method: Method) -> None:
     assert changed.digest in repr(changed) or "0.123" in repr(changed)
     with pytest.raises(ConfigError, match="unknown parameter 'gamm'"):
         method.replace(gamm=1)
+
+
+def test_methods_are_values_that_parameters_tell_apart(method: Method) -> None:
+    changed = method.replace(**{"rejection.max_missing": 0.123})
+    assert method.replace() == method != changed == pickle.loads(pickle.dumps(changed))
+    with pytest.raises(FrozenInstanceError):
+        method.config = changed.config  # type: ignore[attr-defined]
+
+
+def test_other_parameters_of_ours_are_used_after_a_frame_was_segmented() -> None:
+    ours, frame = Toscana2016(sp.TABLE), scene()
+    assert ours(frame).preset == "TABLE"
+    assert ours.replace(name="MINE")(frame).preset == "MINE"
 
 
 def test_ours_runs_on_several_threads_at_once() -> None:

@@ -16,7 +16,7 @@ from conftest import load_frame
 from spigolo import Camera, ConfigError, Frame
 from spigolo.kernels import polar
 from spigolo.methods import METHODS, FixationConfig, Mishra2012, SimpleConfig, segment_around
-from spigolo.methods.mishra2009 import LEAST_RADIUS_PX, innermost, inside, paint
+from spigolo.methods.mishra2009 import LEAST_RADIUS_PX, _Around, innermost, inside, paint
 from spigolo.methods.mishra2012 import Judge, count_votes
 from spigolo.methods.ownership import find_boundary
 
@@ -86,6 +86,11 @@ def test_a_point_outside_is_refused(frame: Frame) -> None:
 @pytest.mark.parametrize("point", [(0, 0), (239, 319), (0, 319), (120, 0)])
 def test_a_point_in_the_corner_has_a_region(frame: Frame, point: tuple[int, int]) -> None:
     assert segment_around(frame, point).mask[point]
+
+
+def test_other_parameters_leave_the_point_where_it_was() -> None:
+    changed = _Around(FixationConfig(), (3, 4)).replace(blur_px=2.0)
+    assert (changed.point, changed.config.blur_px) == ((3, 4), 2.0)
 
 
 def test_the_closed_path_is_the_minimum_cut_that_crosses_each_ray_once() -> None:

@@ -7,6 +7,7 @@ time: their tracking of labels by optical flow saves sweeps and changes no singl
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Annotated
 
 import cv2
@@ -73,13 +74,12 @@ class AbramovConfig(MethodConfig):
     """What is drawn at random depends on it: the same seed gives the same labels."""
 
 
+@dataclass(frozen=True)
 class Abramov2012(Baseline[AbramovConfig]):
     """Spins cooled by Metropolis sweeps; their domains joined across borders that attract."""
 
     name = "abramov2012"
-
-    def __init__(self, config: AbramovConfig | None = None) -> None:
-        super().__init__(AbramovConfig() if config is None else config)
+    config: AbramovConfig = field(default_factory=AbramovConfig)
 
     def divide(self, frame: Frame) -> Division:
         """Regions of the model, enlarged to the frame; their borders are as strong as the interactions repel."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -42,14 +43,13 @@ class Division(NamedTuple):
     contour: npt.NDArray[np.float32]
 
 
+@dataclass(frozen=True)
 class Baseline(ABC, Generic[C]):
     """A method that divides a frame into regions; which of them are objects is decided by the rules for all methods."""
 
     name: ClassVar[str]
-    preset = ""
-
-    def __init__(self, config: C) -> None:
-        self.config = config
+    preset: ClassVar[str] = ""
+    config: C
 
     @property
     def digest(self) -> str:
@@ -63,7 +63,7 @@ class Baseline(ABC, Generic[C]):
 
     def replace(self: B, **changes: Any) -> B:
         """The same method with other parameters, as `Parameters.replace` makes them. Raises ConfigError."""
-        return type(self)(self.config.replace(**changes))
+        return replace(self, config=self.config.replace(**changes))
 
     @abstractmethod
     def divide(self, frame: Frame) -> Division:
@@ -85,6 +85,3 @@ class Baseline(ABC, Generic[C]):
             digest=self.digest,
         )
         return judge_regions(regions, frame, evidence)
-
-    def __repr__(self) -> str:
-        return f"{type(self).__name__}({self.config!r})"

@@ -5,6 +5,7 @@ Colour alone. Weights by eq. 1, regions by eqs. 2 and 3.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Literal
 
 from spigolo.config import Partition
@@ -34,13 +35,12 @@ class FelzenszwalbConfig(MethodConfig):
     """Smaller regions are joined to the neighbour over their lightest edge (found as k was)."""
 
 
+@dataclass(frozen=True)
 class Felzenszwalb2004(Baseline[FelzenszwalbConfig]):
     """Merging of pixels by colour difference."""
 
     name = "felzenszwalb2004"
-
-    def __init__(self, config: FelzenszwalbConfig | None = None) -> None:
-        super().__init__(FelzenszwalbConfig() if config is None else config)
+    config: FelzenszwalbConfig = field(default_factory=FelzenszwalbConfig)
 
     def graph(self, frame: Frame) -> Graph:
         """Eq. 1. Its edges weigh the colour difference of their ends."""

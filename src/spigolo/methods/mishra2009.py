@@ -11,6 +11,7 @@ general minimum cut may fold back. The polar map is read from a widened boundary
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -64,14 +65,12 @@ def segment_around(frame: Frame, point: tuple[int, int], config: FixationConfig 
     return kept
 
 
+@dataclass(frozen=True)
 class _Around(Baseline[FixationConfig]):
     """What lies around a point, and the rest."""
 
     name = "mishra2009"
-
-    def __init__(self, config: FixationConfig, point: tuple[int, int]) -> None:
-        super().__init__(config)
-        self.point = point
+    point: tuple[int, int]
 
     def divide(self, frame: Frame) -> Division:
         """The region around the point and the rest."""

@@ -10,6 +10,7 @@ our choice. They know the camera's pose, which tells contact with the table; her
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from typing import Annotated, NamedTuple
 
 import cv2
@@ -61,13 +62,12 @@ class Found(NamedTuple):
     strong: float
 
 
+@dataclass(frozen=True)
 class Mishra2012(Baseline[SimpleConfig]):
     """Objects around points that borders of depth point at; what they leave is one region."""
 
     name = "mishra2012"
-
-    def __init__(self, config: SimpleConfig | None = None) -> None:
-        super().__init__(config or SimpleConfig())
+    config: SimpleConfig = field(default_factory=SimpleConfig)
 
     def divide(self, frame: Frame) -> Division:
         """The rest of the frame and every simple object; where two overlap the better founded one has the pixels."""

@@ -6,16 +6,15 @@ paper says of it could be had: the scale of depth, what is done where it is miss
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 import numpy as np
 
-from spigolo.facts import weight_contour
 from spigolo.frame import Frame
 from spigolo.graph import Graph
-from spigolo.methods.baseline import Baseline, Division
 from spigolo.methods.features import color_features, depth_feature, feature_graph
-from spigolo.methods.felzenszwalb2004 import FelzenszwalbConfig, merging
+from spigolo.methods.felzenszwalb2004 import Felzenszwalb2004, FelzenszwalbConfig
 from spigolo.parameters import NotNegative
-from spigolo.regions import partition
 
 
 class RaoConfig(FelzenszwalbConfig):
@@ -25,13 +24,12 @@ class RaoConfig(FelzenszwalbConfig):
     """What a metre of depth difference counts, in levels of a colour channel; 0 leaves depth out (found as k was)."""
 
 
-class Rao2010(Baseline[RaoConfig]):
+@dataclass(frozen=True)
+class Rao2010(Felzenszwalb2004):
     """Merging of pixels by the difference of colour and depth. Missing depth makes no difference (our reading)."""
 
     name = "rao2010"
-
-    def __init__(self, config: RaoConfig | None = None) -> None:
-        super().__init__(RaoConfig() if config is None else config)
+    config: RaoConfig = field(default_factory=RaoConfig)
 
     def graph(self, frame: Frame) -> Graph:
         """The weights of eq. 1 with depth among the features."""
@@ -39,8 +37,3 @@ class Rao2010(Baseline[RaoConfig]):
         color = color_features(frame.color, config.sigma_px)
         depth = depth_feature(frame.depth, config.sigma_px, config.levels_per_m)
         return feature_graph(np.concatenate([color, depth[None]]), config.connectivity, config.k_xy)
-
-    def divide(self, frame: Frame) -> Division:
-        """Regions by internal difference."""
-        graph = self.graph(frame)
-        return Division(partition(graph, merging(self.config)), weight_contour(graph))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 from spigolo.config import Config
 from spigolo.frame import Frame
@@ -13,14 +14,13 @@ from spigolo.presets import OBJECTS
 from spigolo.stream import Segmenter
 
 
+@dataclass(frozen=True, repr=False)
 class Toscana2016:
     """Toscana & Rosa 2016 with one configuration; every thread keeps its buffers from frame to frame."""
 
-    name = "toscana2016"
-
-    def __init__(self, config: Config = OBJECTS) -> None:
-        self.config = config
-        self._own = threading.local()
+    name: ClassVar[str] = "toscana2016"
+    config: Config = OBJECTS
+    _own: threading.local = field(default_factory=threading.local, init=False, compare=False)
 
     @property
     def preset(self) -> str:
@@ -39,7 +39,7 @@ class Toscana2016:
 
     def replace(self, **changes: Any) -> Toscana2016:
         """Another configuration; names may be dotted as in `Config.replace`."""
-        return Toscana2016(self.config.replace(**changes))
+        return replace(self, config=self.config.replace(**changes))
 
     def __call__(self, frame: Frame) -> Segmentation:
         """The objects of a frame."""

@@ -18,10 +18,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
 from spigolo.evaluation import (
-    FrameScore,
     boundary_map,
     default_radius_px,
-    format_table,
     overlap_table,
     pair_by_f,
     score_frame,
@@ -384,11 +382,9 @@ def test_bad_input_is_refused_with_a_sentence(arguments: tuple[Any, ...], says: 
         score_frame(*arguments)
 
 
-def test_nothing_to_summarise_or_to_show_is_refused() -> None:
+def test_nothing_to_summarise_is_refused() -> None:
     with pytest.raises(ValueError, match="at least one frame, got none; mend: "):
         summarise([])
-    with pytest.raises(ValueError, match=r"at least one named score .* got none; mend: "):
-        format_table({})
 
 
 def test_a_missing_scipy_names_the_line_that_installs_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -407,7 +403,7 @@ def test_large_labels_and_small_ones_are_counted_alike() -> None:
         np.testing.assert_array_equal(getattr(small, name), getattr(large, name))
 
 
-# --- interval and table -------------------------------------------------------------------------------------
+# --- interval ------------------------------------------------------------------------------------------------
 
 
 def test_wilson_interval_known_values() -> None:
@@ -430,26 +426,3 @@ def test_wilson_interval_holds_the_share_and_mirrors(n: int, share: float) -> No
 def test_wilson_interval_refuses_impossible_counts(arguments: tuple[Any, ...]) -> None:
     with pytest.raises(ValueError, match=r"expected 0 <= hits <= n and z >= 0, got .*; mend: "):
         wilson_interval(*arguments)
-
-
-def test_the_table_is_aligned_markdown(two_objects: Labels) -> None:
-    merged: FrameScore = score_frame(two_objects, np.where(two_objects > 0, 7, 0))
-    empty = score_frame(two_objects * 0, two_objects * 0)
-    lines = format_table({"all in one": summarise([merged]), "a|b": summarise([empty])}).splitlines()
-    assert len(lines) == 4 and len({len(line) for line in lines}) == 1
-    cells = [[cell.strip() for cell in line.replace(r"\|", "!").strip("|").split("|")] for line in lines]
-    assert cells[0] == [
-        *("method", "overlap P", "R", "F", "boundary P", "R", "F", "F@.75", "70 % recall"),
-        *(
-            "70 % recall and precision",
-            "IoU>0.7",
-            "mean best IoU",
-            "segments per object",
-            "frames",
-            "objects",
-        ),
-    ]
-    assert set(cells[1][0]) == {"-"} and all(cell.strip("-") == ":" for cell in cells[1][1:])
-    assert cells[2][:5] == ["all in one", "0.500", "0.500", "0.500", "1.000"]
-    assert cells[2][7:] == ["0.000", "1.000", "0.000", "0.000", "0.500", "0.500", "1", "2"]
-    assert cells[3][0] == "a!b" and cells[3][8:] == ["-", "-", "-", "-", "0.000", "1", "0"]

@@ -228,6 +228,18 @@ def test_a_row_reads_back_as_it_was_written(tmp_path: Path) -> None:
     assert all(json.loads(row_to_json(one))["data_set"] == "s" for one in rows)
 
 
+def test_a_line_keeps_its_form_so_that_files_of_old_can_be_gone_on_with() -> None:
+    assert row_to_json(row()) == (
+        '{"data_set":"s","frame":"a","group":"s/a","labelling":"full","method":"m","preset":"P","digest":"d",'
+        '"parameters":{},"version":"1","machine":"one","cpu_s":0.1,"wall_s":0.2,"n_predicted":3,"rejected":{"dark":1},'
+        '"score":{"overlap_precision":0.5,"overlap_recall":0.6,"overlap_f":0.55,"boundary_precision":0.3,'
+        '"boundary_recall":0.4,"boundary_f":0.35,"f75":0.5,"n_objects":2,"n_segments":3,"best_iou":[0.9,0.2],'
+        '"best_iou_of_regions":[0.9,0.8],"true_positives":1,"false_positives":2,"false_negatives":1,'
+        '"found_70_recall":2,"found_70_both":1,"pieces":3,"leaks":0.5,"covered":[],"covered_by_regions":[],'
+        '"names":[]},"error":null,"content":""}'
+    )
+
+
 def test_a_half_written_line_is_dropped_and_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "rows.jsonl"
     path.write_text(f"{row_to_json(row('a'))}\n{row_to_json(row('b'))[:40]}")

@@ -4,7 +4,7 @@ A label image is a 2-D array of whole numbers: 0 is background, every other valu
 
     score = score_frame(truth, prediction, ignore=unsure)   # one frame
     total = summarise([score, ...])                         # a data set
-    print(format_table({"ours": total}))
+    print(total.overlap_f, total.found_iou_70)
 
 Rows are the scores of many methods on many frames, in a file (`Row`, `RowFile`, `read_rows`); `pool` puts those of one
 method together, `compare` sets two side by side, `folds` and `leave_one_set_out` split frames to choose and to score.
@@ -23,11 +23,11 @@ from spigolo.evaluation.matching import (
     overlap_table,
     pair_by_f,
 )
-from spigolo.evaluation.measures import FrameScore, score_frame
+from spigolo.evaluation.measures import FrameScore, Measures, score_frame
 from spigolo.evaluation.pooling import Difference, Pooled, compare, pool
 from spigolo.evaluation.resampling import Estimate, Split, bootstrap, folds, leave_one_set_out, wilson_interval
 from spigolo.evaluation.rows import Key, Row, RowFile, RowScore, read_rows, row_to_json, score_row
-from spigolo.evaluation.summary import DatasetScore, format_table, summarise
+from spigolo.evaluation.summary import DatasetScore, summarise
 
 __all__ = [
     "DatasetScore",
@@ -35,6 +35,7 @@ __all__ = [
     "Estimate",
     "FrameScore",
     "Key",
+    "Measures",
     "OverlapTable",
     "Pooled",
     "Row",
@@ -47,7 +48,6 @@ __all__ = [
     "compare",
     "default_radius_px",
     "folds",
-    "format_table",
     "leave_one_set_out",
     "overlap_table",
     "pair_by_f",

@@ -32,12 +32,8 @@ GOOD_F = 0.75
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FrameScore:
-    """Measures of one frame.
-
-    Precision, recall and F are 1 when nothing is true and nothing predicted, 0 when only one side is empty.
-    The pairing is one to one with the largest sum of F (`spigolo.evaluation.matching.pair_by_f`).
-    """
+class Measures:
+    """What a score says first, whether it is that of a frame, of a row or of a data set."""
 
     overlap_precision: float
     """Pixels shared within the pairs, over all predicted pixels."""
@@ -59,6 +55,18 @@ class FrameScore:
 
     f75: float
     """Share of true objects whose paired segment has F > 0.75. Without objects: 1, or 0 if segments exist."""
+
+
+MEASURES = tuple(Measures.__dataclass_fields__)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameScore(Measures):
+    """Measures of one frame.
+
+    Precision, recall and F are 1 when nothing is true and nothing predicted, 0 when only one side is empty.
+    The pairing is one to one with the largest sum of F (`spigolo.evaluation.matching.pair_by_f`).
+    """
 
     object_ids: NDArray[np.integer[Any]]
     """(N,) labels of the true objects, ascending; the order of the arrays below."""

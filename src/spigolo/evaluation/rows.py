@@ -19,7 +19,7 @@ from pydantic import TypeAdapter, ValidationError
 from spigolo.errors import FileError
 from spigolo.evaluation.checks import checked_pair
 from spigolo.evaluation.matching import OverlapTable, overlap_table
-from spigolo.evaluation.measures import score_frame
+from spigolo.evaluation.measures import MEASURES, Measures, score_frame
 from spigolo.io import append_lines, write_bytes
 
 PIECE = 0.05
@@ -39,16 +39,8 @@ class Key(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class RowScore:
+class RowScore(Measures):
     """Measures of one frame, as `FrameScore` has them, and counts that can be added up."""
-
-    overlap_precision: float
-    overlap_recall: float
-    overlap_f: float
-    boundary_precision: float
-    boundary_recall: float
-    boundary_f: float
-    f75: float
 
     n_objects: int
     """N, labelled objects."""
@@ -160,13 +152,7 @@ def score_row(
     table = overlap_table(*checked_pair(truth, prediction if regions is None else regions, ignore))
     hits = int(np.count_nonzero(score.found_iou_70))
     return RowScore(
-        overlap_precision=score.overlap_precision,
-        overlap_recall=score.overlap_recall,
-        overlap_f=score.overlap_f,
-        boundary_precision=score.boundary_precision,
-        boundary_recall=score.boundary_recall,
-        boundary_f=score.boundary_f,
-        f75=score.f75,
+        **{name: getattr(score, name) for name in MEASURES},
         n_objects=score.n_objects,
         n_segments=score.n_segments,
         best_iou=tuple(score.best_iou.tolist()),

@@ -12,6 +12,7 @@ import pytest
 import spigolo as sp
 from spigolo.doctor import diagnose
 from spigolo.methods import METHODS, segment_around
+from spigolo.regions import Regions
 from test_objects import CAMERA, scene
 
 CONFIG = sp.TABLE.replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
@@ -144,6 +145,13 @@ def test_merging_measures_anew() -> None:
     wall = joined.at((5, 80))
     assert len(joined.merge(joined[0], wall)) == 1
     assert len(first.merge(a, a)) == 2
+
+
+def test_joined_regions_are_numbered_by_their_first_pixel() -> None:
+    regions = Regions(np.array([[0, 1, 1], [2, 3, 3], [2, 4, 4]], np.int32), 5)
+    joined = regions.joined(np.array([0, 1, 0, 3, 1]))
+    assert joined.count == 3
+    assert joined.labels.tolist() == [[0, 1, 1], [0, 2, 2], [0, 1, 1]]
 
 
 def test_scores_lie_in_0_to_1_and_fall_with_the_evidence() -> None:

@@ -68,8 +68,7 @@ def join_parts(regions: Regions, cues: Cues, frame: Frame, config: Config) -> Re
             _unite(root, border.a, border.b)
     for inner, outer in parts.enclosed(root):
         _unite(root, inner, outer)
-    kept, number = np.unique(root, return_inverse=True)  # a root is the smallest of its regions: the first in the image
-    return Regions(regions.spread(number.astype(np.int32)), kept.size)
+    return regions.joined(root)
 
 
 def _unite(root: Counts, a: int, b: int) -> None:

@@ -142,12 +142,12 @@ class Segmentation:
     def keep(self, region: RegionFacts) -> Segmentation:
         """The answer with a rejected region as an object. Raises SpigoloError for a region of other regions."""
         self._check_own(region)
-        return self._with({region.region: None})
+        return self._with(region, None)
 
     def drop(self, region: RegionFacts) -> Segmentation:
         """The answer without an object. Raises SpigoloError for one of other regions."""
         self._check_own(region)
-        return self._with({region.region: (Reason.BY_HAND, "dropped by hand")})
+        return self._with(region, (Reason.BY_HAND, "dropped by hand"))
 
     def merge(self, a: RegionFacts, b: RegionFacts) -> Segmentation:
         """The answer with two objects or regions as one object, measured anew.
@@ -159,10 +159,9 @@ class Segmentation:
         if a.region == b.region:
             return self.keep(a)
         first, second = sorted((a.region, b.region))
-        labels = self.scene.regions.labels.copy()
-        labels[labels == second] = first
-        labels[labels > second] -= 1
-        regions = Regions(labels, self.scene.regions.count - 1)
+        root = np.arange(self.scene.regions.count)
+        root[second] = first
+        regions = self.scene.regions.joined(root)
         verdicts = self._verdicts()
         verdicts[first] = None
         del verdicts[second]
@@ -175,10 +174,9 @@ class Segmentation:
                 " those before a merge: ask this answer's `at`"
             )
 
-    def _with(self, changes: dict[int, Verdict | None]) -> Segmentation:
+    def _with(self, region: RegionFacts, verdict: Verdict | None) -> Segmentation:
         verdicts = self._verdicts()
-        for region, verdict in changes.items():
-            verdicts[region] = verdict
+        verdicts[region.region] = verdict
         return assemble(self.scene, sorted((*self.objects, *self.rejected), key=lambda r: r.region), verdicts)
 
     def _verdicts(self) -> list[Verdict | None]:

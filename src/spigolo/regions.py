@@ -47,6 +47,11 @@ class Regions:
         moments.spread(of_region, self.labels, out)
         return out
 
+    def joined(self, root: npt.NDArray[np.int64]) -> Regions:
+        """Those of one root (R,), the first of its regions, as one region; numbered anew."""
+        kept, number = np.unique(root, return_inverse=True)
+        return Regions(self.spread(number.astype(np.int32)), kept.size)
+
 
 def partition(graph: Graph, config: Partition, workspace: Workspace | None = None) -> Regions:
     """Merges pixels over their edges in the order of (float32 weight, edge number), then joins small regions.

@@ -54,9 +54,7 @@ def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders],
         wanted = may_join(borders)
         if not wanted.any():
             return domains
-        root = _join_best(domains.count, borders.domain[:, wanted], borders.mean[wanted])
-        _, number = np.unique(root, return_inverse=True)  # a root is the first of its domains
-        domains = Regions(domains.spread(number.astype(np.int32)), int(number.max()) + 1)
+        domains = domains.joined(_join_best(domains.count, borders.domain[:, wanted], borders.mean[wanted]))
 
 
 def find_borders(domains: Regions, planes: Planes) -> Borders:

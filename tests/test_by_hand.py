@@ -100,6 +100,7 @@ def test_a_click_gives_the_object_there_whatever_its_rule() -> None:
     assert sp.segment_at(scene(), LEFT, CONFIG).centroid_m[2] == pytest.approx(0.7, abs=0.005)
     wall = sp.segment_at(scene(), (5, 80), CONFIG)  # rejected as too long
     assert wall.area_px > 10000
+    assert [result().object_at(point).region for point in (LEFT, (5, 80))] == [result().at(LEFT).region, wall.region]
     with pytest.raises(IndexError, match="inside 120 rows"):
         sp.segment_at(scene(), (120, 0), CONFIG)
 

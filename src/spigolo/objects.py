@@ -139,6 +139,13 @@ class Segmentation:
         everything: tuple[ObjectMask | RejectedRegion, ...] = (*self.objects, *self.rejected)
         return next(r for r in everything if r.region == region)
 
+    def object_at(self, point: tuple[int, int]) -> ObjectMask:
+        """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one."""
+        found = self.at(point)
+        kept = found if isinstance(found, ObjectMask) else self.keep(found).at(point)
+        assert isinstance(kept, ObjectMask)
+        return kept
+
     def keep(self, region: RegionFacts) -> Segmentation:
         """The answer with a rejected region as an object. Raises SpigoloError for a region of other regions."""
         self._check_own(region)

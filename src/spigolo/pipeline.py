@@ -56,10 +56,4 @@ def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> S
 
 def segment_at(frame: Frame, point: tuple[int, int], config: Config = OBJECTS) -> ObjectMask:
     """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one."""
-    result = segment(frame, config)
-    region = result.at(point)
-    if isinstance(region, ObjectMask):
-        return region
-    kept = result.keep(region).at(point)
-    assert isinstance(kept, ObjectMask)
-    return kept
+    return segment(frame, config).object_at(point)

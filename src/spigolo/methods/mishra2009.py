@@ -58,11 +58,7 @@ def segment_around(frame: Frame, point: tuple[int, int], config: FixationConfig 
     y, x = point
     if not (0 <= y < height and 0 <= x < width):
         raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {point}")
-    answer = _Around(config or FixationConfig(), point)(frame)
-    found = answer.at(point)
-    kept = found if isinstance(found, ObjectMask) else answer.keep(found).at(point)
-    assert isinstance(kept, ObjectMask)
-    return kept
+    return _Around(config or FixationConfig(), point)(frame).object_at(point)
 
 
 @dataclass(frozen=True)

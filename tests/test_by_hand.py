@@ -105,6 +105,36 @@ def test_a_click_gives_the_object_there_whatever_its_rule() -> None:
         sp.segment_at(scene(), (120, 0), CONFIG)
 
 
+CLICKS: dict[str, Callable[[object], object]] = {
+    "at": lambda point: result().at(point),
+    "object_at": lambda point: result().object_at(point),
+    "segment_at": lambda point: sp.segment_at(scene(), point, CONFIG),
+    "segment_around": lambda point: segment_around(scene(), point),
+}
+
+
+@pytest.mark.parametrize("click", CLICKS)
+def test_a_click_may_come_in_any_numbers_that_are_whole(click: str) -> None:
+    masks = [CLICKS[click](form).mask for form in (LEFT, [50.0, 40.0], np.array(LEFT, np.uint8), np.array([50.0, 40]))]
+    assert all(np.array_equal(mask, masks[0]) for mask in masks)
+
+
+@pytest.mark.parametrize("click", CLICKS)
+@pytest.mark.parametrize(
+    "point", [(True, False), None, (1, 2, 3), (1,), "ab", (1.5, 2), (1, np.nan), (np.inf, 0), ([1], [2]), 7, (0, -1)]
+)
+def test_what_is_no_pixel_is_refused_in_one_sentence(click: str, point: object) -> None:
+    with pytest.raises(IndexError) as caught:
+        CLICKS[click](point)
+    assert str(caught.value) == f"expected a pixel (y, x) inside 120 rows and 160 columns, got {point!r}"
+
+
+def test_a_click_on_what_is_no_frame_is_refused() -> None:
+    for click in (sp.segment_at, segment_around):
+        with pytest.raises(sp.FrameError, match="expected a Frame"):
+            click(scene().color, LEFT)
+
+
 def test_keep_and_drop_give_new_answers() -> None:
     first = result()
     left = first.at(LEFT)

@@ -24,7 +24,7 @@ from spigolo.frame import DepthMap, Frame, Mask
 from spigolo.graph import Graph
 from spigolo.regions import Regions
 from spigolo.rejection import Reason, Verdict, judge, reject_rims
-from spigolo.roi import Roi, roi_mask
+from spigolo.roi import Roi, pixel_of, roi_mask
 from spigolo.stance import Stance, measure_stance
 from spigolo.support import Plane, above_mask, support_mask
 
@@ -129,17 +129,13 @@ class Segmentation:
         labels = self.labels if dtype is None else self.labels.astype(dtype, copy=False)
         return labels.copy() if copy else labels
 
-    def at(self, point: tuple[int, int]) -> ObjectMask | RejectedRegion:
+    def at(self, point: tuple[float, float]) -> ObjectMask | RejectedRegion:
         """The object or rejected region at a pixel (y, x). Raises IndexError outside the image."""
-        height, width = self.labels.shape
-        y, x = point
-        if not (0 <= y < height and 0 <= x < width):
-            raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {point}")
-        region = int(self.scene.regions.labels[y, x])
+        region = int(self.scene.regions.labels[pixel_of(point, self.scene.frame.shape)])
         everything: tuple[ObjectMask | RejectedRegion, ...] = (*self.objects, *self.rejected)
         return next(r for r in everything if r.region == region)
 
-    def object_at(self, point: tuple[int, int]) -> ObjectMask:
+    def object_at(self, point: tuple[float, float]) -> ObjectMask:
         """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one."""
         found = self.at(point)
         kept = found if isinstance(found, ObjectMask) else self.keep(found).at(point)

@@ -13,7 +13,7 @@ from spigolo.joining import join_parts
 from spigolo.objects import ObjectMask, Segmentation, select_objects
 from spigolo.presets import OBJECTS
 from spigolo.regions import Regions, partition
-from spigolo.roi import Roi
+from spigolo.roi import Roi, pixel_of
 from spigolo.workspace import Workspace
 
 
@@ -54,6 +54,11 @@ def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> S
     return trace(frame, config, roi).segmentation
 
 
-def segment_at(frame: Frame, point: tuple[int, int], config: Config = OBJECTS) -> ObjectMask:
-    """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one."""
-    return segment(frame, config).object_at(point)
+def segment_at(frame: Frame, point: tuple[float, float], config: Config = OBJECTS) -> ObjectMask:
+    """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one.
+
+    Raises IndexError for a point outside the image.
+    """
+    check_frame(frame)
+    pixel = pixel_of(point, frame.shape)  # before the work is done
+    return segment(frame, config).object_at(pixel)

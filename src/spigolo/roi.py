@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.camera import is_number, shortened
 from spigolo.errors import FrameError
 from spigolo.frame import Frame, Mask
 from spigolo.registration import rigid_transform
@@ -46,6 +48,18 @@ class MetricBox:
 
 Roi = npt.NDArray[np.bool_] | Sequence[int] | MetricBox
 """A mask (H, W), a pixel box (y0, x0, y1, x1) with the last two exclusive, or a metric box."""
+
+
+def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
+    """A point (y, x) as the pixel of an image (H, W). Raises IndexError for what is no whole numbers inside of it."""
+    height, width = shape
+    try:
+        y, x = point
+    except (TypeError, ValueError):
+        y = x = None
+    if all(is_number(v) and 0 <= v < end and v == int(v) for v, end in ((y, height), (x, width))):
+        return int(y), int(x)
+    raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {shortened(point)}")
 
 
 def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:

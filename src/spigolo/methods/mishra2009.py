@@ -17,13 +17,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.frame import Frame, Mask
+from spigolo.frame import Frame, Mask, check_frame
 from spigolo.kernels import polar as kernel
 from spigolo.methods.baseline import Baseline, Division
 from spigolo.methods.ownership import Boundary, BoundaryConfig, Floats, find_boundary
 from spigolo.objects import ObjectMask
 from spigolo.parameters import NotNegative, Positive, Share
 from spigolo.regions import Regions
+from spigolo.roi import pixel_of
 
 Points = npt.NDArray[np.float64]
 
@@ -49,16 +50,14 @@ class FixationConfig(BoundaryConfig):
     code: 20)."""
 
 
-def segment_around(frame: Frame, point: tuple[int, int], config: FixationConfig | None = None) -> ObjectMask:
+def segment_around(frame: Frame, point: tuple[float, float], config: FixationConfig | None = None) -> ObjectMask:
     """The object around a pixel (y, x), `mishra2009`: whatever rule its region breaks, the point says that it is one.
 
     Raises IndexError for a point outside the image.
     """
-    height, width = frame.shape
-    y, x = point
-    if not (0 <= y < height and 0 <= x < width):
-        raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {point}")
-    return _Around(config or FixationConfig(), point)(frame).object_at(point)
+    check_frame(frame)
+    pixel = pixel_of(point, frame.shape)
+    return _Around(config or FixationConfig(), pixel)(frame).object_at(pixel)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from pathlib import Path
 
@@ -156,9 +157,23 @@ def test_a_region_of_another_answer_is_refused() -> None:
     for change in (merged.drop, merged.keep, lambda r: merged.merge(r, left)):
         with pytest.raises(sp.SpigoloError, match="ask this answer's `at`"):
             change(right)
-    with pytest.raises(sp.SpigoloError, match="of this answer"):
-        result().drop(left)
     consistent(answer.drop(left).keep(left))
+
+
+def test_a_region_of_the_same_regions_is_taken_wherever_it_comes_from() -> None:
+    answer = result()
+    left, right = pickle.loads(pickle.dumps((answer.at(LEFT), answer.at(RIGHT))))
+    assert np.array_equal(answer.drop(left).labels, answer.drop(answer.at(LEFT)).labels)
+    assert len(answer.merge(left, result().at(RIGHT))) == 1
+    consistent(answer.drop(left).keep(left).merge(left, right))
+
+
+@pytest.mark.parametrize("thing", [1, None, LEFT, "cup"])
+def test_what_is_no_region_is_refused(thing: object) -> None:
+    answer = result()
+    for change in (answer.keep, answer.drop, lambda r: answer.merge(answer[0], r)):
+        with pytest.raises(sp.SpigoloError, match=r"expected an object or region of this answer, .* got .*"):
+            change(thing)
 
 
 def test_merging_measures_anew() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.camera import shortened
 from spigolo.config import Config, Rejection
 from spigolo.cues import Cues
 from spigolo.errors import SpigoloError, UnitWarning, warn
@@ -171,11 +172,18 @@ class Segmentation:
         return assemble(dataclasses.replace(self.scene, regions=regions), self.scene.measure(regions), verdicts)
 
     def _check_own(self, *regions: RegionFacts) -> None:
-        if any(region.regions is not self.scene.regions.labels for region in regions):
-            raise SpigoloError(
-                "expected an object or region of this answer, got one of regions that were numbered otherwise, such as"
-                " those before a merge: ask this answer's `at`"
-            )
+        own = self.scene.regions.labels
+        for region in regions:
+            if not isinstance(region, RegionFacts):
+                raise SpigoloError(
+                    f"expected an object or region of this answer, as its `at` gives it, got {shortened(region)}"
+                )
+            # pickled apart from its answer, a region has labels of its own
+            if region.regions is not own and not np.array_equal(region.regions, own):
+                raise SpigoloError(
+                    "expected an object or region of this answer, got one of regions that were numbered otherwise, such"
+                    " as those before a merge: ask this answer's `at`"
+                )
 
     def _with(self, region: RegionFacts, verdict: Verdict | None) -> Segmentation:
         verdicts = self._verdicts()

@@ -125,7 +125,7 @@ class Edges:
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
         """As many stable passes as the weights' range asks for: heavier rounds span few powers of two."""
-        width = max(((int(edges.max()) >> sorting.WEIGHT_SHIFT) - base).bit_length(), 1)
+        width = max(((int(edges.max()) >> merging.HALF_BITS) - base).bit_length(), 1)
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)
         starts = np.empty(1 << digit_bits, np.uint32)
@@ -191,4 +191,4 @@ def _bits(weight: float) -> int:
 
 
 def _weight(edge: np.uint64) -> float:
-    return float(np.uint32(edge >> np.uint64(sorting.WEIGHT_SHIFT)).view(np.float32))
+    return float(np.uint32(edge >> np.uint64(merging.HALF_BITS)).view(np.float32))

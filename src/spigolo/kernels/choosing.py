@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
-from spigolo.kernels.merging import PLANE_BITS, bound_bits, ends, find, find_deep, size_of
+from spigolo.kernels.merging import HALF_BITS, PLANE_BITS, bound_bits, ends, find, find_deep, size_of, weight_bits
 
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
@@ -137,10 +137,10 @@ def drop_down_8(right, down, falling, rising, width, n, kept):
 
 
 @inlined
-def pack_edge(weight_bits, plane, pixel):
+def pack_edge(bits, plane, pixel):
     """64 bits of an edge: its weight's, its pixel, its plane."""
-    without_sign = np.uint64(weight_bits) & np.uint64(SIGN_BIT - 1)  # -0 sorts as 0
-    return (without_sign << np.uint64(32)) | (pixel << np.uint64(PLANE_BITS)) | np.uint64(plane)
+    without_sign = np.uint64(bits) & np.uint64(SIGN_BIT - 1)  # -0 sorts as 0
+    return (without_sign << np.uint64(HALF_BITS)) | (pixel << np.uint64(PLANE_BITS)) | np.uint64(plane)
 
 
 @inlined
@@ -166,7 +166,7 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 def is_heavy(edge, offsets, parent, records):
     """Whether an edge is heavier than the bound of the region at its first and at its second end, and both roots."""
     here, there = ends(edge, offsets)
-    a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), edge >> np.uint64(32)
+    a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), weight_bits(edge)
     return bits > bound_bits(records[a]), bits > bound_bits(records[b]), a, b
 
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel, prefetch
 
-LOW_HALF = 0xFFFFFFFF
+HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
+"""What parts the halves of an edge and of a record: the upper one is shifted down, of the lower one the rest is cut."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
 """How many edges ahead memory is asked for: first a pixel's parent, then the record of that parent."""
@@ -21,6 +22,12 @@ def ends(edge, offsets):
     """Both pixels of a packed edge. All is unsigned, so that no index is tested for its sign."""
     pixel = (edge & np.uint64(LOW_HALF)) >> np.uint64(PLANE_BITS)
     return pixel, pixel + offsets[edge & np.uint64((1 << PLANE_BITS) - 1)]
+
+
+@inlined
+def weight_bits(edge):
+    """Bits of a packed edge's weight."""
+    return edge >> np.uint64(HALF_BITS)
 
 
 @inlined
@@ -73,13 +80,13 @@ def bits_below(bound):
 @inlined
 def record(size, bound):
     """What the root of a region keeps, in one word."""
-    return (np.uint64(size) << np.uint64(32)) | np.uint64(bits_below(bound))
+    return (np.uint64(size) << np.uint64(HALF_BITS)) | np.uint64(bits_below(bound))
 
 
 @inlined
 def size_of(node):
     """Pixels of the region whose root has this record."""
-    return node >> np.uint64(32)
+    return node >> np.uint64(HALF_BITS)
 
 
 @inlined
@@ -154,7 +161,7 @@ def merge(edges, offsets, gamma, stop, parent, records):
         here, there = ends(edges[k], offsets)
         a, b = find_deep(parent, here), find_deep(parent, there)
         if a != b:
-            bits = edges[k] >> np.uint64(32)
+            bits = weight_bits(edges[k])
             if may_merge(bits, bound_bits(records[a]), bound_bits(records[b])):
                 weight = np.float64(np.uint32(bits).view(np.float32))
                 size = np.float64(size_of(records[a]) + size_of(records[b]))

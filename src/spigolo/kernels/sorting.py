@@ -9,14 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
-
-WEIGHT_SHIFT = 32
+from spigolo.kernels.merging import weight_bits
 
 
 @inlined
 def digit_of(edge, base, shift, mask):
     """One digit of an edge's weight, whose bits count from `base`."""
-    return (((edge >> np.uint64(WEIGHT_SHIFT)) - base) >> shift) & mask
+    return ((weight_bits(edge) - base) >> shift) & mask
 
 
 @kernel

@@ -48,8 +48,10 @@ from spigolo.experiments import (
     write_report,
 )
 from spigolo.experiments.contenders import pair_up
+from spigolo.experiments.limitations import limitations
 from spigolo.experiments.page import Cell, Gallery, Page, Picture, Table, to_html, to_markdown, to_text
 from spigolo.experiments.pictures import WORST, worst_rows
+from spigolo.machine import one_thread
 from spigolo.view.truth import FOUND, MISSED, truth_picture
 from test_objects import scene
 
@@ -629,6 +631,24 @@ def test_a_report_of_one_method_without_frames_has_neither_differences_nor_pictu
     html = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert "Differences" not in html and "Worst" not in html and not (tmp_path / "pictures").exists()
     assert "P failed on 1 frames" in html and "boom" in html
+
+
+@pytest.mark.parametrize(("large", "small", "mostly"), [(3, 1, True), (2, 2, False)])
+def test_a_report_says_where_one_set_stands_for_most_of_the_figures(large: int, small: int, mostly: bool) -> None:
+    sets = ["large"] * large + ["small"] * small
+    told = limitations(gather({"x": [row(str(k), data_set=name, group=str(k)) for k, name in enumerate(sets)]}))
+    assert any("large has 3 of the 4 distinct frames" in sentence for sentence in told) == mostly
+
+
+def test_opencv_has_its_threads_again_after_a_time_was_taken() -> None:
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(2)
+    try:
+        with one_thread():
+            assert cv2.getNumThreads() == 1
+        assert cv2.getNumThreads() == 2
+    finally:
+        cv2.setNumThreads(before)
 
 
 def test_a_report_says_why_it_has_no_pictures(root: Path, tmp_path: Path) -> None:

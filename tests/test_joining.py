@@ -134,6 +134,15 @@ CUT_BOWL = (wall(0, -0.26, 0.09, 0, 0.1, inner=True), disc(0, -0.26, 0.09, 0.002
 """So near that the image ends within its bottom: its wall is out of sight."""
 
 
+def and_a_board(part: Surface) -> Surface:
+    """The surface and a board to the right of it, as one."""
+    return lambda o, d: np.minimum(part(o, d), front(0.25, 0.1, 0.1, 0.1)(o, d))
+
+
+CUT_ANGLE = (and_a_board(CUT_BOWL[0]), CUT_BOWL[1])
+"""What surrounds the table there on three sides and leaves most of its hull free is no bowl."""
+
+
 def both_cans(x: float, y: float) -> tuple[Surface, ...]:
     """Two solid cans of one height, the second one moved."""
     return tuple(
@@ -158,6 +167,7 @@ def cuboid(y: float) -> Surface:
         pytest.param(BOWL_WITH_BOTTOM, [0, 1, 1, 1], id="bowl whose bottom lies on the table"),
         pytest.param(FLAT_CUP, [0, 1, 1], id="cup whose inside looks flat"),
         pytest.param(CUT_BOWL, [0, 1, 1], id="bowl that the image cuts"),
+        pytest.param(CUT_ANGLE, [0, 1, 2], id="table in the bend of something that the image cuts"),
         pytest.param(MOVED_ASIDE, [0, 1, 2], id="something flat beside a can"),
         pytest.param(MOVED_BACK, [0, 1, 2], id="something flat farther behind a can than that is wide"),
         pytest.param(HALVES, [0, 1, 1], id="a face cut in two"),
@@ -292,6 +302,19 @@ def test_a_level_piece_that_goes_on_is_part_of_a_rim(goes_on: bool) -> None:
     assert level == pytest.approx(0.2)
     rim = measure_rim(facts, (height == level) & (labels == 0))
     assert rim == pytest.approx(4.0 if goes_on else 0.0)
+
+
+@pytest.mark.parametrize(("share", "is_level"), [(0.6, False), (0.7, True)])
+def test_a_region_is_level_where_most_of_it_lies_at_one_height(share: float, is_level: bool) -> None:
+    height, depth = np.full((10, 100), 0.5), np.ones((10, 100), np.float32)
+    height[:, : int(100 * share)] = 0.2
+    facts = measure_regions(
+        Regions(np.zeros((10, 100), np.int32), 1),
+        depth,
+        sp.Frame(np.zeros((10, 100, 3), np.uint8), depth, None),
+        np.zeros((10, 100), np.float32),
+    )[0]
+    assert find_level(facts, height, depth, sp.Wall().rim_m) == (pytest.approx(0.2) if is_level else None)
 
 
 def test_a_frame_of_edges_is_no_second_support() -> None:

@@ -16,7 +16,7 @@ from conftest import load_frame
 from spigolo import Camera, ConfigError, Frame
 from spigolo.kernels import polar
 from spigolo.methods import METHODS, FixationConfig, Mishra2012, SimpleConfig, segment_around
-from spigolo.methods.mishra2009 import LEAST_RADIUS_PX, _Around, innermost, inside, paint
+from spigolo.methods.mishra2009 import _Around, contour_around, edge_map, innermost, inside, paint
 from spigolo.methods.mishra2012 import Judge, count_votes
 from spigolo.methods.ownership import find_boundary
 
@@ -165,6 +165,15 @@ def test_a_contour_with_the_border_on_the_wrong_side_is_no_object(frame: Frame) 
     assert judge.share(contour, (95, 2000)) < 0.8  # as if the inside lay to the right
 
 
+def test_a_print_is_not_looked_at_again(frame: Frame) -> None:
+    config = SimpleConfig()
+    boundary = find_boundary(frame.color, frame.depth, frame.camera, config)
+    edges, middle = edge_map(boundary, config), (202, 70)
+    assert Judge(boundary, config)(edges, middle) is None
+    found = Judge(boundary, config.replace(min_strong=0))(edges, middle)
+    assert found is not None and found.strong < 0.1 and 4000 < found.mask.sum() < 5000
+
+
 def test_missing_depth_is_no_evidence(frame: Frame) -> None:
     depth = frame.depth.copy()
     depth[:, 170:] = 0
@@ -221,7 +230,14 @@ def test_innermost_and_inside() -> None:
     disc = inside(np.stack([40 + 20 * np.sin(angle), 50 + 20 * np.cos(angle)], axis=1), (90, 100))
     assert abs(int(disc.sum()) - np.pi * 20**2) < 100
     assert np.abs(np.subtract(innermost(disc), (40, 50))).max() <= 1
-    assert LEAST_RADIUS_PX > 0
+
+
+def test_an_edge_at_the_point_is_no_contour_around_it() -> None:
+    edges = np.zeros((90, 100), np.float32)
+    cv2.circle(edges, (50, 40), 3, 1.0, -1)
+    cv2.circle(edges, (50, 40), 20, 0.9, 2)
+    contour = contour_around(edges, (40, 50), FixationConfig())
+    np.testing.assert_allclose(np.hypot(*(contour - (40, 50)).T), 20, atol=2)
 
 
 @pytest.mark.frames

@@ -249,6 +249,14 @@ def test_flying_pixels_at_the_contour_do_not_blow_up_a_box() -> None:
     assert spoilt.size_m == pytest.approx(clean.size_m, abs=1e-6)
 
 
+def test_a_few_flying_pixels_within_an_object_do_not_blow_up_its_box() -> None:
+    depth, mask = cuboid_depth()
+    depth[60, 70:80] = 1.4  # 10 of 3000
+    box = fit_box(mask, depth, CAMERA, np.array([0.0, 1.0, 0.0]))
+    assert box is not None
+    assert box.size_m == pytest.approx((0.12, 0.08, 0.0), abs=0.006)
+
+
 def scene() -> sp.Frame:
     """Two boxes that stand before a wall, at 0.7 and 0.8 m."""
     depth = np.full((120, 160), 1.0, np.float32)

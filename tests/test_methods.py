@@ -9,6 +9,7 @@ import subprocess
 import threading
 import time
 import warnings
+from collections.abc import Iterator
 from dataclasses import FrozenInstanceError
 from functools import cache
 from pathlib import Path
@@ -28,16 +29,17 @@ from spigolo.kernels import potts
 from spigolo.methods import (
     METHODS,
     Abramov2012,
-    AbramovConfig,
     Felzenszwalb2004,
     FelzenszwalbConfig,
     Method,
     Rao2010,
     RaoConfig,
+    SimpleConfig,
     Toscana2016,
 )
 from spigolo.methods.domains import connected_areas, find_borders, join_domains
 from spigolo.methods.features import color_features, depth_feature, feature_graph, smooth
+from spigolo.parameters import Stage
 from spigolo.regions import Regions, partition
 from spigolo.rejection import Reason
 from test_objects import scene
@@ -203,9 +205,17 @@ def test_ours_runs_on_several_threads_at_once() -> None:
     assert Toscana2016(sp.TABLE).preset == "TABLE"
 
 
+def stages(kind: type[Stage] = Stage) -> Iterator[type[Stage]]:
+    """The models of all parameters, ours and the other methods'."""
+    for stage in kind.__subclasses__():
+        yield stage
+        yield from stages(stage)
+
+
 def test_every_parameter_says_what_it_is() -> None:
-    for config in (FelzenszwalbConfig, RaoConfig, AbramovConfig):
-        assert all(field.description for field in config.model_fields.values())
+    assert {sp.Config, sp.Rejection, RaoConfig, SimpleConfig} < set(stages())
+    silent = [f"{s.__name__}.{name}" for s in stages() for name, f in s.model_fields.items() if not f.description]
+    assert not silent
 
 
 # --- felzenszwalb2004 and rao2010 -----------------------------------------------------------------------------------

@@ -151,8 +151,11 @@ class Joining(Stage):
     """Which regions are parts of one object (our addition, not in the paper). None leaves a rule out."""
 
     vessel: Vessel | None = None
+    """The wall of a cup, bowl or pot with its inside."""
     cap: Cap | None = None
+    """An upper face with what lies below it."""
     smooth: Smooth | None = None
+    """A surface that goes on across the border."""
     enclosed: Share | None = None
     """Least share of its surroundings that belongs to one object for a region on the plane to be part of it."""
     reach_px: Offset_px = 4

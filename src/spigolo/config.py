@@ -59,6 +59,7 @@ class Depth(Stage):
     """What happens to depth before it is compared."""
 
     smoothing: Smoothing = Smoothing()
+    """Evens out the noise of the sensor (eqs. 5-8)."""
     inpainting: Inpainting | None = None
     """None fills nothing (the paper's way with the first cost function)."""
     depth_range: Positive | None = None
@@ -140,6 +141,7 @@ class SaliencyCost(Stage):
     """First cost function (eq. 22): colour, depth and saliency; for frames with large shadows."""
 
     kind: Literal["saliency"] = "saliency"
+    """Which cost function a table of a file means."""
     k_x: NotNegative = 1.05
     """Weight of the depth difference (paper)."""
     k_y: NotNegative = 1.5
@@ -154,6 +156,7 @@ class BoundaryCost(Stage):
     """Second cost function (eq. 23): depth times colour, and the boundary map; for frames with full depth."""
 
     kind: Literal["boundary"] = "boundary"
+    """Which cost function a table of a file means."""
     k_x: NotNegative = 7.5
     """Weight of the depth and colour term (paper)."""
     k_b: NotNegative = 0.66
@@ -172,6 +175,7 @@ class AutoCost(Stage):
     """Chooses a cost function for each frame by its missing depth, as the paper does by hand."""
 
     kind: Literal["auto"] = "auto"
+    """Which cost function a table of a file means."""
     full: BoundaryCost = BoundaryCost()
     """For frames whose depth is complete."""
     shadows: SaliencyCost = SaliencyCost()
@@ -235,14 +239,21 @@ class Config(Parameters):
     name: str = "custom"
     """Name of the preset; `replace` keeps it and `digest` tells the values apart."""
     depth: Depth = Depth()
+    """What happens to depth before it is compared (eqs. 5-9)."""
     color: Color = Color()
+    """How colours are compared (eq. 4)."""
     saliency: Saliency = Saliency()
+    """What stands out from its surroundings (eq. 10), where the cost reads it."""
     edges: Edges = Edges()
+    """Where boundaries of objects lie (eqs. 12-20), where the cost reads them."""
     cost: Cost = BoundaryCost()
+    """What an edge of the graph weighs (eqs. 22, 23)."""
     partition: Partition = Partition()
+    """How pixels merge into regions (eqs. 2, 3)."""
     joining: Joining | None = None
     """Joins the parts of an object that the partition cut; None is the paper's method."""
     rejection: Rejection = Rejection()
+    """Which regions are no objects (section III-F)."""
     lengths_grow: bool = False
     """Lengths in pixels grow with the image, so that twice the resolution shows the same edges, twice as wide (our
     addition). False takes them as they are: all images of the paper have 640x480 pixels."""

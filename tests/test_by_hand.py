@@ -246,6 +246,13 @@ def test_depth_in_millimetres_is_told() -> None:
         sp.segment(far, CONFIG)
 
 
+def test_a_scale_applied_twice_is_told() -> None:
+    frame = scene()
+    near = sp.Frame(frame.color, frame.depth, frame.camera, depth_scale=0.001)
+    with pytest.warns(sp.UnitWarning, match=r"the median depth is [\d.]+ mm: is depth_scale applied twice"):
+        sp.segment(near, CONFIG)
+
+
 @pytest.mark.parametrize("name", sorted(sp.PRESETS))
 def test_a_frame_without_any_depth_has_no_objects_and_one_warning(name: str) -> None:
     with pytest.warns(UserWarning, match="no depth at all") as caught:

@@ -29,8 +29,8 @@ from spigolo.roi import Roi, pixel_of, roi_mask
 from spigolo.stance import Stance, measure_stance
 from spigolo.support import Plane, above_mask, support_mask
 
-FARTHEST_M = 50.0
-"""No RGB-D camera sees so far."""
+NEAREST_M, FARTHEST_M = 0.03, 50.0
+"""No RGB-D camera sees so near or so far."""
 SAMPLED = 8
 FACTS = tuple(RegionFacts.__dataclass_fields__)
 _facts = attrgetter(*FACTS)
@@ -251,6 +251,9 @@ def warn_of_depth(frame: Frame) -> None:
     median = float(np.median(few[few > 0])) if few.any() else 0.0
     if median > FARTHEST_M:
         warn(f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", UnitWarning)
+    if 0 < median < NEAREST_M:
+        told = f"the median depth is {1000 * median:.2g} mm"
+        warn(f"{told}: is depth_scale applied twice? Floating-point depth is in metres already", UnitWarning)
 
 
 def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]) -> Segmentation:

@@ -12,7 +12,6 @@ A SET or a FRAME alone serves as well.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +22,7 @@ import numpy as np
 from spigolo.camera import Camera
 from spigolo.datasets.entry import DataSet, Entry, Labelling, Truth
 from spigolo.datasets.jsons import read_mapping
-from spigolo.errors import FileError, SpigoloError
+from spigolo.errors import FileError, SpigoloError, warn
 from spigolo.frame import Frame
 from spigolo.io import read_camera, read_frame, read_labels
 
@@ -115,9 +114,7 @@ def _groups(root: Path) -> Mapping[str, str]:
     groups = [[str(name) for name in members] for members in groups]
     absent = [name for members in groups for name in members if _is_absent(root, name)]
     if absent:
-        warnings.warn(
-            f"{root / 'splits.json'} names {absent[0]}, but no frame is called so: write SET/FRAME", stacklevel=2
-        )
+        warn(f"{root / 'splits.json'} names {absent[0]}, but no frame is called so: write SET/FRAME")
     return {name: members[0] for members in groups for name in members}
 
 

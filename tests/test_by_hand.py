@@ -248,6 +248,7 @@ def test_depth_in_millimetres_is_told() -> None:
 
 def test_a_scale_applied_twice_is_told() -> None:
     frame = scene()
+    sp.segment(sp.Frame(frame.color, frame.depth * 0.07, frame.camera), CONFIG)  # 5 cm: some cameras see so near
     near = sp.Frame(frame.color, frame.depth, frame.camera, depth_scale=0.001)
     with pytest.warns(sp.UnitWarning, match=r"the median depth is [\d.]+ mm: is depth_scale applied twice"):
         sp.segment(near, CONFIG)

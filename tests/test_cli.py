@@ -348,9 +348,9 @@ def test_what_labels_fit_is_written_where_the_camera_distorts(tmp_path: Path) ->
     camera = json.loads((SCENE / "camera.json").read_text()) | {"distortion": [0.1, 0, 0, 0]}
     (tmp_path / "camera.json").write_text(json.dumps(camera))
     done = spigolo("segment", SCENE, "--camera", tmp_path / "camera.json", "--out", tmp_path / "out")
-    assert "labels fit the undistorted colour image" in done.stdout
+    assert "undistorted.png, not the image given" in done.stdout
     frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", tmp_path / "camera.json")
-    assert np.array_equal(cv2.imread(str(tmp_path / "out" / "rgb.png"))[..., ::-1], frame.color)
+    assert np.array_equal(cv2.imread(str(tmp_path / "out" / "undistorted.png"))[..., ::-1], frame.color)
 
 
 @pytest.mark.parametrize(

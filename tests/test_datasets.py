@@ -311,6 +311,17 @@ def check_frame(entry: Any, unit_m: float = 0.001) -> None:
     np.testing.assert_allclose(frame.depth, depth * np.float32(unit_m), atol=1e-6)
 
 
+def test_a_published_set_takes_no_camera_with_distortion(tmp_path: Path) -> None:
+    """Its labels would stay as they are drawn."""
+    for folder, image in zip(("image_color", "disparity", "annotation"), images(), strict=True):
+        write_image(tmp_path / folder / "learn2.png", image)
+    put_camera(tmp_path)
+    file = tmp_path / "camera.json"
+    file.write_text(file.read_text().replace("}", ', "distortion": [0.1, 0, 0, 0]}'))
+    with pytest.raises(FileError, match=r"expected a camera without distortion in .*camera.json"):
+        guess(tmp_path)
+
+
 def test_osd_reads_depth_from_its_folder_of_disparity(tmp_path: Path) -> None:
     for name in ("learn2", "learn10"):
         for folder, image in zip(("image_color", "disparity", "annotation"), images(), strict=True):

@@ -213,8 +213,12 @@ def test_folders_that_hold_no_frames_are_refused(root: Path, tmp_path: Path) -> 
 
 def test_labels_of_another_size_are_refused(root: Path) -> None:
     cv2.imwrite(str(root / "shop" / "f0" / "label.png"), np.zeros((5, 7), np.uint8))
-    with pytest.raises(FrameError, match=r"expected labels of \d+ x \d+ pixels .* got 7 x 5"):
-        find_labelled_frames([root / "shop" / "f0"])[0].read_both()
+    entry = find_labelled_frames([root / "shop" / "f0"])[0]
+    camera = json.loads((entry.folder / "camera.json").read_text())
+    for more in ({}, {"distortion": [0.1, 0, 0, 0]}):
+        (entry.folder / "camera.json").write_text(json.dumps(camera | more))
+        with pytest.raises(FrameError, match=r"expected labels of \d+ x \d+ pixels .* got 7 x 5"):
+            entry.read_both()
 
 
 # --- rows ---------------------------------------------------------------------------------------------------
@@ -311,9 +315,12 @@ def test_rows_follow_what_is_said_of_their_frames(root: Path, tmp_path: Path, co
         assert [one.labelling for one in rows[3:]] == [labelling, labelling, "none"]
         assert read_rows(path) == rows
         runs = runs or len(counting.runs)
-    (root / "splits.json").write_text("{}")
+    (root / "splits.json").write_text(json.dumps({"near_duplicate_groups": [["shop/f0", "shop/f2"]]}))
     rows = evaluate(find_labelled_frames([root]), [counting], path)
-    assert [one.group for one in read_rows(path)[3:]] == ["shop/f0", "shop/f1", "shop/f2"]
+    assert [one.group for one in read_rows(path)[3:]] == ["shop/f0", "shop/f1", "shop/f0"]
+    unchanged = path.stat().st_ino
+    evaluate(find_labelled_frames([root]), [counting], path)
+    assert path.stat().st_ino == unchanged
     assert len(counting.runs) == runs  # nothing was run again
 
 
@@ -322,8 +329,11 @@ def test_a_frame_that_was_mended_is_evaluated_again(root: Path, tmp_path: Path, 
     whole = depth.read_bytes()
     depth.write_bytes(b"")
     frames = find_labelled_frames([root / "osd-small"])
-    for _ in range(2):
-        assert [one.error is None for one in evaluate(frames, [counting], path)] == [True, True, False]
+    for done in (3, 0):
+        told: list[int] = []
+        rows = evaluate(frames, [counting], path, tell=lambda _, total, __, told=told: told.append(total))  # type: ignore[misc]
+        assert [one.error is None for one in rows] == [True, True, False]
+        assert set(told) == {done}
     runs = len(counting.runs)
     depth.write_bytes(whole)
     assert [one.error for one in evaluate(frames, [counting], path)] == [None] * 3 == [r.error for r in read_rows(path)]
@@ -336,6 +346,14 @@ def test_a_method_that_answers_with_labels_alone_is_told(
     monkeypatch.setattr(Counting, "__call__", lambda self, frame: np.zeros(frame.shape, int))
     (one,) = evaluate(find_labelled_frames([root / "shop" / "f0"]), [counting], tmp_path / "rows.jsonl")
     assert one.error == "expected a Segmentation from counting, got ndarray: build one"
+
+
+def test_a_frame_that_is_gone_is_not_another_one(root: Path, tmp_path: Path, counting: Counting) -> None:
+    frames = find_labelled_frames([root / "osd-small"])
+    evaluate(frames, [counting], tmp_path / "rows.jsonl")
+    frames[0].files[0].unlink()
+    with pytest.raises(FileError, match=r"expected .*rgb.png, but it cannot be read"):
+        evaluate(frames, [counting], tmp_path / "rows.jsonl")
 
 
 def test_a_row_says_what_was_found(root: Path, tmp_path: Path) -> None:

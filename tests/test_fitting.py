@@ -168,13 +168,19 @@ def test_near_identical_frames_have_no_say_about_each_other() -> None:
 def test_a_set_is_scored_by_what_is_best_on_the_others() -> None:
     """Each trial is good on the frames of one set alone."""
     made = tried({"a": 1.0, "b": 0.9, "c": 0.2}, {"a": 0.1, "b": 0.0, "c": 0.8})
-    with pytest.raises(SpigoloError, match="expected frames of several data sets, got one, s"):
+    with pytest.raises(SpigoloError, match="expected frames of several data sets that differ, got s"):
         hold_out_sets(made)
     made = in_sets(made, "left", "left", "right")
     held = {one.frame: one.score.overlap_f for one in hold_out_sets(made).rows if one.score}
     assert held == {"a": 0.1, "b": 0.0, "c": 0.2}
     assert [trial.number for trial in hold_out_sets(made).chosen] == [1, 0]
     assert [trial.number for trial in hold_out_sets(made, with_start=False).chosen] == [1, 1]
+    twins = in_sets(tried({"a": 1.0, "b": 0.9}, {"a": 0.1, "b": 0.0}, groups={"b": "a"}), "left", "right")
+    with pytest.raises(SpigoloError, match="that differ, got left, right"):
+        hold_out_sets(twins)  # neither has anything to choose by
+    first, second = {"a": 0.5, "d": 0.5, "twin": 0.9, "c": 0.1}, {"a": 0.5, "d": 0.5, "twin": 0.0, "c": 0.8}
+    shared = in_sets(tried(first, second, groups={"twin": "a"}), "left", "left", "right", "right")
+    assert hold_out_sets(shared).chosen[0].number == 1  # the twin has no say about a
 
 
 def in_sets(made: Search, *names: str) -> Search:
@@ -195,6 +201,8 @@ def test_the_report_says_what_a_set_left_out_gets_where_there_are_several() -> N
     text = to_markdown(make_page(several, hold_out(several, 2), start))
     assert "set held out: each set with the setting that is best on the other sets" in text
     assert "| left | start |" in text and "another question" not in text
+    compared = text[text.index("What is left out, compared with the start:") :]
+    assert "| held out |" in compared and "| set held out |" not in compared
 
 
 def test_the_start_is_left_out_where_it_was_made_on_the_frames() -> None:

@@ -48,7 +48,7 @@ def test_every_frame_runs_and_its_answer_holds_together(data: Path, name: str) -
 
 
 def test_objects_finds_the_objects_of_a_table(data: Path) -> None:
-    """Fitted to these frames with folds (scripts/fit_objects.py); the bounds are those asked of held-out folds."""
+    """Made while looking at these frames; the bounds are below what held-out folds reach (scripts/fit_objects.py)."""
 
     def score(k: int):
         folder = data / "frames" / "osd-mosd" / f"learn{k}"

@@ -11,7 +11,8 @@ from spigolo.objects import Segmentation
 def to_json(result: Segmentation) -> dict[str, Any]:
     """The whole answer but its pixels, ready for json.dumps: objects by label, rejected regions with their reasons.
 
-    Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x); the rest is as in RegionFacts.
+    Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x); the rest is as in
+    RegionFacts: its missing, unfilled, above and inside have longer names here.
     """
     return {
         "preset": result.preset,

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from spigolo.cli import DONE
 from spigolo.cli.figures import read_all
-from spigolo.cli.inputs import Many, Out
+from spigolo.cli.inputs import IMAGES, Many, Out
 from spigolo.errors import ConfigError, FileError
 
 
@@ -48,6 +48,10 @@ def compare(
     if len(frames) != 1:
         raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
     (frame,) = frames
+    if out.suffix.lower() in IMAGES and out.suffix.lower() != ".png":
+        raise FileError(
+            f"expected a PNG file or a folder for the picture, got {out}: call it {out.with_suffix('.png')}"
+        )
     picture = out if out.suffix.lower() == ".png" else out / "compare.png"
     answers = {}
     for name in [*(name for name in methods or METHODS if name != ours), ours]:

@@ -60,10 +60,10 @@ def evaluate(
     from spigolo.experiments import find_labelled_frames, gather, make_methods
 
     configs = [configure(preset, flags, evaluate) for preset in presets]
-    check_flags(flags, methods)
     chosen = make_methods(methods, configs)
     if not chosen:
         raise ConfigError("expected methods, and presets of toscana2016, got none: leave the flag out for the usual")
+    check_flags(flags, [method.name for method in chosen])
     found = find_labelled_frames([Path(word) for word in words], full)
     new: list[Row] = []
     with progress() as bar:

@@ -82,7 +82,7 @@ def segment(
         show.write_result(result, frame, out)
         show.print_result(result, out)
         if frame.undistorted:
-            print(f"the camera has distortion: labels fit the undistorted colour image, {out / 'rgb.png'}")
+            print(f"the camera has distortion: labels fit {out / 'undistorted.png'}, not the image given")
         return DONE
     failed = 0
     for paths in show.progress(frames, "segmenting"):

@@ -33,13 +33,13 @@ def progress(frames: list[FramePaths], what: str) -> Iterable[FramePaths]:
 
 
 def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
-    """labels.png, objects.json and overlay.png in the folder `out`; rgb.png too where labels do not fit the given."""
+    """labels.png, objects.json and overlay.png in the folder `out`; undistorted.png where a camera has distortion."""
     picture = overlay(result, frame.color)
     io.write_png(out / "labels.png", result.labels.astype(np.uint16))
     io.write_json(out / "objects.json", export.to_json(result))
     io.write_png(out / "overlay.png", picture)
     if frame.undistorted:
-        io.write_png(out / "rgb.png", frame.color)
+        io.write_png(out / "undistorted.png", frame.color)
 
 
 def write_array(path: Path, array: npt.NDArray[np.generic]) -> None:

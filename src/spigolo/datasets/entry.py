@@ -178,9 +178,15 @@ class DataSet(ABC):
         return "full" if any(fnmatch(data_set, pattern) for pattern in self._full) else "part"
 
     def _camera(self, usual: Camera) -> Camera:
-        """The camera of camera.json in the set's folder, and where there is none the one known for the set."""
+        """The camera of camera.json in the set's folder, and where there is none the one known for the set.
+
+        Raises FileError for one with distortion: labels of a published set would not be undistorted with its images.
+        """
         path = self.folder / "camera.json"
-        return read_camera(path, usual.width, usual.height)[0] if path.is_file() else usual
+        camera = read_camera(path, usual.width, usual.height)[0] if path.is_file() else usual
+        if camera.distortion:
+            raise FileError(f"expected a camera without distortion in {path}, got one with: undistort the images first")
+        return camera
 
 
 def existing_folder(folder: Path | str) -> Path:

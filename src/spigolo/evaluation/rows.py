@@ -236,7 +236,7 @@ class RowFile:
     def rewrite(self, rows: Sequence[Row]) -> None:
         """Puts these in place of all that it holds, at once."""
         self._file.close()
-        write_bytes(self.path, b"".join(row_to_json(row).encode() + b"\n" for row in rows))
+        write_bytes(self.path.resolve(), b"".join(row_to_json(row).encode() + b"\n" for row in rows))
         self.rows, self._file = list(rows), append_lines(self.path)
 
     def close(self) -> None:

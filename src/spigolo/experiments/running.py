@@ -97,8 +97,10 @@ def evaluate(
 ) -> list[Row]:
     """Runs every method on every frame and appends a row each to the file `out`, but for those that it holds.
 
-    jobs: worker processes. Returns the rows of these methods on these frames, old and new. Raises SpigoloError where
-    the measures cannot run or a worker dies, FileError for a file that holds something else.
+    Groups and labelling of the rows that it holds follow the frames; errors of frames that were mended are run again.
+    One run at a time owns the file. jobs: worker processes. Returns the rows of these methods on these frames, old and
+    new. Raises SpigoloError where the measures cannot run or a worker dies, FileError for a file that holds something
+    else.
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)
@@ -128,7 +130,11 @@ def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
     Without errors of what was mended since. Raises FileError for rows of other frames that have the names of these.
     """
     entries = {(frame.data_set, frame.name): frame for frame in frames}
-    contents = {place: _readable_content(entries[place]) for place in _places(file.rows) & entries.keys()}
+    failed = _places(row for row in file.rows if row.error is not None)
+    contents = {
+        place: _readable_content(entries[place]) if place in failed else entries[place].content
+        for place in _places(row for row in file.rows if row.content or row.error is not None) & entries.keys()
+    }
     rows = []
     for row in file.rows:
         place = row.data_set, row.frame
@@ -157,9 +163,10 @@ def _readable_content(frame: Entry) -> str:
 
 def _as_described(row: Row, frame: Entry | None) -> Row:
     """A row with the group and labelling of its frame; what was scored without labels stays so."""
-    if frame is None or "none" in (row.labelling, frame.labelling):
+    if frame is None:
         return row
-    return replace(row, group=frame.group, labelling=frame.labelling)
+    unscored = "none" in (row.labelling, frame.labelling)
+    return replace(row, group=frame.group, labelling=row.labelling if unscored else frame.labelling)
 
 
 def _run(tasks: Sequence[Task], methods: Sequence[Method], jobs: int) -> Generator[Row]:

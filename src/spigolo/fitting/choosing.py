@@ -68,13 +68,24 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
     """Every data set scored by the trial that is best on the others: what to expect of another camera or place.
 
-    The sets come in the order of their names. Raises SpigoloError where there is one set alone.
+    The sets come in the order of their names. Raises SpigoloError where `set_splits` has none.
     """
+    splits = set_splits(search)
+    if not splits:
+        names = ", ".join(sorted({place.data_set for place in search.subject.places}))
+        raise SpigoloError(
+            f"expected frames of several data sets that differ, got {names}: label those of another place"
+        )
+    return _score_outside(search, splits, with_start)
+
+
+def set_splits(search: Search) -> list[Split]:
+    """One for each data set; none where there is one set alone, or nothing but frames like its own beside it."""
     places = search.subject.places
-    sets = [place.data_set for place in places]
-    if len(set(sets)) < 2:
-        raise SpigoloError(f"expected frames of several data sets, got one, {sets[0]}: label frames of another place")
-    return _score_outside(search, leave_one_set_out(sets, [place.group for place in places]), with_start)
+    if len({place.data_set for place in places}) < 2:
+        return []
+    splits = leave_one_set_out([place.data_set for place in places], [place.group for place in places])
+    return splits if all(split.inside.size for split in splits) else []
 
 
 def _score_outside(search: Search, splits: Sequence[Split], with_start: bool) -> HeldOut:

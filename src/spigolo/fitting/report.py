@@ -9,7 +9,7 @@ from typing import Any
 from spigolo.experiments.contenders import Contender
 from spigolo.experiments.page import Cell, Items, Page, Paragraph, Table, to_markdown
 from spigolo.experiments.tables import FEW_GROUPS, NONE, brief_table, change_table, set_table
-from spigolo.fitting.choosing import HeldOut, best_trial, hold_out_sets
+from spigolo.fitting.choosing import HeldOut, best_trial, hold_out_sets, set_splits
 from spigolo.fitting.spaces import apply
 from spigolo.fitting.trials import Search
 from spigolo.io import write_bytes
@@ -77,20 +77,16 @@ def _lines(search: Search, held: HeldOut) -> list[tuple[Contender, str]]:
             " of the same kind.",
         ),
     ]
-    if _has_several_sets(search):
+    if set_splits(search):
         means = "each set with the setting that is best on the other sets: what to expect of another camera or place."
         lines.append((Contender("set held out", "", hold_out_sets(search).rows), means))
     return lines
 
 
 def _of_each_set(search: Search, lines: Sequence[tuple[Contender, str]]) -> list[Paragraph | Table]:
-    if not _has_several_sets(search):
+    if not set_splits(search):
         return []
     return [Paragraph("Each set:"), set_table([contender for contender, _ in lines])]
-
-
-def _has_several_sets(search: Search) -> bool:
-    return len({place.data_set for place in search.subject.places}) > 1
 
 
 def _remarks(search: Search, held: HeldOut) -> Iterator[str]:
@@ -103,7 +99,7 @@ def _remarks(search: Search, held: HeldOut) -> Iterator[str]:
     groups = len({place.group for place in search.subject.places})
     if groups < FEW_GROUPS:
         yield f"{groups} distinct frames: too few to tell settings apart; label more."
-    if not _has_several_sets(search):
+    if not set_splits(search):
         yield "Frames that are not like these, of another camera or another place, are another question."
 
 

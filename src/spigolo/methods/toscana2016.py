@@ -53,4 +53,4 @@ class Toscana2016:
 
     def __reduce__(self) -> tuple[type[Toscana2016], tuple[Config]]:
         """As a configuration: buffers stay behind."""
-        return Toscana2016, (self.config,)
+        return type(self), (self.config,)

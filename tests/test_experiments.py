@@ -324,6 +324,17 @@ def test_rows_follow_what_is_said_of_their_frames(root: Path, tmp_path: Path, co
     assert len(counting.runs) == runs  # nothing was run again
 
 
+def test_rows_without_a_checksum_are_kept_and_stay_unscored(root: Path, tmp_path: Path, counting: Counting) -> None:
+    """As older versions wrote them: whether their frame had labels is not known, nor whether it is another one."""
+    frames, path = find_labelled_frames([root / "shop" / "f0"]), tmp_path / "rows.jsonl"
+    (made,) = evaluate(frames, [counting], path)
+    old = replace(made, content="", labelling="none", score=None, group="elsewhere")
+    path.write_text(f"{row_to_json(old)}\n")
+    runs = len(counting.runs)
+    assert evaluate(frames, [counting], path) == [replace(old, group=made.group)] == read_rows(path)
+    assert len(counting.runs) == runs
+
+
 def test_a_frame_that_was_mended_is_evaluated_again(root: Path, tmp_path: Path, counting: Counting) -> None:
     path, depth = tmp_path / "rows.jsonl", root / "osd-small" / "f2" / "depth.png"
     whole = depth.read_bytes()

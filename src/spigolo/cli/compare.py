@@ -6,8 +6,7 @@ import time
 from pathlib import Path
 
 from spigolo.cli import DONE
-from spigolo.cli.figures import read_all
-from spigolo.cli.inputs import IMAGES, Many, Out
+from spigolo.cli.inputs import DEMO_SCENE, IMAGES, Many, Out, find_frames, only_frame
 from spigolo.errors import ConfigError, FileError
 
 
@@ -44,10 +43,8 @@ def compare(
     unknown = [name for name in methods if name not in METHODS]
     if unknown:
         raise ConfigError(f"unknown method {unknown[0]!r}: expected some of {', '.join(METHODS)}")
-    frames = list(read_all(inputs, camera, depth_scale).values())
-    if len(frames) != 1:
-        raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
-    (frame,) = frames
+    paths = only_frame(find_frames(inputs or (str(DEMO_SCENE),)))
+    frame = io.read_frame(paths.color, paths.depth, camera or paths.camera, depth_scale)
     if out.suffix.lower() in IMAGES and out.suffix.lower() != ".png":
         raise FileError(
             f"expected a PNG file or a folder for the picture, got {out}: call it {out.with_suffix('.png')}"

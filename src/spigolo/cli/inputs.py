@@ -143,6 +143,13 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     return _named_apart(frames)
 
 
+def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
+    """The one that there is; raises FileError where there are others."""
+    if len(frames) != 1:
+        raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
+    return frames[0]
+
+
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
     """Frames of equal name get that of the folder around them before it, and a number where that is not enough."""
     count = Counter(frame.name for frame in frames)

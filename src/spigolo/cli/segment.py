@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from spigolo.cli import DONE, SOME_FAILED
-from spigolo.cli.inputs import FramePaths, Inputs, Out, configure, find_frames, split_flags
+from spigolo.cli.inputs import FramePaths, Inputs, Out, configure, find_frames, only_frame, split_flags
 from spigolo.errors import FileError, SpigoloError, UnitWarning
 from spigolo.frame import MAX_PIXELS
 
@@ -130,7 +130,7 @@ def trace(
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, trace)
-    paths = _only(find_frames(words))
+    paths = only_frame(find_frames(words))
     from spigolo import io, pipeline
     from spigolo.cli import show
     from spigolo.view import figure1
@@ -165,7 +165,7 @@ def doctor(
         Larger images are refused; raise it if the memory suffices.
 
     """
-    paths = _only(find_frames(inputs))
+    paths = only_frame(find_frames(inputs))
     from spigolo.cli import show
     from spigolo.doctor import diagnose
 
@@ -188,12 +188,6 @@ def _check(frame: Frame, name: str, wanted: bool) -> None:
 
         show.warn_of(diagnose(frame), name)
         warnings.simplefilter("ignore", UnitWarning)  # said already, and better
-
-
-def _only(frames: list[FramePaths]) -> FramePaths:
-    if len(frames) != 1:
-        raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
-    return frames[0]
 
 
 def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Roi | None:

@@ -304,8 +304,28 @@ def test_rows_of_another_frame_of_that_name_are_not_taken(root: Path, tmp_path: 
     evaluate(frames, make_methods(["felzenszwalb2004"], []), path)
     label = frames[0].files[-1]
     cv2.imwrite(str(label), 0 * cv2.imread(str(label), cv2.IMREAD_UNCHANGED))
-    with pytest.raises(FileError, match="got another frame of that name: give another --out"):
+    with pytest.raises(FileError, match="got another frame of that name, or another ignored label: give another --out"):
         evaluate(frames, make_methods(["rao2010"], []), path)
+
+
+def test_rows_scored_with_another_ignored_label_are_not_taken(root: Path, tmp_path: Path, counting: Counting) -> None:
+    path, info = tmp_path / "rows.jsonl", root / "shop" / "f0" / "info.json"
+    rows = evaluate(find_labelled_frames([root / "shop" / "f0"]), [counting], path)
+    info.write_text('{"ignore_label": 255, "notes": "the usual"}')
+    assert evaluate(find_labelled_frames([root / "shop" / "f0"]), [counting], path) == rows
+    info.write_text('{"ignore_label": 1}')
+    with pytest.raises(FileError, match="got another frame of that name, or another ignored label: give another --out"):
+        evaluate(find_labelled_frames([root / "shop" / "f0"]), [counting], path)
+
+
+def test_the_error_of_a_frame_that_is_gone_stays(root: Path, tmp_path: Path, counting: Counting) -> None:
+    path, depth = tmp_path / "rows.jsonl", root / "osd-small" / "f2" / "depth.png"
+    depth.write_bytes(b"")
+    frames = find_labelled_frames([root / "osd-small"])
+    rows = evaluate(frames, [counting], path)
+    depth.unlink()
+    assert evaluate(frames, [counting], path)[:2] == rows[:2]
+    assert [one.error is None for one in read_rows(path)] == [True, True, False]
 
 
 def test_rows_follow_what_is_said_of_their_frames(root: Path, tmp_path: Path, counting: Counting) -> None:

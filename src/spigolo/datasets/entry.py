@@ -62,9 +62,14 @@ class Entry(ABC):
         """The files that it needs; truth last."""
 
     @property
+    def reading(self) -> str:
+        """What beside its files decides how its labels are read; "" where nothing is out of the ordinary."""
+        return ""
+
+    @property
     def content(self) -> str:
-        """A checksum of its files, eight hexadecimal digits; raises FileError."""
-        value = 0
+        """A checksum of its files and its `reading`, eight hexadecimal digits; raises FileError."""
+        value = zlib.crc32(self.reading.encode())
         for path in self.files:
             try:
                 value = zlib.crc32(path.read_bytes(), value)

@@ -44,6 +44,11 @@ class FrameFolder(Entry):
         names = ("rgb.png", "depth.png", "camera.json", *(() if self.labelling == "none" else ("label.png",)))
         return tuple(self.folder / name for name in names)
 
+    @property
+    def reading(self) -> str:
+        """The label that is ignored, where it is another than usual: with it scores change."""
+        return "" if self.ignore_label == IGNORE_LABEL else f"ignore {self.ignore_label}"
+
     def read(self) -> Frame:
         """The frame; raises FileError, FrameError or CameraError."""
         return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self.folder / "camera.json")
@@ -93,8 +98,10 @@ class Folders(DataSet):
 
     def _describe(self, place: Path, groups: Mapping[str, str]) -> FrameFolder:
         data_set, name = self._named(place.parent.name), place.name
-        whole = _field(place / "info.json", "fully_labelled", bool, self._labelled(data_set) == "full")
-        ignored = _field(place / "info.json", "ignore_label", int, IGNORE_LABEL)
+        info = place / "info.json"
+        told = _mapping(info)
+        whole = _field(told, info, "fully_labelled", bool, self._labelled(data_set) == "full")
+        ignored = _field(told, info, "ignore_label", int, IGNORE_LABEL)
         labelling: Labelling = "none"
         if (place / "label.png").is_file():
             labelling = "full" if whole else "part"
@@ -124,9 +131,9 @@ def _is_absent(root: Path, name: str) -> bool:
     return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
 
 
-def _field(path: Path, name: str, kind: type[T], default: T) -> T:
-    """A field of a JSON file; raises FileError for a value of another type."""
-    value = _mapping(path).get(name)
+def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], default: T) -> T:
+    """A field of what the JSON file at `path` told; raises FileError for a value of another type."""
+    value = told.get(name)
     if value is None:
         return default
     if type(value) is not kind:

@@ -142,7 +142,7 @@ def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
         if changed and row.error is None and row.content:
             raise FileError(
                 f"expected {row.data_set}/{row.frame} as it was when {file.path} was written, got another frame of that"
-                " name: give another --out"
+                " name, or another ignored label: give another --out"
             )
         if not (changed and row.error is not None):
             rows.append(_as_described(row, entries.get(place)))

@@ -3,10 +3,11 @@ PYTHON ?= python3
 VENV := .venv
 ORACLE := .venv-oracle
 OLDEST := .venv-oldest
+FUZZED := answers properties evaluation experiments
 CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check fast oldest format docs clean table-1 table-2 table-3
+.PHONY: help demo test check fast oldest long format docs clean table-1 table-2 table-3
 
 help:  ## this list
 	@grep -E '^[a-z0-9-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -28,6 +29,14 @@ fast: $(VENV)/.developing  ## tests without real frames and without the oracle
 
 oldest: $(OLDEST)/.installed  ## tests of the core with the oldest versions that pyproject.toml names
 	$(OLDEST)/bin/python -m pytest $(CORE:%=tests/test_%.py)
+
+long: $(VENV)/.developing  ## what takes too long for every change: full fuzzing, a soak, whole tables
+	$(BIN)/python -m pytest $(FUZZED:%=tests/test_%.py) --hypothesis-profile=long
+	$(BIN)/python scripts/soak.py
+	$(BIN)/python scripts/empty_scenes.py
+	$(BIN)/python scripts/measure_robustness.py
+	$(BIN)/python scripts/measure_robustness.py --shelves 24
+	$(MAKE) table-1 table-2 table-3
 
 format: $(VENV)/.developing  ## put the source in its form
 	$(BIN)/ruff check --fix .

@@ -20,6 +20,7 @@ CROP_CORNERS = ((208, 280), (200, 300), (180, 240))
 settings.register_profile(
     "spigolo", deadline=None, max_examples=40, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )
+settings.register_profile("long", settings.get_profile("spigolo"), max_examples=3000, derandomize=False)
 settings.load_profile("spigolo")
 
 

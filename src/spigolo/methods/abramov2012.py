@@ -135,7 +135,8 @@ def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
     if not valid.any():
         return random
     near, far = float(depth[valid].min()), float(depth[valid].max())
-    steps = (depth - np.float32(near)) * np.float32((spins - 1) / max(far - near, 1e-6))
+    behind = np.where(valid, depth - np.float32(near), np.float32(0))
+    steps = behind * np.float32((spins - 1) / max(far - near, 1e-6))
     return np.where(valid, steps.astype(np.int32), random)
 
 

@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 ORACLE := .venv-oracle
 OLDEST := .venv-oldest
-FUZZED := answers properties evaluation experiments
+FUZZED := answers damaged_files properties evaluation experiments
 CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
 

@@ -133,7 +133,7 @@ def read_camera(path: PathLike, width: int | None = None, height: int | None = N
 
 def _read_mapping(path: PathLike) -> Any:
     """What a JSON or YAML file holds; of several YAML documents the first."""
-    yaml = _yaml(path) if Path(path).suffix.lower() in YAML else None
+    yaml = import_yaml(path) if Path(path).suffix.lower() in YAML else None
     refused = ValueError if yaml is None else yaml.YAMLError
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
@@ -146,11 +146,12 @@ def _read_mapping(path: PathLike) -> Any:
         raise FileError(f"expected a camera in {kind} in {path}, but it cannot be read: {sentence}") from None
 
 
-def _yaml(path: PathLike) -> Any:
+def import_yaml(path: PathLike, extra: str = "yaml") -> Any:
+    """The module that reads a YAML file; raises FileError where the extra that brings it is not installed."""
     try:
         return importlib.import_module("yaml")
     except ImportError:
-        raise FileError(f'expected PyYAML to read {path}, but it is missing: pip install "spigolo[yaml]"') from None
+        raise FileError(f'expected PyYAML to read {path}, but it is missing: pip install "spigolo[{extra}]"') from None
 
 
 def _refuse_many_images(values: Mapping[str, Any]) -> None:

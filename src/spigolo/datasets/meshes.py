@@ -28,6 +28,8 @@ def read_model(path: Path, unit_m: float = 1.0) -> Model:
     triangles = np.asarray(getattr(mesh, "faces", ()), np.int32)
     if not triangles.size:
         raise FileError(f"expected a triangle mesh in {path}, got one without triangles")
+    if triangles.min() < 0 or triangles.max() >= len(vertices) or not np.isfinite(vertices).all():
+        raise FileError(f"expected a triangle mesh in {path}, got triangles whose corners are nowhere: it is damaged")
     coloured = mesh.visual.kind == "vertex"
     colors = np.asarray(mesh.visual.vertex_colors, np.uint8)[:, :3] if coloured else None
     return Model(path.stem, vertices * unit_m, triangles, colors)

@@ -13,6 +13,8 @@ from spigolo.camera import Camera
 from spigolo.errors import CameraError, FileError
 from spigolo.kernels.lzf import unpack_lzf
 
+STEEPEST = 1e6
+"""No pinhole camera sees farther aside, as a multiple of the depth."""
 MAX_MISFIT_PX = 0.5
 """How far the pixels of an organised cloud may be from those of the pinhole camera that fits them."""
 
@@ -23,7 +25,7 @@ def read_pcd(path: Path) -> npt.NDArray[Any]:
         header, body = _split(path.read_bytes())
         shape = int(header["HEIGHT"][0]), int(header["WIDTH"][0])
         return _records(header, body, shape[0] * shape[1]).reshape(shape)
-    except (OSError, ValueError, KeyError, IndexError, struct.error) as error:
+    except (OSError, ValueError, TypeError, KeyError, IndexError, ArithmeticError, MemoryError, struct.error) as error:
         reason = getattr(error, "strerror", None) or error
         raise FileError(f"expected a point cloud in {path}, but it cannot be read: {reason}") from None
 
@@ -40,9 +42,10 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
     height, width = points.shape
     seen = np.isfinite(points["z"]) & (points["z"] > 0)
     y, x = np.nonzero(seen)
-    z = points["z"][seen].astype(np.float64)
-    fx, cx, x_off = _line(points["x"][seen] / z, x)
-    fy, cy, y_off = _line(points["y"][seen] / z, y)
+    with np.errstate(all="ignore"):  # a damaged cloud may hold any number
+        z = points["z"][seen].astype(np.float64)
+        fx, cx, x_off = _line(points["x"][seen] / z, x)
+        fy, cy, y_off = _line(points["y"][seen] / z, y)
     if not max(x_off, y_off) <= MAX_MISFIT_PX:
         raise CameraError(
             f"expected an organised cloud, a point for each of {width}x{height} pixels of a pinhole camera, got points"
@@ -53,7 +56,7 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
     """F and c of pixels = f slopes + c, and how far the worst is from it; infinitely far where there is no line."""
-    if not slopes.size or slopes.min() == slopes.max():
+    if not slopes.size or slopes.min() == slopes.max() or not np.abs(slopes).max() < STEEPEST:
         return 0.0, 0.0, np.inf
     f, c = np.polyfit(slopes, pixels, 1)
     return float(f), float(c), float(np.abs(f * slopes + c - pixels).max())
@@ -92,9 +95,10 @@ def _records(header: dict[str, list[str]], body: bytes, count: int) -> npt.NDArr
 def _from_columns(record: np.dtype[Any], columns: list[npt.NDArray[np.float64]], count: int) -> npt.NDArray[Any]:
     out = np.zeros(count, record)
     rest = iter(columns)
-    for name in record.names or ():
-        n = record[name].shape[0] if record[name].shape else 0
-        out[name] = np.stack([next(rest) for _ in range(n)], axis=1) if n else next(rest)
+    with np.errstate(invalid="raise", over="raise"):  # numbers that their field cannot hold
+        for name in record.names or ():
+            n = record[name].shape[0] if record[name].shape else 0
+            out[name] = np.stack([next(rest) for _ in range(n)], axis=1) if n else next(rest)
     return out
 
 

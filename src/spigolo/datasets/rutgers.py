@@ -17,8 +17,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-import cv2
 import numpy as np
 
 from spigolo.camera import Camera
@@ -26,11 +26,13 @@ from spigolo.datasets.entry import MILLIMETRES, DataSet, Entry
 from spigolo.datasets.meshes import find_model
 from spigolo.datasets.posed import Pose, PosedImage
 from spigolo.errors import FileError
+from spigolo.io import import_yaml
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
 """BOP's for this set."""
 NAME = re.compile(r"(?P<object>.+)-image-(?P<bin>[A-L])-(?P<rest>\d+-\d+)-(?P<shot>\d+)\.png")
 ROTATION, TRANSLATION = "object_rotation_wrt_camera", "object_translation_wrt_camera"
+MATRIX = "tag:yaml.org,2002:opencv-matrix"
 
 
 class Rutgers(DataSet):
@@ -79,17 +81,28 @@ def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
 
 def read_pose(path: Path) -> list[Pose]:
     """The one pose (4, 4) of the object in the camera, metres; raises FileError."""
-    pose = np.eye(4)
+    yaml, pose = import_yaml(path, "datasets"), np.eye(4)
     try:
-        stored = cv2.FileStorage(path.read_text(encoding="utf-8"), cv2.FILE_STORAGE_READ | cv2.FILE_STORAGE_MEMORY)
-        translation = stored.getNode(TRANSLATION)
-        pose[:3, :3] = np.reshape(stored.getNode(ROTATION).mat(), (3, 3))
-        pose[:3, 3] = np.reshape([translation.at(k).real() for k in range(translation.size())], 3)
-    except (OSError, ValueError, TypeError, SystemError, cv2.error):
+        values = _load_opencv(yaml, path.read_text(encoding="utf-8"))
+        pose[:3, :3] = np.reshape(np.array(values[ROTATION]["data"], np.float64), (3, 3))
+        pose[:3, 3] = np.reshape(np.array(values[TRANSLATION], np.float64), 3)
+        if not np.isfinite(pose).all():
+            raise ValueError("not all numbers are finite")
+    except (OSError, ValueError, TypeError, KeyError, OverflowError, RecursionError, yaml.YAMLError):
         raise FileError(
             f"expected {ROTATION} as an OpenCV matrix and {TRANSLATION} as three numbers in {path}, got something else"
         ) from None
     return [pose]
+
+
+def _load_opencv(yaml: Any, text: str) -> Any:
+    """What OpenCV wrote; its own reader ends the process over a damaged file."""
+
+    class Loader(yaml.SafeLoader):  # type: ignore[misc]
+        """Knows OpenCV's matrices, as their fields."""
+
+    Loader.add_constructor(MATRIX, lambda loader, node: loader.construct_mapping(node, deep=True))
+    return yaml.load(text.removeprefix("%YAML:1.0"), Loader)
 
 
 def pose_to_yaml(pose: Pose) -> str:

@@ -18,15 +18,19 @@ from spigolo.frame import DepthMap, Mask
 from spigolo.kernels.rasterising import draw_mesh
 from spigolo.kernels.registration import NEAREST_M
 
+FARTHEST_PX = 1e9
+"""A corner farther from the image than that is none: the model or its pose is damaged."""
 TOLERANCE_M = 0.015
 """How far a model may lie behind the measured surface: bop_toolkit's delta."""
 
 
 def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
     """Depth (H, W) in metres of a model at a pose (4, 4), model to camera; 0 where it is not. No distortion."""
-    x, y, z = (model.vertices_m @ pose[:3, :3].T + pose[:3, 3]).T
-    inverse = np.divide(1.0, z, out=np.zeros_like(z), where=z >= NEAREST_M)
-    points = np.stack([camera.fx * x * inverse + camera.cx, camera.fy * y * inverse + camera.cy, inverse], axis=1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        x, y, z = (model.vertices_m @ pose[:3, :3].T + pose[:3, 3]).T
+        inverse = np.divide(1.0, z, out=np.zeros_like(z), where=z >= NEAREST_M)
+        points = np.stack([camera.fx * x * inverse + camera.cx, camera.fy * y * inverse + camera.cy, inverse], axis=1)
+    points[~(np.abs(points) < FARTHEST_PX).all(axis=1)] = 0  # left out, as what is too near
     out = np.zeros((camera.height, camera.width), np.float32)
     draw_mesh(np.ascontiguousarray(points), np.ascontiguousarray(model.triangles, np.int32), out)
     return out

@@ -88,8 +88,9 @@ def read_depth(path: PathLike) -> Image:
         return stored
     try:
         return np.asarray(np.load(path, allow_pickle=False))
-    except (OSError, ValueError, EOFError) as error:
-        raise FileError(f"expected a depth array in {path}, but it cannot be read: {error}") from None
+    except Exception as error:  # NumPy reads the header as Python, and raises what that raises
+        sentence = " ".join(str(error).split())
+        raise FileError(f"expected a depth array in {path}, but it cannot be read: {sentence}") from None
 
 
 def read_labels(path: PathLike) -> Image:

@@ -13,6 +13,10 @@ from spigolo.camera import Camera
 from spigolo.errors import CameraError, FileError
 from spigolo.kernels.lzf import unpack_lzf
 
+KINDS = {
+    f"{kind}{size}": f"<{kind.lower()}{size}" for kind in "IUF" for size in (1, 2, 4, 8) if f"{kind}{size}" != "F1"
+}
+"""NumPy's name of each type and size of a field."""
 STEEPEST = 1e6
 """No pinhole camera sees farther aside, as a multiple of the depth."""
 MAX_MISFIT_PX = 0.5
@@ -25,7 +29,7 @@ def read_pcd(path: Path) -> npt.NDArray[Any]:
         header, body = _split(path.read_bytes())
         shape = int(header["HEIGHT"][0]), int(header["WIDTH"][0])
         return _records(header, body, shape[0] * shape[1]).reshape(shape)
-    except (OSError, ValueError, TypeError, KeyError, IndexError, ArithmeticError, MemoryError, struct.error) as error:
+    except (OSError, ValueError, KeyError, IndexError, ArithmeticError, MemoryError, struct.error) as error:
         reason = getattr(error, "strerror", None) or error
         raise FileError(f"expected a point cloud in {path}, but it cannot be read: {reason}") from None
 
@@ -75,7 +79,7 @@ def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
 
 
 def _records(header: dict[str, list[str]], body: bytes, count: int) -> npt.NDArray[Any]:
-    kinds = [f"<{kind.lower()}{size}" for kind, size in zip(header["TYPE"], header["SIZE"], strict=True)]
+    kinds = [KINDS[kind + size] for kind, size in zip(header["TYPE"], header["SIZE"], strict=True)]
     lengths = [int(n) for n in header.get("COUNT", ["1"] * len(kinds))]
     # padding is called _ in every cloud, and may come several times
     names = [name if name != "_" else f"_{k}" for k, name in enumerate(header["FIELDS"])]

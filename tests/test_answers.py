@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -78,6 +79,25 @@ def test_a_preset_keeps_its_promises(name: str, frame: sp.Frame) -> None:
 @given(frame=scenes())
 def test_a_method_keeps_its_promises(name: str, frame: sp.Frame) -> None:
     check(sp.METHODS[name](frame), frame)
+
+
+lengths = st.one_of(st.floats(0.01, 1e8), st.sampled_from([0.01, 1.0, 60.0, 1e8]))
+offsets = st.one_of(st.floats(-1e8, 1e8), st.sampled_from([-1e8, 0.0, 10.0, 1e8]))
+sizes = st.integers(1, 20)
+cameras = st.builds(sp.Camera, lengths, lengths, offsets, offsets, sizes, sizes)
+
+
+@given(cameras, cameras, st.sampled_from([1e-6, 0.5, 1.0, 3e3, 9e7]), seeds)
+def test_depth_moves_from_any_camera_to_any_other(
+    source: sp.Camera, target: sp.Camera, far_m: float, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    depth = (far_m * rng.uniform(1, 1.1, (source.height, source.width))).astype(np.float32)
+    T = np.eye(4)
+    T[:3, :3] = cv2.Rodrigues(rng.normal(0, rng.choice([0, 0.1, 3]), 3))[0]
+    T[:3, 3] = rng.normal(0, rng.choice([0, 0.1, 3]), 3)
+    moved = sp.register_depth(depth, source, target, T)
+    assert moved.shape == (target.height, target.width) and np.isfinite(moved).all() and (moved >= 0).all()
 
 
 @given(frame=scenes(), name=st.sampled_from(PRESETS), draws=st.lists(seeds, min_size=1, max_size=4))

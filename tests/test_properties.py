@@ -541,3 +541,8 @@ def test_integer_depth_is_scaled(depth: Array, scale: float) -> None:
 
 def test_a_depth_beyond_float32_counts_as_missing_without_a_warning() -> None:
     assert frame_of(np.array([[1.0, np.finfo(np.float64).max]])).depth.tolist() == [[1.0, 0.0]]
+
+
+def test_what_no_camera_measures_is_missing() -> None:
+    depth = np.array([[1e-7, 2e-6, 1.0, 0.9e8, 1.1e8]], np.float32)
+    np.testing.assert_array_equal(frame_of(depth).depth > 0, [[False, True, True, True, False]])

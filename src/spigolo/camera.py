@@ -18,6 +18,8 @@ from spigolo.errors import CameraError
 
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
 """How many coefficients OpenCV knows: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
+LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
+"""Smallest focal length, and largest one and offset of the principal point: beyond, points would leave float32."""
 MAX_SKEW = 1e-3
 """Skew of K, relative to fx, that is taken for rounding: half a pixel over 500 rows."""
 MAX_ASPECT_CHANGE = 0.01
@@ -59,6 +61,11 @@ class Camera:
         object.__setattr__(self, "distortion", as_coefficients(self.distortion))
         if self.fx <= 0 or self.fy <= 0:
             raise CameraError(f"expected positive finite focal lengths in pixels, got fx={self.fx}, fy={self.fy}")
+        if min(self.fx, self.fy) < LEAST_FOCAL_PX or max(self.fx, self.fy, abs(self.cx), abs(self.cy)) > MOST_PX:
+            raise CameraError(
+                f"expected intrinsics in pixels, a focal length of {LEAST_FOCAL_PX} to {MOST_PX:.0e}, got"
+                f" fx={self.fx:g}, fy={self.fy:g}, cx={self.cx:g}, cy={self.cy:g}"
+            )
         if self.width < 1 or self.height < 1:
             raise CameraError(f"expected an image size of at least 1x1, got {self.width}x{self.height}")
 

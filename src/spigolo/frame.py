@@ -25,6 +25,8 @@ Mask = npt.NDArray[np.bool_]
 
 MAX_PIXELS = 16_000_000
 """Larger images are refused unless they are asked for, as they may fill the memory."""
+NEAREST_M, FARTHEST_M = 1e-6, 1e8
+"""No camera measures what is nearer or farther; squares of such depths would leave float32."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False)
@@ -91,6 +93,7 @@ def _own_scale(camera: Mapping[str, Any]) -> float | None:
 def depth_in_metres(depth: npt.NDArray[Any], depth_scale: float | None = None) -> tuple[DepthMap, int]:
     """Depth as spigolo computes with it, a copy (H, W) in metres, 0 = missing; how many pixels were negative.
 
+    What is no number or infinite, nearer than NEAREST_M or farther than FARTHEST_M is missing.
     depth (H, W): floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
     """
     _check_depth(depth, depth_scale)
@@ -99,7 +102,7 @@ def depth_in_metres(depth: npt.NDArray[Any], depth_scale: float | None = None) -
     if depth_scale is not None:
         metres *= np.float32(depth_scale)
     negative = int(np.count_nonzero(metres < 0))
-    metres[~(np.isfinite(metres) & (metres > 0))] = 0
+    metres[~((metres >= NEAREST_M) & (metres <= FARTHEST_M))] = 0
     return metres, negative
 
 

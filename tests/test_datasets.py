@@ -42,6 +42,7 @@ from spigolo.datasets import (
 )
 from spigolo.datasets.boxes import box_of
 from spigolo.datasets.meshes import read_model, write_model
+from spigolo.datasets.rutgers import read_pose
 from spigolo.datasets.uw_scenes import UwFrame, labels_of
 from spigolo.datasets.visibility import render_depth, visible_mask
 from spigolo.errors import CameraError, FileError, FrameError
@@ -284,6 +285,49 @@ def test_a_model_reads_back_from_each_format(kind: str, tmp_path: Path) -> None:
         assert model.colors is not None and np.array_equal(model.colors, BOOK.colors)
 
 
+def test_a_mesh_whose_corners_are_nowhere_is_refused(tmp_path: Path) -> None:
+    """A kernel that draws it would read beside the array."""
+    for number, (corners, faces) in enumerate([(3, "3 0 1 3"), (3, "3 0 1 -1"), (2, "3 0 1 2")]):
+        path = tmp_path / f"book{number}.ply"
+        header = (
+            f"ply\nformat ascii 1.0\nelement vertex {corners}\nproperty float x\nproperty float y\nproperty float z\n"
+        )
+        rows = "\n".join(f"{k} 0 1" for k in range(corners))
+        path.write_text(
+            f"{header}element face 1\nproperty list uchar int vertex_indices\nend_header\n{rows}\n{faces}\n"
+        )
+        with pytest.raises(FileError, match=r"expected a triangle mesh in .*(corners are nowhere|cannot be read)"):
+            read_model(path)
+
+
+@pytest.mark.parametrize("far", [1e12, 1e300, np.inf, np.nan])
+def test_what_lies_nowhere_near_the_image_is_not_drawn(far: float) -> None:
+    """A loop over its pixels would not end."""
+    vertices = np.array([[far, 0, 1], [far, 0.1, 1], [far, 0, 1.1], [0, 0, 1], [0.1, 0, 1], [0, 0.1, 1]])
+    triangles = np.array([[0, 1, 2], [0, 3, 4]], np.int32)
+    assert not render_depth(Model("far", vertices, triangles), np.eye(4), CAMERA).any()
+    near = np.array([*triangles.tolist(), [3, 4, 5]], np.int32)
+    assert render_depth(Model("both", vertices, near), np.eye(4), CAMERA).any()
+
+
+@pytest.mark.parametrize(
+    ("written", "spoilt"),
+    [("rows: 3", "rows: 99999999999"), ("cols: 3", "cols: 0"), ("data: [", "data: ["), ("data: [", "data: [ .nan,")],
+)
+def test_a_pose_that_ended_the_process_is_read_or_refused(written: str, spoilt: str, tmp_path: Path) -> None:
+    """OpenCV's own reader corrupts memory over some of these; what is left of the matrix is nine numbers or refused."""
+    rutgers(tmp_path)
+    path = tmp_path / "book-pose-K-2-1-0.yml"
+    whole = path.read_text()
+    expected = read_pose(path)
+    path.write_text(whole.replace(written, spoilt))
+    if spoilt == "data: [ .nan,":
+        with pytest.raises(FileError, match="object_rotation_wrt_camera as an OpenCV matrix"):
+            read_pose(path)
+    else:
+        assert np.array_equal(read_pose(path), expected)
+
+
 # --- layouts that are only read -------------------------------------------------------------------------------
 
 
@@ -432,6 +476,8 @@ def test_clouds_that_are_none_are_refused(tmp_path: Path) -> None:
         (good[:-4], "expected a point cloud in .*learn0.pcd"),
         (good.replace(b"DATA binary", b"DATA zipped"), "DATA is zipped, none of ascii"),
         (good.replace(b"x y z rgb label", b"a y z rgb label"), "expected fields x, y, z in .*: x not found"),
+        (good.replace(b"TYPE F F", b"TYPE Q F"), "cannot be read: 'Q4'"),
+        (good.replace(b"WIDTH 64", b"WIDTH 9999999999"), "expected a point cloud in"),
         (pcd(cloud(np.zeros((48, 64))), "binary_compressed")[:-1], "expected a point cloud in"),
     ):
         path.write_bytes(data)

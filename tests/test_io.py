@@ -77,6 +77,11 @@ def test_depth_may_be_an_array_of_metres(files: Path) -> None:
         (lambda f: image(f / "small.png", np.ones((24, 31), np.uint16)), sp.FrameError, "32x24, got 31x24"),
         (lambda f: write(f / "depth.jpg", b"x"), sp.FrameError, "JPEG"),
         (lambda f: write(f / "depth.npy", b"x"), sp.FileError, "cannot be read"),
+        (
+            lambda f: write(f / "depth.npy", b"\x93NUMPY\x01\x00\x08\x00{'a': [\n"),
+            sp.FileError,
+            "expected a depth array in",
+        ),
     ],
 )
 def test_bad_depth_is_refused_with_one_sentence(files: Path, spoil, error, words) -> None:

@@ -16,10 +16,8 @@ from spigolo.camera import Camera
 from spigolo.datasets.sample import Instance, Model
 from spigolo.frame import DepthMap, Mask
 from spigolo.kernels.rasterising import draw_mesh
-from spigolo.kernels.registration import NEAREST_M
+from spigolo.kernels.registration import FARTHEST_PX, NEAREST_M
 
-FARTHEST_PX = 1e9
-"""A corner farther from the image than that is none: the model or its pose is damaged."""
 TOLERANCE_M = 0.015
 """How far a model may lie behind the measured surface: bop_toolkit's delta."""
 

@@ -8,6 +8,8 @@ from spigolo.kernels._jit import inlined, kernel
 
 NEAREST_M = 0.01
 """Surfaces nearer to the colour camera than this would fill its image."""
+FARTHEST_PX = 1e9
+"""What lies farther from the image than that is nothing measured; a loop must not begin there."""
 ROUNDING = 1e-6
 """How far beyond its edges a triangle still counts as covering a pixel centre, as a share of its height."""
 SMALLEST_PX2 = 1e-6
@@ -16,17 +18,19 @@ SMALLEST_PX2 = 1e-6
 
 @inlined
 def project(x, y, z, P):
-    """(u, v, 1 / Z) in the target image of the point at depth z of pixel (x, y) of the source; 1 / Z = 0 if too near.
+    """(u, v, 1 / Z) in the target image of the point at depth z of pixel (x, y) of the source.
 
-    Along a plane 1 / Z is linear in the image.
+    1 / Z = 0 if it is too near, or nowhere near the image. Along a plane 1 / Z is linear in the image.
     """
     Z = (P[2, 0] * x + P[2, 1] * y + P[2, 2]) * z + P[2, 3]
-    if Z < NEAREST_M:
+    if not Z >= NEAREST_M:
         return 0.0, 0.0, 0.0
     w = 1.0 / Z
     u = ((P[0, 0] * x + P[0, 1] * y + P[0, 2]) * z + P[0, 3]) * w
     v = ((P[1, 0] * x + P[1, 1] * y + P[1, 2]) * z + P[1, 3]) * w
-    return u, v, w
+    if abs(u) < FARTHEST_PX and abs(v) < FARTHEST_PX:
+        return u, v, w
+    return 0.0, 0.0, 0.0
 
 
 @inlined

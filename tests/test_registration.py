@@ -169,3 +169,10 @@ def test_what_cannot_be_registered_is_refused_with_one_sentence(
     with pytest.raises(error, match=words) as caught:
         register_depth(**(arguments | changes))
     assert "\n" not in str(caught.value)
+
+
+def test_what_lies_nowhere_near_the_image_is_not_drawn() -> None:
+    """Corners 2.5e9 px apart: for a loop over their pixels nobody could wait."""
+    wide, narrow = Camera(0.04, 0.04, 0.0, 0.0, 2, 2), Camera(1e8, 1e8, 2.0, 2.0, 5, 5)
+    assert not register_depth(np.ones((2, 2)), wide, narrow, np.eye(4)).any()
+    assert register_depth(np.ones((2, 2)), wide, Camera(1e6, 1e6, 2.0, 2.0, 5, 5), np.eye(4)).any()

@@ -7,7 +7,6 @@ import os
 import pickle
 import subprocess
 import threading
-import time
 import warnings
 from collections.abc import Iterator
 from dataclasses import FrozenInstanceError

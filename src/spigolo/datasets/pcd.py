@@ -79,7 +79,7 @@ def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
 
 
 def _records(header: dict[str, list[str]], body: bytes, count: int) -> npt.NDArray[Any]:
-    kinds = [KINDS[kind + size] for kind, size in zip(header["TYPE"], header["SIZE"], strict=True)]
+    kinds = [KINDS[kind.upper() + size] for kind, size in zip(header["TYPE"], header["SIZE"], strict=True)]
     lengths = [int(n) for n in header.get("COUNT", ["1"] * len(kinds))]
     # padding is called _ in every cloud, and may come several times
     names = [name if name != "_" else f"_{k}" for k, name in enumerate(header["FIELDS"])]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import event, given
 from hypothesis import strategies as st
 
 import spigolo as sp
@@ -95,9 +96,27 @@ def test_depth_moves_from_any_camera_to_any_other(
     depth = (far_m * rng.uniform(1, 1.1, (source.height, source.width))).astype(np.float32)
     T = np.eye(4)
     T[:3, :3] = cv2.Rodrigues(rng.normal(0, rng.choice([0, 0.1, 3]), 3))[0]
-    T[:3, 3] = rng.normal(0, rng.choice([0, 0.1, 3]), 3)
+    T[:3, 3] = rng.choice([0, 0.02, 1]) * rng.uniform(-5, 5, 3)
     moved = sp.register_depth(depth, source, target, T)
     assert moved.shape == (target.height, target.width) and np.isfinite(moved).all() and (moved >= 0).all()
+
+
+near, far = st.floats(-3, 0.5), st.floats(0.6, 9)
+rois = st.one_of(
+    st.tuples(st.integers(-9, 40), st.integers(-9, 40), st.integers(1, 90), st.integers(1, 90)),
+    st.builds(sp.MetricBox, st.tuples(near, near, near), st.tuples(far, far, far)),
+)
+
+
+@given(frame=scenes(), name=st.sampled_from(PRESETS), roi=rois)
+def test_a_region_of_interest_is_taken_or_refused(frame: sp.Frame, name: str, roi: Any) -> None:
+    try:
+        answer = sp.segment(frame, sp.PRESETS[name], roi)
+    except sp.SpigoloError as error:
+        event(type(error).__name__)
+        return
+    check(answer, frame)
+    assert all(o.inside is not None and 0.5 <= o.inside <= 1 for o in answer)
 
 
 @given(frame=scenes(), name=st.sampled_from(PRESETS), draws=st.lists(seeds, min_size=1, max_size=4))

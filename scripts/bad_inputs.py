@@ -72,8 +72,25 @@ def table(title: str, inputs: list[str], sentences: list[str]) -> str:
 
 def make_files(folder: Path) -> None:
     """The bundled scene, and everything that is wrong with it."""
+    copy_scene(folder)
+    make_images(folder)
+    make_cameras(folder)
+    (folder / "unknown-key.toml").write_text('base = "TABLE"\n[partition]\ngama = 0.004\n', encoding="utf-8")
+    (folder / "range.toml").write_text('base = "TABLE"\n[edges]\ncanny_low = 1.5\n', encoding="utf-8")
+    (folder / "broken.toml").write_text("gamma 0.004\n", encoding="utf-8")
+    (folder / "file").write_text("", encoding="utf-8")
+    make_sets(folder)
+    make_rows(folder)
+
+
+def copy_scene(folder: Path) -> None:
+    """A frame that is right."""
     for name in ("rgb.png", "depth.png", "camera.json"):
         shutil.copy(SCENE / name, folder / name)
+
+
+def make_images(folder: Path) -> None:
+    """Images of the wrong size, type or content, and files that are none."""
     depth = cv2.imread(str(SCENE / "depth.png"), cv2.IMREAD_UNCHANGED)
     grey = np.clip(depth / 10, 0, 255).astype(np.uint8)
     pictures = {
@@ -91,6 +108,10 @@ def make_files(folder: Path) -> None:
     (folder / "empty.png").write_bytes(b"")
     (folder / "empty.npy").write_bytes(b"")
     np.save(folder / "unit.npy", depth.astype(np.float32))
+
+
+def make_cameras(folder: Path) -> None:
+    """Camera files that lack something or hold what cannot be."""
     camera = json.loads((SCENE / "camera.json").read_text(encoding="utf-8"))
     cameras = {
         "no-scale": {k: v for k, v in camera.items() if k != "depth_scale"},
@@ -105,18 +126,21 @@ def make_files(folder: Path) -> None:
     for name, values in cameras.items():
         (folder / f"{name}.json").write_text(json.dumps(values), encoding="utf-8")
     (folder / "broken.json").write_text('{"fx": 525.0', encoding="utf-8")
-    (folder / "unknown-key.toml").write_text('base = "TABLE"\n[partition]\ngama = 0.004\n', encoding="utf-8")
-    (folder / "range.toml").write_text('base = "TABLE"\n[edges]\ncanny_low = 1.5\n', encoding="utf-8")
-    (folder / "broken.toml").write_text("gamma 0.004\n", encoding="utf-8")
+
+
+def make_sets(folder: Path) -> None:
+    """Folders without frames, without half of a set, without labels."""
     (folder / "no-frames").mkdir()
     scene = folder / "half-a-set" / "test" / "000001"
     scene.mkdir(parents=True)
     intrinsics = {"cam_K": [525.0, 0.0, 319.5, 0.0, 525.0, 239.5, 0.0, 0.0, 1.0], "depth_scale": 1.0}
     (scene / "scene_camera.json").write_text(json.dumps({"0": intrinsics}), encoding="utf-8")
     (folder / "unlabelled").mkdir()
-    for name in ("rgb.png", "depth.png", "camera.json"):
-        shutil.copy(SCENE / name, folder / "unlabelled" / name)
-    (folder / "file").write_text("", encoding="utf-8")
+    copy_scene(folder / "unlabelled")
+
+
+def make_rows(folder: Path) -> None:
+    """Rows of an evaluation of none of the paper's sets."""
     labels = cv2.imread(str(SCENE / "label.png"), cv2.IMREAD_UNCHANGED)
     row = Row(
         data_set="mine", frame="rgb", group="mine/rgb", labelling="full", method="toscana2016", preset="TABLE",
@@ -126,15 +150,23 @@ def make_files(folder: Path) -> None:
     (folder / "rows.jsonl").write_text(row_to_json(row) + "\n", encoding="utf-8")
 
 
+def segment(color: str = "rgb.png", depth: str = "depth.png", camera: str = "camera.json", *more: str) -> Words:
+    """The words that segment a frame."""
+    return ["segment", color, depth, "--camera", camera, "--no-check", *more]
+
+
+def flags(*more: str) -> Words:
+    """Those that segment the right frame with flags."""
+    return segment("rgb.png", "depth.png", "camera.json", *more)
+
+
 def command_line() -> list[tuple[str, Words]]:
     """What was wrong, and the words after `spigolo`."""
+    return [*wrong_files(), *wrong_flags(), *other_verbs(), *warned_of()]
 
-    def segment(color: str = "rgb.png", depth: str = "depth.png", camera: str = "camera.json", *more: str) -> Words:
-        return ["segment", color, depth, "--camera", camera, "--no-check", *more]
 
-    def flags(*more: str) -> Words:
-        return segment("rgb.png", "depth.png", "camera.json", *more)
-
+def wrong_files() -> list[tuple[str, Words]]:
+    """Images and cameras."""
     return [
         ("depth of another size than colour", segment(depth="half.png")),
         ("depth with 8 bits", segment(depth="depth8.png")),
@@ -158,6 +190,12 @@ def command_line() -> list[tuple[str, Words]]:
         ("no such camera file", segment(camera="none.json")),
         ("a camera nobody knows", segment("rgb.png", "depth.png", "kinect-v9", "--depth-scale", "0.001")),
         ("fisheye distortion", segment(camera="fisheye.json")),
+    ]
+
+
+def wrong_flags() -> list[tuple[str, Words]]:
+    """Presets, values and places."""
+    return [
         ("a preset nobody knows", flags("--preset", "tabel")),
         ("an unknown key in a TOML file", flags("--preset", "unknown-key.toml")),
         ("a value out of range in a TOML file", flags("--preset", "range.toml")),
@@ -172,6 +210,12 @@ def command_line() -> list[tuple[str, Words]]:
         ("two regions of interest", flags("--roi", "0", "0", "9", "9", "--roi-mask", "rgb.png")),
         ("a mask of another size", flags("--roi-mask", "half.png")),
         ("an output folder that is a file", flags("--out", "file")),
+    ]
+
+
+def other_verbs() -> list[tuple[str, Words]]:
+    """Folders, sets, rows and what else the verbs take."""
+    return [
         ("a folder without frames", ["segment", "no-frames"]),
         ("no such folder", ["segment", "nowhere"]),
         ("no input", ["segment"]),
@@ -186,6 +230,12 @@ def command_line() -> list[tuple[str, Words]]:
         ("frames without labels to fit to", ["fit", "unlabelled"]),
         ("a family of scenes nobody renders", ["render", "attic"]),
         ("a layout nobody writes", ["render", "table", "--layout", "coco"]),
+    ]
+
+
+def warned_of() -> list[tuple[str, Words]]:
+    """What is done, with a warning."""
+    return [
         ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
         (
             "millimetres as metres: a warning",

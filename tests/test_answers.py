@@ -36,7 +36,7 @@ def scenes(draw: st.DrawFn) -> sp.Frame:
     if draw(st.booleans()):
         flawed = rng.random(shape) < 0.1
         depth[flawed] = draw(st.sampled_from([np.nan, np.inf, -1.0, 1e9, 1e-30]))
-    focal = draw(st.sampled_from([None, 0.8, 5.0])) if min(shape) > 0 else None
+    focal = draw(st.sampled_from([None, 0.8, 5.0]))
     camera = None
     if focal is not None:
         camera = sp.Camera(focal * shape[1], focal * shape[1], shape[1] / 2 - 0.5, shape[0] / 2, shape[1], shape[0])

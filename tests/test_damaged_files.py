@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import random
 import re
@@ -177,10 +178,14 @@ def singles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, C
     frames(folder)
     evaluate(sp.datasets.guess(folder / "shop"), make_methods(["toscana2016"], [sp.TABLE]), folder / "rows.jsonl")
     found["rows.jsonl"] = folder / "rows.jsonl", read_rows
-    found["search of rows"] = folder / "rows.jsonl", read_search
+    packed = Path(__file__).parents[1] / "docs" / "data" / "trials-felzenszwalb2004.jsonl.gz"
+    begun = b"".join(gzip.decompress(packed.read_bytes()).splitlines(keepends=True)[:6])
+    (folder / "trials.jsonl").write_bytes(begun)
+    (folder / "trials.jsonl.gz").write_bytes(gzip.compress(begun))
+    for name in ("trials.jsonl", "trials.jsonl.gz"):
+        found[name] = folder / name, read_search
     for path, read in found.values():
-        if read is not read_search:
-            read(path)
+        read(path)
     return found
 
 

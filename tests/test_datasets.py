@@ -535,6 +535,14 @@ def test_what_is_spoilt_is_named(layout: str, spoilt: str, told: str, content: s
     assert Path(spoilt).name in str(caught.value)
 
 
+def test_an_object_of_bop_has_a_finite_number(tmp_path: Path) -> None:
+    bop(tmp_path)
+    truth = tmp_path / "test" / "000001" / "scene_gt.json"
+    truth.write_text(re.sub(r'"obj_id": \d+', '"obj_id": 1e999', truth.read_text()))
+    with pytest.raises(FileError, match="got something else for image 4"):
+        guess(tmp_path)
+
+
 def read_all(folder: Path) -> None:
     for entry in guess(folder):
         entry.read_sample()

@@ -247,6 +247,13 @@ def test_a_search_that_never_began_is_in_nobodys_way(root: Path, tmp_path: Path)
     assert read_search(out) == made and len(made.trials) == 2
 
 
+def test_a_packed_search_that_is_damaged_is_refused(tmp_path: Path) -> None:
+    whole = gzip.compress(bytes(range(256)) * 40)
+    (tmp_path / "trials.gz").write_bytes(whole[:20] + b"\xff" * 20 + whole[40:])
+    with pytest.raises(FileError, match=r"expected trials in .*trials.gz, but it cannot be read"):
+        read_search(tmp_path / "trials.gz")
+
+
 def test_trials_read_back_as_they_were_scored(root: Path, tmp_path: Path) -> None:
     frames, start = find_labelled_frames([root])[:4], Toscana2016(BOXES)
     scored = evaluate(frames, [start], tmp_path / "rows.jsonl")

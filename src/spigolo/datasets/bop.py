@@ -143,7 +143,7 @@ class Bop(DataSet):
                 if len(intrinsics) != 9:
                     raise ValueError
                 scale = float(cameras[key].get("depth_scale", 1.0)) * MILLIMETRES
-            except (KeyError, TypeError, ValueError):
+            except (KeyError, TypeError, ValueError, OverflowError):
                 raise FileError(
                     f"expected nine numbers cam_K in {scene}/scene_camera.json, and obj_id, nine numbers cam_R_m2c and"
                     f" three cam_t_m2c of each object in scene_gt.json, got something else for image {key}"

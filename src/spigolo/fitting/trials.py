@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import zlib
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -80,7 +81,7 @@ def read_search(path: Path | str) -> Search:
     try:
         data = Path(path).read_bytes()
         text = (gzip.decompress(data) if data.startswith(GZIP) else data).decode()
-    except (OSError, EOFError, UnicodeDecodeError) as error:
+    except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "it is no text"
         raise FileError(f"expected trials in {path}, but it cannot be read: {reason}") from None
     lines = text[: text.rfind("\n") + 1].splitlines()

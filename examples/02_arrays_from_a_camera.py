@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import spigolo as sp
-from spigolo.io import write_png
+from spigolo.frames.files import write_png
 from spigolo.view.overlay import depth_picture, tile
 
 SCENE = Path(sp.__file__).parent / "demo_scene"

@@ -13,7 +13,7 @@ from collections import Counter
 from pathlib import Path
 
 import spigolo as sp
-from spigolo.io import write_png
+from spigolo.frames.files import write_png
 from spigolo.view.figure1 import figure1
 
 SCENE = Path(sp.__file__).parent / "demo_scene"

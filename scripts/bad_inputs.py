@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 
 import spigolo as sp
-from spigolo.evaluation import Row, row_to_json, score_row
+from spigolo.lab.evaluation import Row, row_to_json, score_row
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "bad-input.md"

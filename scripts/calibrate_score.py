@@ -18,7 +18,7 @@ import cv2
 import numpy as np
 
 import spigolo as sp
-from spigolo.evaluation import wilson_interval
+from spigolo.lab.evaluation import wilson_interval
 
 DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).parents[2] / "shared" / "data")) / "frames"
 SETS = ("osd-mosd", "osd-full", "hand-uoc")

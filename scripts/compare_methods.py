@@ -27,13 +27,13 @@ import numpy as np
 
 import spigolo as sp
 from spigolo import io
-from spigolo.datasets import Entry
-from spigolo.evaluation import Row, compare, pool
-from spigolo.evaluation.measures import FOUND_SHARE
-from spigolo.experiments import Method, find_labelled_frames
-from spigolo.experiments.running import Task, Worker
-from spigolo.fitting import Search, apply, best_trial, hold_out, read_search, search
-from spigolo.fitting.trials import Trial
+from spigolo.lab.datasets import Entry
+from spigolo.lab.evaluation import Row, compare, pool
+from spigolo.lab.evaluation.measures import FOUND_SHARE
+from spigolo.lab.experiments import Method, find_labelled_frames
+from spigolo.lab.experiments.running import Task, Worker
+from spigolo.lab.fitting import Search, apply, best_trial, hold_out, read_search, search
+from spigolo.lab.fitting.trials import Trial
 from spigolo.methods.mishra2009 import innermost
 from spigolo.view.comparison import comparison
 

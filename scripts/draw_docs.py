@@ -14,10 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 import spigolo as sp
-from spigolo.depth import inpaint_small_gaps, smooth
-from spigolo.edges import EdgeMaps, find_edges
-from spigolo.frame import Color, DepthMap
-from spigolo.io import write_bytes
+from spigolo.frames.files import write_bytes
+from spigolo.frames.frame import Color, DepthMap
+from spigolo.stages.depth import inpaint_small_gaps, smooth
+from spigolo.stages.edges import EdgeMaps, find_edges
 from spigolo.view.overlay import boundary_picture, depth_picture, draw_boxes, overlay, region_picture, tile
 
 SCENE = Path(sp.__file__).parent / "demo_scene"

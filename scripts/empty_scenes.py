@@ -12,7 +12,7 @@ from collections import Counter
 import numpy as np
 
 import spigolo as sp
-from spigolo.synthetic.empty_scenes import FAMILIES, empty_scene, scene_with_a_box
+from spigolo.lab.synthetic.empty_scenes import FAMILIES, empty_scene, scene_with_a_box
 
 PRESETS = ("OBJECTS_1", "OBJECTS", "TABLE")
 PLACES = [(family, seed) for seed in range(17) for family in FAMILIES][:50]

@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import spigolo as sp
-from spigolo.evaluation import Row, pool
-from spigolo.experiments import Contender, Toscana2016, evaluate, find_labelled_frames
-from spigolo.experiments.page import to_text
-from spigolo.experiments.tables import set_table
-from spigolo.fitting import Trial, best_trial, hold_out, hold_out_sets, search
+from spigolo.lab.evaluation import Row, pool
+from spigolo.lab.experiments import Contender, Toscana2016, evaluate, find_labelled_frames
+from spigolo.lab.experiments.page import to_text
+from spigolo.lab.experiments.tables import set_table
+from spigolo.lab.fitting import Trial, best_trial, hold_out, hold_out_sets, search
 
 DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "frames"
 WHOLE = ("osd-*", "hand-uoc")

@@ -11,9 +11,9 @@ import os
 from pathlib import Path
 
 import spigolo as sp
-from spigolo.evaluation import Row, pool
-from spigolo.experiments import Toscana2016, evaluate, find_labelled_frames
-from spigolo.fitting import hold_out, search
+from spigolo.lab.evaluation import Row, pool
+from spigolo.lab.experiments import Toscana2016, evaluate, find_labelled_frames
+from spigolo.lab.fitting import hold_out, search
 
 DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "frames"
 

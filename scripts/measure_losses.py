@@ -15,10 +15,10 @@ import numpy as np
 import numpy.typing as npt
 
 import spigolo as sp
-from spigolo.datasets import guess
-from spigolo.objects import judge_regions
-from spigolo.regions import Regions
-from spigolo.synthetic.household import kind_of
+from spigolo.lab.datasets import guess
+from spigolo.lab.synthetic.household import kind_of
+from spigolo.objects.segmentation import judge_regions
+from spigolo.stages.regions import Regions
 
 Labels = npt.NDArray[np.int32]
 

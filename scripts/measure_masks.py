@@ -11,8 +11,8 @@ import argparse
 
 import numpy as np
 
-from spigolo.datasets.visibility import TOLERANCE_M
-from spigolo.synthetic.families import FAMILIES, LEAST_IOU, arrangements, drawn_iou, is_told_by_poses
+from spigolo.lab.datasets.visibility import TOLERANCE_M
+from spigolo.lab.synthetic.families import FAMILIES, LEAST_IOU, arrangements, drawn_iou, is_told_by_poses
 
 EXACT_M = 0.002
 

@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 
 import spigolo as sp
-from spigolo.datasets import Sample, find_labelled_frames
 from spigolo.doctor.local_planes import fit_local_planes
-from spigolo.synthetic.families import FAMILIES, render_family
-from spigolo.synthetic.realism import Realism, quartiles, realism
+from spigolo.lab.datasets import Sample, find_labelled_frames
+from spigolo.lab.synthetic.families import FAMILIES, render_family
+from spigolo.lab.synthetic.realism import Realism, quartiles, realism
 
 REAL = {
     "shelf": ("*apcshelf*", "*stanley*"),

@@ -20,7 +20,7 @@ import cv2
 import numpy as np
 
 import spigolo as sp
-from spigolo.evaluation import FrameScore, score_frame, summarise
+from spigolo.lab.evaluation import FrameScore, score_frame, summarise
 
 DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).parents[2] / "shared" / "data")) / "frames"
 FULL = "hand-uoc"
@@ -152,7 +152,7 @@ def on_real_frames() -> Iterator[str]:
 
 
 def on_shelves(count: int, seed: int) -> Iterator[str]:
-    from spigolo.synthetic.families import render_family
+    from spigolo.lab.synthetic.families import render_family
 
     samples = [render_family("shelf", number, seed) for number in range(count)]
     yield f"| {count} rendered shelves, seed {seed} | overlap F | found | segments an object |"

@@ -14,8 +14,8 @@ import cv2
 import numpy as np
 
 import spigolo as sp
-from spigolo.datasets import Truth, find_labelled_frames
-from spigolo.evaluation import score_row
+from spigolo.lab.datasets import Truth, find_labelled_frames
+from spigolo.lab.evaluation import score_row
 
 
 def main() -> None:

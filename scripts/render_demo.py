@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from spigolo.synthetic.demo_scene import CAMERA, make_demo_frame
+from spigolo.lab.synthetic.demo_scene import CAMERA, make_demo_frame
 
 DEPTH_SCALE_M = 0.001
 DEMO_SCENE = Path(__file__).resolve().parents[1] / "src" / "spigolo" / "demo_scene"

@@ -14,19 +14,19 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.bench import QUICK, Plan, Report, bench, markdown, tables
-from spigolo.bench import report as bench_report
-from spigolo.bench.contestants import CONFIGS, Comparison, check_merging, compare, mergings
-from spigolo.bench.figures import fit_power_law, paired_ratio, percentile, summarise
-from spigolo.bench.peers import PACKAGES, open_peers
-from spigolo.bench.resources import measure_memory
-from spigolo.bench.scaling import growth, rescaled
-from spigolo.bench.stages import STAGES, time_stages
-from spigolo.bench.textbook import sort_and_merge
-from spigolo.bench.timing import Sample, run_rounds, timed
 from spigolo.errors import FileError, SpigoloError
-from spigolo.graph import Graph
-from spigolo.regions import partition
+from spigolo.lab.bench import QUICK, Plan, Report, bench, markdown, tables
+from spigolo.lab.bench import report as bench_report
+from spigolo.lab.bench.contestants import CONFIGS, Comparison, check_merging, compare, mergings
+from spigolo.lab.bench.figures import fit_power_law, paired_ratio, percentile, summarise
+from spigolo.lab.bench.peers import PACKAGES, open_peers
+from spigolo.lab.bench.resources import measure_memory
+from spigolo.lab.bench.scaling import growth, rescaled
+from spigolo.lab.bench.stages import STAGES, time_stages
+from spigolo.lab.bench.textbook import sort_and_merge
+from spigolo.lab.bench.timing import Sample, run_rounds, timed
+from spigolo.stages.graph import Graph
+from spigolo.stages.regions import partition
 from spigolo.view.chart import Axis, Curve, log_log
 
 SCENE = Path(sp.__file__).parent / "demo_scene"

@@ -13,7 +13,7 @@ import pytest
 import spigolo as sp
 from spigolo.doctor import diagnose
 from spigolo.methods import METHODS, segment_around
-from spigolo.regions import Regions
+from spigolo.stages.regions import Regions
 from test_objects import CAMERA, scene
 
 CONFIG = sp.TABLE.replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
@@ -201,7 +201,7 @@ def test_joined_regions_are_numbered_by_their_first_pixel() -> None:
 
 
 def test_scores_lie_in_0_to_1_and_fall_with_the_evidence() -> None:
-    from spigolo.facts import region_score
+    from spigolo.objects.facts import region_score
 
     contour, measured = np.array([1.0, 0.5, 1.0]), np.array([3000.0, 3000.0, 300.0])
     # 1 - exp(-1) = 0.632; 1 - exp(-0.1) = 0.0952

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from spigolo import CameraError, FileError, Frame, FrameError, io
-from spigolo.camera import NOMINAL, Camera
-from spigolo.intrinsics import as_camera
+from spigolo.frames.camera import NOMINAL, Camera
+from spigolo.frames.intrinsics import as_camera
 
 WIDTH, HEIGHT = 64, 48
 CAMERA = Camera(60.0, 61.0, 31.0, 24.0, WIDTH, HEIGHT)
@@ -195,7 +195,7 @@ def test_large_images_are_refused_unless_asked_for() -> None:
 
 
 def test_frames_and_cameras_load_nothing_heavy() -> None:
-    code = "import sys, spigolo.frame; print({'numba', 'cv2', 'pydantic'} & set(sys.modules))"
+    code = "import sys, spigolo.frames.frame; print({'numba', 'cv2', 'pydantic'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
 

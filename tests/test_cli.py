@@ -218,7 +218,7 @@ def test_a_closed_output_is_no_fault() -> None:
 def test_interrupted_work_says_so(tmp_path: Path) -> None:
     code = (
         "from unittest.mock import patch; from spigolo.cli import main\n"
-        "with patch('spigolo.io.read_frame', side_effect=KeyboardInterrupt): main()"
+        "with patch('spigolo.frames.files.read_frame', side_effect=KeyboardInterrupt): main()"
     )
     words = [sys.executable, "-c", code, "segment", str(SCENE), "--out", str(tmp_path)]
     done = subprocess.run(words, capture_output=True, text=True, check=False)

@@ -18,11 +18,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import spigolo as sp
-from spigolo.datasets.meshes import read_model, write_model
-from spigolo.evaluation import read_rows
-from spigolo.experiments import evaluate, make_methods
-from spigolo.fitting import read_search
-from spigolo.io import write_png
+from spigolo.frames.files import write_png
+from spigolo.lab.datasets.meshes import read_model, write_model
+from spigolo.lab.evaluation import read_rows
+from spigolo.lab.experiments import evaluate, make_methods
+from spigolo.lab.fitting import read_search
 from test_datasets import BOOK, WRITTEN, cloud, images, pcd, put_camera, read_all, write_image
 
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")

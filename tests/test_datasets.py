@@ -16,7 +16,8 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.datasets import (
+from spigolo.errors import CameraError, FileError, FrameError
+from spigolo.lab.datasets import (
     Bop,
     DataSet,
     Folders,
@@ -41,13 +42,12 @@ from spigolo.datasets import (
     write_tejani,
     write_uw_scenes,
 )
-from spigolo.datasets.boxes import box_of
-from spigolo.datasets.meshes import read_model, write_model
-from spigolo.datasets.rutgers import read_pose
-from spigolo.datasets.uw_scenes import UwFrame, labels_of
-from spigolo.datasets.visibility import render_depth, visible_mask
-from spigolo.errors import CameraError, FileError, FrameError
-from spigolo.experiments import evaluate, make_methods
+from spigolo.lab.datasets.boxes import box_of
+from spigolo.lab.datasets.meshes import read_model, write_model
+from spigolo.lab.datasets.rutgers import read_pose
+from spigolo.lab.datasets.uw_scenes import UwFrame, labels_of
+from spigolo.lab.datasets.visibility import render_depth, visible_mask
+from spigolo.lab.experiments import evaluate, make_methods
 
 CAMERA = sp.Camera(60.0, 61.0, 31.2, 23.7, 64, 48)
 ABOUT = "Boxes before a wall."

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.synthetic import meshes
-from spigolo.synthetic.empty_scenes import FAMILIES, empty_scene, empty_scenes, scene_with_a_box
-from spigolo.synthetic.scene import CAMERA
-from spigolo.synthetic.surfaces import SURFACES, surface
+from spigolo.lab.synthetic import meshes
+from spigolo.lab.synthetic.empty_scenes import FAMILIES, empty_scene, empty_scenes, scene_with_a_box
+from spigolo.lab.synthetic.scene import CAMERA
+from spigolo.lab.synthetic.surfaces import SURFACES, surface
 from test_synthetic import need_renderer
 
 MOST_OBJECTS = 1

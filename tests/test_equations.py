@@ -10,14 +10,14 @@ import pytest
 
 import naive
 from spigolo import BoundaryCost, Camera, Depth, Edges, Partition, SaliencyCost, Smoothing
-from spigolo.cues import Cues
-from spigolo.depth import missing_count, missing_mask, prepare_depth, smooth
-from spigolo.edges import EdgeMaps, classify, final_boundary, find_edges
-from spigolo.graph import Graph, weigh
 from spigolo.kernels import color, costs, edges, merging
 from spigolo.methods.features import feature_graph
-from spigolo.regions import partition
-from spigolo.saliency import power_law
+from spigolo.stages.cues import Cues
+from spigolo.stages.depth import missing_count, missing_mask, prepare_depth, smooth
+from spigolo.stages.edges import EdgeMaps, classify, final_boundary, find_edges
+from spigolo.stages.graph import Graph, weigh
+from spigolo.stages.regions import partition
+from spigolo.stages.saliency import power_law
 
 Array = npt.NDArray[np.float32]
 

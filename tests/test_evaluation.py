@@ -17,7 +17,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 
-from spigolo.evaluation import (
+from spigolo.lab.evaluation import (
     boundary_map,
     default_radius_px,
     overlap_table,
@@ -26,7 +26,7 @@ from spigolo.evaluation import (
     summarise,
     wilson_interval,
 )
-from spigolo.evaluation.matching import Labels, Mask
+from spigolo.lab.evaluation.matching import Labels, Mask
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = Path(os.environ.get("SPIGOLO_DATA", ROOT / ".." / "shared" / "data"))

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 
 import spigolo as sp
 from spigolo.errors import ConfigError, FileError, FrameError, SpigoloError
-from spigolo.evaluation import (
+from spigolo.lab.evaluation import (
     Row,
     RowFile,
     RowScore,
@@ -36,7 +36,7 @@ from spigolo.evaluation import (
     summarise,
     wilson_interval,
 )
-from spigolo.experiments import (
+from spigolo.lab.experiments import (
     Toscana2016,
     evaluate,
     find_labelled_frames,
@@ -47,11 +47,11 @@ from spigolo.experiments import (
     remake,
     write_report,
 )
-from spigolo.experiments.contenders import pair_up
-from spigolo.experiments.limitations import limitations
-from spigolo.experiments.page import Cell, Gallery, Page, Picture, Table, to_html, to_markdown, to_text
-from spigolo.experiments.pictures import WORST, worst_rows
-from spigolo.machine import one_thread
+from spigolo.lab.experiments.contenders import pair_up
+from spigolo.lab.experiments.limitations import limitations
+from spigolo.lab.experiments.page import Cell, Gallery, Page, Picture, Table, to_html, to_markdown, to_text
+from spigolo.lab.experiments.pictures import WORST, worst_rows
+from spigolo.lab.machine import one_thread
 from spigolo.view.truth import FOUND, MISSED, truth_picture
 from test_objects import scene
 

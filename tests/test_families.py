@@ -17,13 +17,13 @@ import pytest
 from scipy.spatial import ConvexHull
 
 import spigolo as sp
-from spigolo.datasets import Sample, guess
-from spigolo.datasets.visibility import TOLERANCE_M, visible_labels
 from spigolo.doctor.local_planes import fit_local_planes
 from spigolo.errors import ConfigError, FileError
-from spigolo.synthetic import layouts
-from spigolo.synthetic.bins import VIEWS, shelf_stage
-from spigolo.synthetic.families import (
+from spigolo.lab.datasets import Sample, guess
+from spigolo.lab.datasets.visibility import TOLERANCE_M, visible_labels
+from spigolo.lab.synthetic import layouts
+from spigolo.lab.synthetic.bins import VIEWS, shelf_stage
+from spigolo.lab.synthetic.families import (
     FAMILIES,
     LEAST_IOU,
     drawn_iou,
@@ -32,13 +32,13 @@ from spigolo.synthetic.families import (
     record_family,
     render_family,
 )
-from spigolo.synthetic.household import KINDS, Rest, household
-from spigolo.synthetic.placing import Plot, settled
-from spigolo.synthetic.realism import Realism, quartiles, realism
-from spigolo.synthetic.scene import SceneObject, View
-from spigolo.synthetic.staging import Recording, Stage
-from spigolo.synthetic.structured_light import StructuredLight, projector_shadow, simulate_structured_light
-from spigolo.synthetic.tables import INSTANCES, TABLES, multi_stage, table_stage
+from spigolo.lab.synthetic.household import KINDS, Rest, household
+from spigolo.lab.synthetic.placing import Plot, settled
+from spigolo.lab.synthetic.realism import Realism, quartiles, realism
+from spigolo.lab.synthetic.scene import SceneObject, View
+from spigolo.lab.synthetic.staging import Recording, Stage
+from spigolo.lab.synthetic.structured_light import StructuredLight, projector_shadow, simulate_structured_light
+from spigolo.lab.synthetic.tables import INSTANCES, TABLES, multi_stage, table_stage
 from test_synthetic import need_renderer
 
 COUNTS = {"shelf": 3, "table": 3, "multi": 4}

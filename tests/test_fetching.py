@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from spigolo.datasets.catalogue import KNOWN_SETS, Archive, KnownSet, known_set
-from spigolo.datasets.fetching import ATTEMPTS, fetch
 from spigolo.errors import ConfigError, FileError
+from spigolo.lab.datasets.catalogue import KNOWN_SETS, Archive, KnownSet, known_set
+from spigolo.lab.datasets.fetching import ATTEMPTS, fetch
 
 
 def zipped(files: dict[str, bytes]) -> bytes:

@@ -13,10 +13,10 @@ import pytest
 import spigolo as sp
 from spigolo.cli import FAILED
 from spigolo.errors import ConfigError, FileError, SpigoloError
-from spigolo.evaluation import Row, pool, read_rows
-from spigolo.experiments import Method, Toscana2016, evaluate, find_labelled_frames
-from spigolo.experiments.page import to_markdown
-from spigolo.fitting import (
+from spigolo.lab.evaluation import Row, pool, read_rows
+from spigolo.lab.experiments import Method, Toscana2016, evaluate, find_labelled_frames
+from spigolo.lab.experiments.page import to_markdown
+from spigolo.lab.fitting import (
     Choice,
     Range,
     Search,
@@ -35,10 +35,10 @@ from spigolo.fitting import (
     space_of,
     write_fit,
 )
-from spigolo.fitting.report import make_page
-from spigolo.fitting.spaces import CONTOURS, JOINING, SUPPORT
-from spigolo.fitting.trials import Place
-from spigolo.parameters import parse_toml
+from spigolo.lab.fitting.report import make_page
+from spigolo.lab.fitting.spaces import CONTOURS, JOINING, SUPPORT
+from spigolo.lab.fitting.trials import Place
+from spigolo.settings.parameters import parse_toml
 from test_experiments import BOXES, Counting, row, spigolo, write_frame
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -12,7 +12,7 @@ import pytest
 
 import spigolo as sp
 from conftest import load_frame
-from spigolo.evaluation import score_frame, summarise
+from spigolo.lab.evaluation import score_frame, summarise
 
 pytestmark = pytest.mark.frames
 IGNORE = 255

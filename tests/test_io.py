@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo import io
+from spigolo.frames import files as io
 
 CAMERA = {"fx": 50.0, "fy": 50.0, "cx": 15.5, "cy": 11.5, "width": 32, "height": 24}
 

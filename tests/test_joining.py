@@ -9,14 +9,14 @@ import pytest
 
 import naive
 import spigolo as sp
-from spigolo import joining
-from spigolo.additions import Cap, Smooth, Vessel
-from spigolo.cues import gather_cues
-from spigolo.facts import find_level, measure_regions, measure_rim
-from spigolo.joining import join_parts
-from spigolo.regions import Regions
-from spigolo.stance import measure_stance
-from spigolo.support import find_support
+from spigolo.additions import joining
+from spigolo.additions.joining import join_parts
+from spigolo.additions.stance import measure_stance
+from spigolo.additions.support import find_support
+from spigolo.objects.facts import find_level, measure_regions, measure_rim
+from spigolo.settings.additions import Cap, Smooth, Vessel
+from spigolo.stages.cues import gather_cues
+from spigolo.stages.regions import Regions
 
 CAMERA = sp.Camera(fx=400.0, fy=400.0, cx=159.5, cy=119.5, width=320, height=240)
 TILT = np.deg2rad(50)

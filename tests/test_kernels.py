@@ -18,9 +18,8 @@ import pytest
 import naive
 import spigolo as sp
 from spigolo import Camera, Frame, Partition
-from spigolo.config import VGA_PX2
-from spigolo.edges import SIGN_RULES, scharr_canny
-from spigolo.graph import OFFSETS, Graph
+from spigolo.additions.support import Plane
+from spigolo.frames.registration import projection
 from spigolo.kernels import (
     borders,
     choosing,
@@ -42,10 +41,11 @@ from spigolo.kernels import (
     sorting,
 )
 from spigolo.kernels import planes as kernel_planes
-from spigolo.regions import Edges, partition
-from spigolo.registration import projection
-from spigolo.support import Plane
-from spigolo.workspace import Workspace
+from spigolo.kernels.workspace import Workspace
+from spigolo.settings.config import VGA_PX2
+from spigolo.stages.edges import SIGN_RULES, scharr_canny
+from spigolo.stages.graph import OFFSETS, Graph
+from spigolo.stages.regions import Edges, partition
 
 KERNELS = Path(color.__file__).parent
 K_DV, K_DS = 4.5, 0.1

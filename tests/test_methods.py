@@ -21,10 +21,9 @@ import naive
 import spigolo as sp
 from conftest import load_frame
 from spigolo.errors import ConfigError
-from spigolo.evaluation import overlap_table
-from spigolo.graph import OFFSETS
 from spigolo.kernels import features as kernel
 from spigolo.kernels import potts
+from spigolo.lab.evaluation import overlap_table
 from spigolo.methods import (
     METHODS,
     Abramov2012,
@@ -38,9 +37,10 @@ from spigolo.methods import (
 )
 from spigolo.methods.domains import connected_areas, find_borders, join_domains
 from spigolo.methods.features import color_features, depth_feature, feature_graph, smooth
-from spigolo.parameters import Stage
-from spigolo.regions import Regions, partition
-from spigolo.rejection import Reason
+from spigolo.objects.verdicts import Reason
+from spigolo.settings.parameters import Stage
+from spigolo.stages.graph import OFFSETS
+from spigolo.stages.regions import Regions, partition
 from test_objects import scene
 
 Array = naive.Array

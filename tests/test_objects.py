@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.boxes import fit_box
-from spigolo.cues import Cues, gather_cues
-from spigolo.facts import RegionFacts, contour_strength, measure_regions
-from spigolo.presets import preset
-from spigolo.regions import Regions
-from spigolo.rejection import judge
+from spigolo.objects.boxes import fit_box
+from spigolo.objects.facts import RegionFacts, contour_strength, measure_regions
+from spigolo.objects.verdicts import judge
+from spigolo.settings.presets import preset
+from spigolo.stages.cues import Cues, gather_cues
+from spigolo.stages.regions import Regions
 
 DEMO = Path(sp.__file__).parent / "demo_scene"
 CAMERA = sp.Camera(fx=500.0, fy=500.0, cx=79.5, cy=59.5, width=160, height=120)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.saliency import fine_grained_saliency
+from spigolo.stages.saliency import fine_grained_saliency
 
 pytestmark = pytest.mark.oracle
 PYTHON = Path(__file__).resolve().parents[1] / ".venv-oracle" / "bin" / "python"

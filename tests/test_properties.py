@@ -36,15 +36,15 @@ from spigolo import (
     SaliencyCost,
     Smoothing,
 )
-from spigolo.color import color_points
-from spigolo.config import VGA_PX2
-from spigolo.cues import Cues
-from spigolo.depth import find_gaps, inpaint_small_gaps, smooth
-from spigolo.edges import EdgeMaps, find_edges
-from spigolo.graph import OFFSETS, Graph, weigh
 from spigolo.kernels import color, costs
-from spigolo.regions import partition
-from spigolo.saliency import saliency_cue
+from spigolo.settings.config import VGA_PX2
+from spigolo.stages.color import color_points
+from spigolo.stages.cues import Cues
+from spigolo.stages.depth import find_gaps, inpaint_small_gaps, smooth
+from spigolo.stages.edges import EdgeMaps, find_edges
+from spigolo.stages.graph import OFFSETS, Graph, weigh
+from spigolo.stages.regions import partition
+from spigolo.stages.saliency import saliency_cue
 
 Array = naive.Array
 

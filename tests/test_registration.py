@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from spigolo import Camera, CameraError, Frame, FrameError
-from spigolo.registration import register_depth
+from spigolo.frames.registration import register_depth
 
 Array = np.ndarray
 DEPTH_CAMERA = Camera(100.0, 102.0, 39.2, 30.7, 80, 60)

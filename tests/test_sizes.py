@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.color import color_points
-from spigolo.config import Inpainting
-from spigolo.cues import gather_cues
-from spigolo.edges import find_edges, find_holes, hole_contours, widen
-from spigolo.graph import weigh
-from spigolo.parameters import Grows, Stage
+from spigolo.settings.config import Inpainting
+from spigolo.settings.parameters import Grows, Stage
+from spigolo.stages.color import color_points
+from spigolo.stages.cues import gather_cues
+from spigolo.stages.edges import find_edges, find_holes, hole_contours, widen
+from spigolo.stages.graph import weigh
 from spigolo.view.figure1 import stages
 
 DEMO = Path(sp.__file__).parent / "demo_scene"

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from spigolo.synthetic import meshes
-from spigolo.synthetic.demo_scene import CAMERA, OBJECT_NAMES, load_model, render_geometry, scene_objects
-from spigolo.synthetic.structured_light import (
+from spigolo.lab.synthetic import meshes
+from spigolo.lab.synthetic.demo_scene import CAMERA, OBJECT_NAMES, load_model, render_geometry, scene_objects
+from spigolo.lab.synthetic.structured_light import (
     StructuredLight,
     correlated_noise,
     projector_shadow,

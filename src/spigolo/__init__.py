@@ -19,9 +19,22 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spigolo.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
-    from spigolo.boxes import OrientedBox
-    from spigolo.config import (
+    from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError, UnitWarning
+    from spigolo.export.records import to_json
+    from spigolo.frames.files import read_camera, read_frame
+    from spigolo.frames.frame import Camera, Frame
+    from spigolo.frames.intrinsics import as_camera, camera_from_mapping
+    from spigolo.frames.registration import register_depth
+    from spigolo.frames.roi import MetricBox
+    from spigolo.kernels.workspace import Workspace
+    from spigolo.methods import METHODS, segment_around
+    from spigolo.objects.boxes import OrientedBox
+    from spigolo.objects.facts import RegionFacts
+    from spigolo.objects.segmentation import ObjectMask, RejectedRegion, Segmentation
+    from spigolo.objects.verdicts import Reason
+    from spigolo.pipeline import Trace, segment, segment_at, trace
+    from spigolo.settings.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
+    from spigolo.settings.config import (
         AutoCost,
         BoundaryCost,
         Color,
@@ -35,44 +48,31 @@ if TYPE_CHECKING:
         SaliencyCost,
         Smoothing,
     )
-    from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError, UnitWarning
-    from spigolo.export import to_json
-    from spigolo.facts import RegionFacts
-    from spigolo.frame import Camera, Frame
-    from spigolo.intrinsics import as_camera, camera_from_mapping
-    from spigolo.io import read_camera, read_frame
-    from spigolo.methods import METHODS, segment_around
-    from spigolo.objects import ObjectMask, RejectedRegion, Segmentation
-    from spigolo.pipeline import Trace, segment, segment_at, trace
-    from spigolo.presets import CLUTTER, OBJECTS, OBJECTS_1, OBJECTS_2, PRESETS, SHELF, TABLE, preset
-    from spigolo.registration import register_depth
-    from spigolo.rejection import Reason
-    from spigolo.roi import MetricBox
+    from spigolo.settings.presets import CLUTTER, OBJECTS, OBJECTS_1, OBJECTS_2, PRESETS, SHELF, TABLE, preset
     from spigolo.stream import Segmenter, warm_up
-    from spigolo.workspace import Workspace
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "additions": "Cap DepthContours Joining Smooth Support Vessel Wall",
-    "config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency SaliencyCost"
-    " Smoothing",
+    "settings.additions": "Cap DepthContours Joining Smooth Support Vessel Wall",
+    "settings.config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency"
+    " SaliencyCost Smoothing",
     "errors": "CameraError ConfigError FileError FrameError SpigoloError UnitWarning",
-    "frame": "Camera Frame",
-    "export": "to_json",
-    "intrinsics": "as_camera camera_from_mapping",
-    "io": "read_camera read_frame",
-    "boxes": "OrientedBox",
-    "facts": "RegionFacts",
+    "frames.frame": "Camera Frame",
+    "export.records": "to_json",
+    "frames.intrinsics": "as_camera camera_from_mapping",
+    "frames.files": "read_camera read_frame",
+    "objects.boxes": "OrientedBox",
+    "objects.facts": "RegionFacts",
     "methods": "METHODS segment_around",
-    "objects": "ObjectMask RejectedRegion Segmentation",
-    "registration": "register_depth",
-    "rejection": "Reason",
-    "roi": "MetricBox",
+    "objects.segmentation": "ObjectMask RejectedRegion Segmentation",
+    "frames.registration": "register_depth",
+    "objects.verdicts": "Reason",
+    "frames.roi": "MetricBox",
     "stream": "Segmenter warm_up",
-    "workspace": "Workspace",
+    "kernels.workspace": "Workspace",
     "pipeline": "Trace segment segment_at trace",
-    "presets": "CLUTTER OBJECTS OBJECTS_1 OBJECTS_2 PRESETS SHELF TABLE preset",
+    "settings.presets": "CLUTTER OBJECTS OBJECTS_1 OBJECTS_2 PRESETS SHELF TABLE preset",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 

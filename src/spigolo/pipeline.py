@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from spigolo.color import color_points
-from spigolo.config import Config, check_config
-from spigolo.cues import Cues, gather_cues
-from spigolo.frame import Frame, check_frame
-from spigolo.graph import Graph, weigh
-from spigolo.joining import join_parts
-from spigolo.objects import ObjectMask, Segmentation, select_objects
-from spigolo.presets import OBJECTS
-from spigolo.regions import Regions, partition
-from spigolo.roi import Roi, pixel_of
-from spigolo.workspace import Workspace
+from spigolo.additions.joining import join_parts
+from spigolo.frames.frame import Frame, check_frame
+from spigolo.frames.roi import Roi, pixel_of
+from spigolo.kernels.workspace import Workspace
+from spigolo.objects.segmentation import ObjectMask, Segmentation, select_objects
+from spigolo.settings.config import Config, check_config
+from spigolo.settings.presets import OBJECTS
+from spigolo.stages.color import color_points
+from spigolo.stages.cues import Cues, gather_cues
+from spigolo.stages.graph import Graph, weigh
+from spigolo.stages.regions import Regions, partition
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,14 +7,14 @@ import warnings
 
 import numpy as np
 
-from spigolo.config import AutoCost, Config
 from spigolo.errors import SpigoloError
-from spigolo.frame import Camera, Frame
-from spigolo.objects import Segmentation
+from spigolo.frames.frame import Camera, Frame
+from spigolo.frames.roi import Roi
+from spigolo.kernels.workspace import Workspace
+from spigolo.objects.segmentation import Segmentation
 from spigolo.pipeline import trace
-from spigolo.presets import OBJECTS, SHELF, TABLE
-from spigolo.roi import Roi
-from spigolo.workspace import Workspace
+from spigolo.settings.config import AutoCost, Config
+from spigolo.settings.presets import OBJECTS, SHELF, TABLE
 
 
 class Segmenter:

@@ -13,12 +13,12 @@ from spigolo.cli import DONE
 from spigolo.cli.inputs import DEMO_SCENE, find_frames
 from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FrameError
-from spigolo.frame import MAX_PIXELS
+from spigolo.frames.frame import MAX_PIXELS
 
 if TYPE_CHECKING:
-    from spigolo.bench import Plan, Report, Size
-    from spigolo.bench.timing import Tell
-    from spigolo.frame import Color, Frame
+    from spigolo.frames.frame import Color, Frame
+    from spigolo.lab.bench import Plan, Report, Size
+    from spigolo.lab.bench.timing import Tell
 
 NONE = "none"
 
@@ -70,9 +70,9 @@ def bench(
     if plot is not None and not plan.sizes:
         raise ConfigError("expected sizes to plot, got none")
     frames = _read(folders)
-    from spigolo import io
-    from spigolo.bench import bench as measure
-    from spigolo.bench import markdown as as_markdown
+    from spigolo.frames import files as io
+    from spigolo.lab.bench import bench as measure
+    from spigolo.lab.bench import markdown as as_markdown
 
     with _progress() as tell:
         report = measure(frames, plan, peers, tell)
@@ -90,7 +90,7 @@ def bench(
 
 
 def _plan(quick: bool, rounds: int | None, sizes: str | None, latency: int, startup: bool) -> Plan:
-    from spigolo.bench import QUICK, Plan
+    from spigolo.lab.bench import QUICK, Plan
 
     plan = dataclasses.replace(QUICK if quick else Plan(), latency=latency, cold=startup)
     if latency < 0:
@@ -118,7 +118,7 @@ def _sizes(text: str) -> tuple[Size, ...]:
 
 def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
     """The frames by name."""
-    from spigolo import io
+    from spigolo.frames import files as io
 
     found = find_frames(folders or [str(DEMO_SCENE)])
     frames = {paths.name: io.read_frame(paths.color, paths.depth, paths.camera) for paths in found}
@@ -147,7 +147,7 @@ def _print(report: Report) -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from spigolo.bench import tables
+    from spigolo.lab.bench import tables
 
     console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 120)
     for table in tables(report):

@@ -35,7 +35,7 @@ def compare(
         PNG file for the picture, or a folder for compare.png.
 
     """
-    from spigolo import io
+    from spigolo.frames import files as io
     from spigolo.methods import METHODS, Toscana2016
     from spigolo.view.comparison import comparison
 

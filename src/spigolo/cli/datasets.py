@@ -14,7 +14,7 @@ def datasets() -> int:
     Other folders in one of their layouts are read as well, and so are your own frames. `spigolo fetch` brings those
     marked with an asterisk. Example: `spigolo evaluate rgbd-scenes/ --presets TABLE`.
     """
-    from spigolo.datasets.catalogue import KNOWN_SETS
+    from spigolo.lab.datasets.catalogue import KNOWN_SETS
 
     for known in KNOWN_SETS:
         print(f"{known.name + ('*' if known.archives else ''):13s} {known.title}")
@@ -37,8 +37,8 @@ def fetch(name: str, *, to: Path = Path()) -> int:
     """
     from rich.progress import DownloadColumn, TaskID, TextColumn, TransferSpeedColumn
 
-    from spigolo.datasets.catalogue import known_set
-    from spigolo.datasets.fetching import fetch as run
+    from spigolo.lab.datasets.catalogue import known_set
+    from spigolo.lab.datasets.fetching import fetch as run
 
     known = known_set(name)
     columns = TextColumn("{task.description}"), DownloadColumn(), TransferSpeedColumn()

@@ -15,8 +15,8 @@ from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FileError
 
 if TYPE_CHECKING:
-    from spigolo.evaluation.rows import Row
-    from spigolo.experiments import Contender
+    from spigolo.lab.evaluation.rows import Row
+    from spigolo.lab.experiments import Contender
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
@@ -56,8 +56,8 @@ def evaluate(
     words, flags = split_flags(frames)
     if not words:
         raise FileError("expected a folder of frames, got nothing: name folders before any flag")
-    from spigolo.experiments import evaluate as run
-    from spigolo.experiments import find_labelled_frames, gather, make_methods
+    from spigolo.lab.experiments import evaluate as run
+    from spigolo.lab.experiments import find_labelled_frames, gather, make_methods
 
     configs = [configure(preset, flags, evaluate) for preset in presets]
     chosen = make_methods(methods, configs)
@@ -114,7 +114,7 @@ def report(
     """
     if not rows:
         raise FileError("expected a file of rows, got nothing: name files before any flag")
-    from spigolo.experiments import find_labelled_frames, find_references, read_contenders, write_report
+    from spigolo.lab.experiments import find_labelled_frames, find_references, read_contenders, write_report
 
     contenders = read_contenders(rows)
     if paper:
@@ -136,8 +136,8 @@ def report(
 
 
 def _report_paper(contenders: list[Contender], out: Path) -> int:
-    from spigolo.experiments import write_paper_tables
-    from spigolo.experiments.page import to_text
+    from spigolo.lab.experiments import write_paper_tables
+    from spigolo.lab.experiments.page import to_text
 
     for title, table in write_paper_tables(contenders, out):
         print(f"{title}\n{to_text(table)}\n")
@@ -155,8 +155,8 @@ def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
 
 
 def _print_pooled(contenders: list[Contender]) -> None:
-    from spigolo.experiments.page import to_text
-    from spigolo.experiments.tables import brief_table
+    from spigolo.lab.experiments.page import to_text
+    from spigolo.lab.experiments.tables import brief_table
 
     table = brief_table(contenders)
     if table.rows:

@@ -9,7 +9,7 @@ from spigolo.cli import DONE
 from spigolo.cli.inputs import DEMO_SCENE, Out, find_frames
 
 if TYPE_CHECKING:
-    from spigolo.frame import Frame
+    from spigolo.frames.frame import Frame
 
 
 def figures(
@@ -31,9 +31,9 @@ def figures(
         Folder for figure2.png to figure5.png.
 
     """
-    from spigolo import io
+    from spigolo.frames import files as io
     from spigolo.pipeline import segment
-    from spigolo.presets import OBJECTS
+    from spigolo.settings.presets import OBJECTS
     from spigolo.view import figures as draw
 
     frames = read_all(inputs, camera, depth_scale)
@@ -52,7 +52,7 @@ def figures(
 
 def read_all(inputs: tuple[str, ...], camera: str | None, depth_scale: float | None) -> dict[str, Frame]:
     """The frames by name."""
-    from spigolo import io
+    from spigolo.frames import files as io
 
     words = list(inputs) or [str(DEMO_SCENE)]
     return {p.name: io.read_frame(p.color, p.depth, camera or p.camera, depth_scale) for p in find_frames(words)}

@@ -12,7 +12,7 @@ from spigolo.cli.progress import progress
 from spigolo.errors import FileError
 
 if TYPE_CHECKING:
-    from spigolo.fitting import Trial
+    from spigolo.lab.fitting import Trial
 
 
 def fit(
@@ -58,9 +58,9 @@ def fit(
     words, flags = split_flags(frames)
     if not words:
         raise FileError("expected a folder of labelled frames, got nothing: name folders before any flag")
-    from spigolo.experiments import find_labelled_frames, make_methods
-    from spigolo.experiments.page import to_text
-    from spigolo.fitting import check_folds, goodness, hold_out, only_labelled, score_table, search, write_fit
+    from spigolo.lab.experiments import find_labelled_frames, make_methods
+    from spigolo.lab.experiments.page import to_text
+    from spigolo.lab.fitting import check_folds, goodness, hold_out, only_labelled, score_table, search, write_fit
 
     check_flags(flags, [method])
     (start,) = make_methods([method], [configure(preset, flags, fit)])

@@ -16,7 +16,7 @@ from cyclopts import Parameter
 from spigolo.errors import ConfigError, FileError, warn
 
 if TYPE_CHECKING:
-    from spigolo.config import Config
+    from spigolo.settings.config import Config
 
 IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
@@ -60,7 +60,7 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
     """The preset with the fields that flags change, each checked by its type. verb: whose own flags may be meant."""
-    from spigolo.presets import preset as find
+    from spigolo.settings.presets import preset as find
 
     config = find(preset)
     known = field_names(config)

@@ -37,7 +37,7 @@ def render(
         Folder for them. `rendered.json` in it says that they are no photographs.
 
     """
-    from spigolo.synthetic.layouts import write_family
+    from spigolo.lab.synthetic.layouts import write_family
 
     with progress(transient=True) as bar:
         task = bar.add_task("rendering", total=count)

@@ -12,11 +12,11 @@ from cyclopts import Parameter
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.inputs import FramePaths, Inputs, Out, configure, find_frames, only_frame, split_flags
 from spigolo.errors import FileError, SpigoloError, UnitWarning
-from spigolo.frame import MAX_PIXELS
+from spigolo.frames.frame import MAX_PIXELS
 
 if TYPE_CHECKING:
-    from spigolo.frame import Frame
-    from spigolo.roi import Roi
+    from spigolo.frames.frame import Frame
+    from spigolo.frames.roi import Roi
 
 PixelBox = Annotated[tuple[int, int, int, int], Parameter(negative=())]
 SpaceBox = Annotated[tuple[float, float, float, float, float, float], Parameter(negative=())]
@@ -131,8 +131,9 @@ def trace(
     words, flags = split_flags(inputs)
     config = configure(preset, flags, trace)
     paths = only_frame(find_frames(words))
-    from spigolo import io, pipeline
+    from spigolo import pipeline
     from spigolo.cli import show
+    from spigolo.frames import files as io
     from spigolo.view import figure1
 
     frame = _read(paths, camera, depth_scale, max_pixels)
@@ -175,7 +176,7 @@ def doctor(
 
 
 def _read(paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int) -> Frame:
-    from spigolo import io
+    from spigolo.frames import files as io
 
     given = camera if camera is not None else paths.camera
     return io.read_frame(paths.color, paths.depth, given, depth_scale, max_pixels=max_pixels)
@@ -196,11 +197,11 @@ def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Ro
             "expected one region of interest, got several: --roi, --roi-mask and --roi-box exclude each other"
         )
     if mask is not None:
-        from spigolo.io import read_mask
+        from spigolo.frames.files import read_mask
 
         return read_mask(mask)
     if box is not None:
-        from spigolo.roi import MetricBox
+        from spigolo.frames.roi import MetricBox
 
         return MetricBox(box[:3], box[3:])
     return pixels

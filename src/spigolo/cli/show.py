@@ -14,14 +14,15 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from spigolo import export, io
+from spigolo.export import records as export
+from spigolo.frames import files as io
 from spigolo.view.overlay import overlay
 
 if TYPE_CHECKING:
     from spigolo.cli.inputs import FramePaths
     from spigolo.doctor import Diagnosis
-    from spigolo.frame import Frame
-    from spigolo.objects import Segmentation
+    from spigolo.frames.frame import Frame
+    from spigolo.objects.segmentation import Segmentation
 
 MOST_REJECTED = 10
 """How many rejected regions are printed, the largest first; objects.json has them all."""

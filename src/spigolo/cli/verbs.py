@@ -20,7 +20,7 @@ from spigolo.cli.render import render
 from spigolo.cli.segment import doctor, segment, trace
 
 if TYPE_CHECKING:
-    from spigolo.frame import Color
+    from spigolo.frames.frame import Color
     from spigolo.pipeline import Trace
 
 
@@ -57,8 +57,8 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
         Print the preset as TOML, to be changed and given to `--preset`.
 
     """
-    from spigolo.presets import PRESETS, SUMMARIES
-    from spigolo.presets import preset as find
+    from spigolo.settings.presets import PRESETS, SUMMARIES
+    from spigolo.settings.presets import preset as find
 
     if name is None:
         for key, config in PRESETS.items():
@@ -97,9 +97,10 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
         Folder for the results; demo.png is the picture to look at.
 
     """
-    from spigolo import io, pipeline
+    from spigolo import pipeline
     from spigolo.cli import show
-    from spigolo.presets import OBJECTS
+    from spigolo.frames import files as io
+    from spigolo.settings.presets import OBJECTS
 
     frame = io.read_frame(DEMO_SCENE / "rgb.png", DEMO_SCENE / "depth.png", DEMO_SCENE / "camera.json")
     run = pipeline.trace(frame, OBJECTS)

@@ -12,10 +12,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import VGA_PX2
 from spigolo.doctor.findings import Finding, fine, note, warning
-from spigolo.frame import Color, DepthMap
+from spigolo.frames.frame import Color, DepthMap
 from spigolo.kernels.contours import fill_shadows
+from spigolo.settings.config import VGA_PX2
 
 ALIGNMENT = "alignment"
 

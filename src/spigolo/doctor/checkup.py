@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from importlib import metadata
 
-from spigolo.config import AutoCost, Inpainting
-from spigolo.depth import inpaint_small_gaps, missing_mask, missing_share
 from spigolo.doctor.alignment import check_alignment
 from spigolo.doctor.findings import COST, Diagnosis, Finding, fine, note, warning
 from spigolo.doctor.intrinsics import check_focal_length, check_intrinsics
 from spigolo.doctor.measured import check_missing, check_negative, check_unit
-from spigolo.frame import Camera, DepthMap, Frame, check_frame
+from spigolo.frames.frame import Camera, DepthMap, Frame, check_frame
+from spigolo.settings.config import AutoCost, Inpainting
+from spigolo.stages.depth import inpaint_small_gaps, missing_mask, missing_share
 
 CV2_WHEELS = (
     "opencv-python",

@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions import Support
+from spigolo.additions.support import Plane, find_support, support_mask
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.doctor.local_planes import LocalPlanes, fit_local_planes
-from spigolo.frame import Camera, DepthMap
-from spigolo.support import Plane, find_support, support_mask
+from spigolo.frames.frame import Camera, DepthMap
+from spigolo.settings.additions import Support
 
 INTRINSICS, FOCAL_LENGTH = "intrinsics", "focal length"
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.frame import Camera, DepthMap, Mask
+from spigolo.frames.frame import Camera, DepthMap, Mask
 
 RADIUS_PX = 3
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from spigolo.depth import find_gaps, missing_mask, sampling_holes
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.doctor.local_planes import fit_local_planes
-from spigolo.frame import DepthMap, Frame
+from spigolo.frames.frame import DepthMap, Frame
+from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 
 MISSING, UNIT = "missing depth", "depth unit"
 

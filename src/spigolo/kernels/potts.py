@@ -2,7 +2,7 @@
 
 Every pixel has a spin, one of a few numbers. Neighbours of equal spin lower the energy by their interaction J, which is
 positive where they look alike and negative where they differ: E = -sum of J over all pairs of equal spin.
-Interactions lie in planes as the weights of a graph do (`spigolo.graph`); pairs that leave the image have 0.
+Interactions lie in planes as the weights of a graph do (`spigolo.stages.graph`); pairs that leave the image have 0.
 """
 
 from __future__ import annotations

@@ -15,14 +15,14 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import Field
 
-from spigolo.frame import DepthMap, Frame
-from spigolo.graph import OFFSETS
+from spigolo.frames.frame import DepthMap, Frame
 from spigolo.kernels import potts
 from spigolo.methods.baseline import Baseline, Division, MethodConfig
 from spigolo.methods.domains import Planes, Spins, connected_areas, join_domains
 from spigolo.methods.features import color_features, feature_graph
-from spigolo.parameters import NotNegative, Positive
-from spigolo.regions import Regions
+from spigolo.settings.parameters import NotNegative, Positive
+from spigolo.stages.graph import OFFSETS
+from spigolo.stages.regions import Regions
 
 LEAST_MEAN = 1e-6
 """Where a whole frame has one colour, nothing is divided by zero."""

@@ -10,14 +10,14 @@ from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Inpainting, Rejection
-from spigolo.depth import inpaint_small_gaps
-from spigolo.frame import Frame, check_frame
-from spigolo.objects import Evidence, Segmentation, judge_regions, warn_of_depth
-from spigolo.parameters import Parameters
-from spigolo.presets import OBJECTS_2
-from spigolo.regions import Regions
-from spigolo.support import find_support
+from spigolo.additions.support import find_support
+from spigolo.frames.frame import Frame, check_frame
+from spigolo.objects.segmentation import Evidence, Segmentation, judge_regions, warn_of_depth
+from spigolo.settings.config import Inpainting, Rejection
+from spigolo.settings.parameters import Parameters
+from spigolo.settings.presets import OBJECTS_2
+from spigolo.stages.depth import inpaint_small_gaps
+from spigolo.stages.regions import Regions
 
 REJECTION = Rejection(**{**OBJECTS_2.rejection.model_dump(), "min_contour": None})
 """The rules of OBJECTS_2 but for the one that asks for a boundary map, which no other method has."""

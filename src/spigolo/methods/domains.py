@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Partition
-from spigolo.frame import Mask
-from spigolo.graph import OFFSETS, Graph
-from spigolo.regions import Regions, partition
+from spigolo.frames.frame import Mask
+from spigolo.settings.config import Partition
+from spigolo.stages.graph import OFFSETS, Graph
+from spigolo.stages.regions import Regions, partition
 
 Planes = npt.NDArray[np.float32]
 Spins = npt.NDArray[np.int32]

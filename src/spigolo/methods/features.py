@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.frame import Color, DepthMap
-from spigolo.graph import OFFSETS, Graph
+from spigolo.frames.frame import Color, DepthMap
 from spigolo.kernels import features as kernel
+from spigolo.stages.graph import OFFSETS, Graph
 
 Features = npt.NDArray[np.float32]
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from spigolo.config import Partition
-from spigolo.facts import weight_contour
-from spigolo.frame import Frame
-from spigolo.graph import Graph
+from spigolo.frames.frame import Frame
 from spigolo.methods.baseline import Baseline, Division, MethodConfig
 from spigolo.methods.features import color_features, feature_graph
-from spigolo.parameters import NotNegative
-from spigolo.regions import partition
+from spigolo.objects.facts import weight_contour
+from spigolo.settings.config import Partition
+from spigolo.settings.parameters import NotNegative
+from spigolo.stages.graph import Graph
+from spigolo.stages.regions import partition
 
 
 class FelzenszwalbConfig(MethodConfig):

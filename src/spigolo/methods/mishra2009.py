@@ -17,14 +17,14 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.frame import Frame, Mask, check_frame
+from spigolo.frames.frame import Frame, Mask, check_frame
+from spigolo.frames.roi import pixel_of
 from spigolo.kernels import polar as kernel
 from spigolo.methods.baseline import Baseline, Division
 from spigolo.methods.ownership import Boundary, BoundaryConfig, Floats, find_boundary
-from spigolo.objects import ObjectMask
-from spigolo.parameters import NotNegative, Positive, Share
-from spigolo.regions import Regions
-from spigolo.roi import pixel_of
+from spigolo.objects.segmentation import ObjectMask
+from spigolo.settings.parameters import NotNegative, Positive, Share
+from spigolo.stages.regions import Regions
 
 Points = npt.NDArray[np.float64]
 

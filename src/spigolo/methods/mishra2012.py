@@ -17,12 +17,12 @@ import cv2
 import numpy as np
 from pydantic import Field
 
-from spigolo.config import VGA_PX2
-from spigolo.frame import Frame, Mask
+from spigolo.frames.frame import Frame, Mask
 from spigolo.methods.baseline import Baseline, Division
 from spigolo.methods.mishra2009 import FixationConfig, Points, contour_around, edge_map, innermost, inside, paint
 from spigolo.methods.ownership import Boundary, Floats, find_boundary
-from spigolo.parameters import NotNegative, Positive, Share
+from spigolo.settings.config import VGA_PX2
+from spigolo.settings.parameters import NotNegative, Positive, Share
 
 HARDLY = 0.5
 """Half of what is asked of a contour is enough to look again."""

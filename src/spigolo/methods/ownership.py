@@ -14,13 +14,13 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Edges
-from spigolo.edges import Gradient, scharr_canny
-from spigolo.frame import Camera, Color, DepthMap, Mask
+from spigolo.frames.frame import Camera, Color, DepthMap, Mask
 from spigolo.kernels import contours
 from spigolo.kernels import polar as kernel
 from spigolo.methods.baseline import MethodConfig
-from spigolo.parameters import Length_px, Positive, Share
+from spigolo.settings.config import Edges
+from spigolo.settings.parameters import Length_px, Positive, Share
+from spigolo.stages.edges import Gradient, scharr_canny
 
 Floats = npt.NDArray[np.float32]
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
-from spigolo.frame import Frame
-from spigolo.objects import Segmentation
+from spigolo.frames.frame import Frame
+from spigolo.objects.segmentation import Segmentation
 
 
 class Method(Protocol):

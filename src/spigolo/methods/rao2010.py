@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from spigolo.frame import Frame
-from spigolo.graph import Graph
+from spigolo.frames.frame import Frame
 from spigolo.methods.features import color_features, depth_feature, feature_graph
 from spigolo.methods.felzenszwalb2004 import Felzenszwalb2004, FelzenszwalbConfig
-from spigolo.parameters import NotNegative
+from spigolo.settings.parameters import NotNegative
+from spigolo.stages.graph import Graph
 
 
 class RaoConfig(FelzenszwalbConfig):

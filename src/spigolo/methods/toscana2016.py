@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
-from spigolo.config import Config
-from spigolo.frame import Frame
-from spigolo.objects import Segmentation
-from spigolo.presets import OBJECTS
+from spigolo.frames.frame import Frame
+from spigolo.objects.segmentation import Segmentation
+from spigolo.settings.config import Config
+from spigolo.settings.presets import OBJECTS
 from spigolo.stream import Segmenter
 
 

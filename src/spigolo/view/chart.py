@@ -10,7 +10,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
-from spigolo.frame import Color
+from spigolo.frames.frame import Color
 from spigolo.view.overlay import FONT, INK
 
 WIDTH, HEIGHT, FINER = 1120, 720, 3

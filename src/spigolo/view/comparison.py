@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from spigolo.frame import Color, Frame
-from spigolo.objects import Segmentation
+from spigolo.frames.frame import Color, Frame
+from spigolo.objects.segmentation import Segmentation
 from spigolo.view.overlay import overlay, region_picture, tile
 
 

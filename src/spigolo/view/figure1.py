@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.color import color_points
-from spigolo.frame import Color
+from spigolo.frames.frame import Color
 from spigolo.pipeline import Trace
+from spigolo.stages.color import color_points
 from spigolo.view.overlay import depth_picture, overlay, palette, region_picture, tile
 
 Array = npt.NDArray[np.generic]

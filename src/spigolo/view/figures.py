@@ -9,15 +9,15 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.config import Config
-from spigolo.depth import missing_mask, prepare_depth, smooth
-from spigolo.edges import EdgeMaps, find_edges
 from spigolo.errors import CameraError
-from spigolo.frame import Camera, Color, DepthMap, Frame
-from spigolo.objects import Segmentation
+from spigolo.frames.frame import Camera, Color, DepthMap, Frame
+from spigolo.objects.segmentation import Segmentation
 from spigolo.pipeline import segment
-from spigolo.presets import OBJECTS, SHELF, TABLE
-from spigolo.saliency import fine_grained_saliency, power_law
+from spigolo.settings.config import Config
+from spigolo.settings.presets import OBJECTS, SHELF, TABLE
+from spigolo.stages.depth import missing_mask, prepare_depth, smooth
+from spigolo.stages.edges import EdgeMaps, find_edges
+from spigolo.stages.saliency import fine_grained_saliency, power_law
 from spigolo.view.overlay import depth_picture, overlay, tile
 
 Window = tuple[int, int, int, int]

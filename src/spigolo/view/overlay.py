@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.cues import Cues
-from spigolo.frame import Camera, Color, DepthMap
-from spigolo.objects import ObjectMask, Segmentation
+from spigolo.frames.frame import Camera, Color, DepthMap
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+from spigolo.stages.cues import Cues
 
 GOLDEN_RATIO = 0.618034
 FONT = cv2.FONT_HERSHEY_SIMPLEX

@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.frame import Color, Mask
+from spigolo.frames.frame import Color, Mask
 
 FOUND, MISSED = (60, 220, 90), (255, 60, 60)
 HATCH_STEP_PX = 12

@@ -1,0 +1,1 @@
+"""Our additions to the paper, each switched on by a model in `settings.additions`. The paper's presets use none."""

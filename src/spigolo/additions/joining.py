@@ -1,0 +1,232 @@
+"""Parts of one object are joined (our addition, not in the paper).
+
+The partition cuts an object where its own depth steps, a cup between its wall and its inside, and where noise looks
+like a contour. Four rules join regions that stand on the support, by what lies on both sides of their border
+(`Joining` has the numbers):
+
+- vessel: the front region bulges, the one behind it is hollow, both end at one height: wall and inside of a cup;
+- cap: hardly any gap and no valley, one above the other, both end at one height and fill one outline: a lid, or a cup
+  that the camera saw filled;
+- smooth: hardly any gap, and the border is no valley: a box leant against by noise;
+- enclosed: what lies on the plane, or has no depth, within an object is part of it: the bottom of a bowl.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.additions.support import Plane, above_mask
+from spigolo.frames.frame import Frame
+from spigolo.kernels import borders, moments
+from spigolo.settings.additions import Joining, Support
+from spigolo.settings.config import Config
+from spigolo.stages.cues import Cues
+from spigolo.stages.regions import Regions
+
+GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
+TOP_PERCENT = 95
+MOST_PARTS = 1000
+"""Of more regions than that only the largest are looked at: sums over all their borders would take gigabytes."""
+CUT_SOLIDITY = 0.9
+LEAST_ABOVE = 0.85
+"""Least share of the columns of a vessel's inside, where that looks flat, that lie within those of the wall; and of the
+narrower part of an object with a cap within those of the other."""
+
+Counts = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class Border:
+    """What lies on both sides of the border between two regions, a the one in front.
+
+    gap_m: mean depth difference across it; behind_m: the same signed, how far b lies behind a; bend_m: mean depth of
+    the border behind the chord of its sides, positive in a valley; boundary: mean of delta_bound along it.
+    """
+
+    a: int
+    b: int
+    gap_m: float
+    behind_m: float
+    bend_m: float
+    boundary: float
+
+
+def join_parts(regions: Regions, cues: Cues, frame: Frame, config: Config) -> Regions:
+    """The regions with the parts of each object joined; as they are without `joining`, a camera or a support."""
+    if config.joining is None or cues.support is None or frame.camera is None or config.rejection.support is None:
+        return regions
+    parts = _Parts(regions, cues, frame, config.joining, config.rejection.support, cues.support)
+    root = np.arange(regions.count)
+    for border in parts.borders():
+        if parts.is_vessel(border) or parts.is_cap(border) or parts.is_smooth(border):
+            _unite(root, border.a, border.b)
+    for inner, outer in parts.enclosed(root):
+        _unite(root, inner, outer)
+    return regions.joined(root)
+
+
+def _unite(root: Counts, a: int, b: int) -> None:
+    """Gives the regions of both the smaller root."""
+    low, high = sorted((root[a], root[b]))
+    root[root == high] = low
+
+
+class _Parts:
+    """The regions of a frame and what the rules ask of them."""
+
+    def __init__(
+        self, regions: Regions, cues: Cues, frame: Frame, config: Joining, support: Support, plane: Plane
+    ) -> None:
+        assert frame.camera is not None
+        self.config, self.cues, self.labels = config, cues, regions.labels
+        self.height = plane.height_map_m(cues.depth, frame.camera)
+        sums, self.boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
+        moments.sum_regions(regions.labels, sums, self.boxes)
+        self.area = sums[:, 0]
+        measured = regions.count_where(np.asarray(cues.depth > 0))
+        above = regions.count_where(above_mask(plane, cues.depth, frame.camera, support))
+        self.stands = (above >= config.min_above * measured) & (measured >= config.min_measured * self.area)
+        self.stands &= self.area <= config.max_share * self.labels.size
+        self.ids = np.flatnonzero(self.stands)
+        if self.ids.size > MOST_PARTS:
+            self.ids = np.sort(self.ids[np.argsort(-self.area[self.ids], kind="stable")[:MOST_PARTS]])
+        self.number = np.full(regions.count, -1, np.int32)
+        self.number[self.ids] = np.arange(self.ids.size)
+        self.focal_px = frame.camera.fx
+        self.hollowness = self._hollowness()
+        self._tops: dict[int, float] = {}
+
+    def borders(self) -> Iterator[Border]:
+        """The borders between regions that stand, long enough and with enough depth."""
+        count = self.ids.size
+        sums = np.zeros((count, count, borders.SUMS))
+        edges = self.cues.edges
+        boundary = np.zeros(self.labels.shape, np.float32) if edges is None else edges.boundary
+        borders.sum_borders(
+            self.labels, self.number, self.cues.depth, boundary, self.config.reach_px, GAP_LIMIT_M, BEND_LIMIT_M, sums
+        )
+        behind, known = sums[:, :, borders.BEHIND], sums[:, :, borders.MEASURED] > 0
+        for a, b in np.argwhere((behind > 0) | (np.triu(behind == 0) & known)):
+            pairs, measured, gap, behind, bend, strength = sums[a, b].tolist()
+            if pairs >= self.config.min_border_px and measured >= self.config.min_measured * pairs:
+                yield Border(
+                    int(self.ids[a]),
+                    int(self.ids[b]),
+                    gap / measured,
+                    behind / measured,
+                    bend / measured,
+                    strength / pairs,
+                )
+
+    def is_vessel(self, border: Border) -> bool:
+        """Whether a is the wall and b the inside of one vessel."""
+        rule, front, back = self.config.vessel, self.hollowness[border.a], self.hollowness[border.b]
+        if rule is None:
+            return False
+        sure = back >= rule.sure_hollow_back and back - front >= rule.sure_contrast
+        if not sure and not self._has_room(border):
+            return False
+        return (
+            border.behind_m >= rule.min_behind_m
+            and front <= rule.max_hollow_front
+            and back >= rule.min_hollow_back
+            and back - front >= rule.min_contrast
+            and self._ends_alike(border, rule.top_m, rule.top_share)
+            and self._solidity((border.a, border.b)) >= (rule.sure_solidity if sure else rule.min_solidity)
+        )
+
+    def _has_room(self, border: Border) -> bool:
+        """Whether b lies behind a as the inside of a vessel does: above it, and no farther off than a is wide."""
+        shared, across, own = self._columns(border)
+        y0, x0, y1, x1 = self.boxes[border.a]
+        wall = self.cues.depth[y0:y1, x0:x1][self._crop(border.a) == border.a]
+        width_m = across * float(np.median(wall[wall > 0])) / self.focal_px
+        return shared >= LEAST_ABOVE * own and border.behind_m <= width_m
+
+    def _columns(self, border: Border) -> tuple[int, int, int]:
+        """How many columns of the image a and b share, how many a has, how many b."""
+        (left, right), (start, end) = self.boxes[border.a, 1::2].tolist(), self.boxes[border.b, 1::2].tolist()
+        return max(min(right, end) - max(left, start), 0), right - left, end - start
+
+    def is_cap(self, border: Border) -> bool:
+        """Whether one is the upper face of the other: they lie one above the other, not side by side."""
+        rule = self.config.cap
+        shared, *widths = self._columns(border)
+        return (
+            rule is not None
+            and shared >= LEAST_ABOVE * min(widths)
+            and border.gap_m <= rule.max_gap_m
+            and border.bend_m <= rule.max_bend_m
+            and self._ends_alike(border, 0.0, rule.top_share)
+            and self._solidity((border.a, border.b)) >= rule.min_solidity
+        )
+
+    def is_smooth(self, border: Border) -> bool:
+        """Whether the surface goes on across the border, flat or convex."""
+        rule = self.config.smooth
+        return (
+            rule is not None
+            and border.gap_m <= rule.max_gap_m
+            and border.bend_m <= rule.max_bend_m
+            and border.boundary <= rule.max_boundary
+        )
+
+    def enclosed(self, root: Counts) -> Iterator[tuple[int, int]]:
+        """Regions that do not stand, and the object that their surroundings belong to."""
+        least = self.config.enclosed
+        if least is None:
+            return
+        inner = np.asarray((self.boxes[:, :2] > 0).all(1) & (self.boxes[:, 2:] < self.labels.shape).all(1))
+        for k in np.flatnonzero(~self.stands & (self.area <= self.config.max_share * self.labels.size)):
+            labels = self._crop(int(k), 1)
+            here = (labels == k).view(np.uint8)
+            ring = (cv2.dilate(here, np.ones((3, 3), np.uint8)) > 0) & (here == 0)
+            around = np.bincount(root[labels[ring]], minlength=root.size)
+            outer = int(around.argmax())
+            if around[outer] < least * around.sum() or not self.stands[root == outer].any():
+                continue
+            parts = [int(k), *np.flatnonzero(root == outer).tolist()]
+            if inner[k] or self._solidity(parts) >= CUT_SOLIDITY:
+                yield int(k), outer
+
+    def _crop(self, k: int, margin: int = 0) -> npt.NDArray[np.int32]:
+        (top, left), (bottom, right) = np.maximum(self.boxes[k, :2] - margin, 0), self.boxes[k, 2:] + margin
+        return self.labels[top:bottom, left:right]
+
+    def _hollowness(self) -> npt.NDArray[np.float64]:
+        """How deep each region lies behind its chords along image rows, as a share of their length (R,)."""
+        sums = np.zeros((self.ids.size, 2))
+        borders.sum_hollows(self.labels, self.number, self.cues.depth, self.focal_px, self.config.margin_px, sums)
+        out = np.zeros(self.number.size)
+        out[self.ids] = sums[:, 0] / np.maximum(sums[:, 1], 1e-6)
+        return out
+
+    def top_m(self, k: int) -> float:
+        """Height of a region's top above the support; kept, as every neighbour asks."""
+        if k not in self._tops:
+            self._tops[k] = self._find_top_m(k)
+        return self._tops[k]
+
+    def _find_top_m(self, k: int) -> float:
+        y0, x0, y1, x1 = self.boxes[k]
+        there = (self._crop(k) == k) & (self.cues.depth[y0:y1, x0:x1] > 0)
+        return float(np.percentile(self.height[y0:y1, x0:x1][there], TOP_PERCENT)) if there.any() else 0.0
+
+    def _ends_alike(self, border: Border, tolerance_m: float, share: float) -> bool:
+        """Whether both regions end at one height above the support."""
+        a, b = self.top_m(border.a), self.top_m(border.b)
+        return abs(a - b) <= max(tolerance_m, share * max(a, b))
+
+    def _solidity(self, parts: Sequence[int]) -> float:
+        """Share of the convex hull of regions that lies within their outlines: what they enclose counts."""
+        (y0, x0), (y1, x1) = self.boxes[parts, :2].min(0), self.boxes[parts, 2:].max(0)
+        own = np.isin(self.labels[y0:y1, x0:x1], parts).view(np.uint8)
+        outlines, _ = cv2.findContours(own, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        hull: Any = cv2.convexHull(np.vstack(outlines))
+        return sum(map(cv2.contourArea, outlines)) / max(cv2.contourArea(hull), 1.0)

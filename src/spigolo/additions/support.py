@@ -1,0 +1,220 @@
+"""The support: the largest plane of a frame, on which objects stand (our addition, not in the paper)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Camera, DepthMap, Mask
+from spigolo.kernels import planes as kernel
+from spigolo.settings.additions import Support
+
+SAMPLES = 3000
+HYPOTHESES = 200
+REFINEMENTS = 3
+SPECKLE_PX = 5
+STACKED_M = 0.1
+STACKED_SLACK_M = 0.05
+STACKED_COSINE = 0.97
+"""A second support lies at least 10 cm above the first, within 14 degrees of it; heights are taken 5 cm at a time."""
+MOST_BELOW = 0.25
+CELLS = 24
+"""Largest share of what a plane surrounds that may lie below it, and of how many cells the longer side of the image
+has when that is asked."""
+SPARSE = 0.6
+"""Where less of a frame has depth, sides of a plane may be unseen: no more may lie below it anywhere than on it."""
+MOST_PLANES = 6
+SEED = 7
+"""RANSAC draws from a fixed seed: the same frame gives the same plane."""
+
+Points = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plane:
+    """normal (3,) of length 1, towards the camera; height of a point p above the plane = normal . p + offset_m."""
+
+    normal: Points
+    offset_m: float
+
+    def height_m(self, points: Points) -> Points:
+        """Heights (N,) of points (N, 3); the camera's side counts as above."""
+        return np.asarray(points @ self.normal + self.offset_m)
+
+    def height_map_m(self, depth: DepthMap, camera: Camera) -> npt.NDArray[np.float32]:
+        """Height (H, W) of every pixel of a depth map (H, W) in metres; offset_m where depth is missing."""
+        out = np.empty(depth.shape, np.float32)
+        kernel.measure_heights(depth, *self.slopes(depth.shape, camera), np.float32(self.offset_m), out)
+        return out
+
+    def slopes(
+        self, shape: tuple[int, ...], camera: Camera
+    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], np.float32]:
+        """Of each column, of each row, of all: height = (their sum) * depth + offset_m."""
+        a, b, c = (float(v) for v in self.normal)
+        slope_x = (np.arange(shape[1], dtype=np.float32) - np.float32(camera.cx)) * np.float32(a / camera.fx)
+        slope_y = (np.arange(shape[0], dtype=np.float32) - np.float32(camera.cy)) * np.float32(b / camera.fy)
+        return slope_x, slope_y, np.float32(c)
+
+
+def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray[np.float32]:
+    """How far a pixel may lie off the plane: the height that counts, or the depth error where that is larger."""
+    return np.maximum(np.float32(config.min_height_m), np.float32(config.noise_per_m) * depth * depth)
+
+
+def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | None:
+    """The plane with the most measured pixels; None where no plane has `min_share` of them.
+
+    RANSAC on a sample of the pixels, then least squares on what lies within the tolerance.
+    """
+    valid = np.flatnonzero(depth > 0)
+    if valid.size < 3:
+        return None
+    rng = np.random.default_rng(SEED)
+    y, x = np.divmod(valid[rng.integers(valid.size, size=min(SAMPLES, valid.size))], depth.shape[1])
+    z = depth[y, x].astype(np.float64)
+    sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
+    cells = np.stack([y, x], axis=1) * CELLS // max(depth.shape)
+    is_opaque = partial(_is_opaque, sample=sample, cells=cells, sparse=valid.size < SPARSE * depth.size, config=config)
+    planes = _largest_planes(sample, rng, config)
+    plane = next(planes, None)
+    if plane is None:
+        return None
+    if config.opaque:
+        plane = next(filter(is_opaque, chain([plane], planes)), plane)
+    stacked = None if config.stacked_share is None else _stacked(plane, sample, config)
+    return stacked if stacked is not None and is_opaque(stacked) else plane
+
+
+def support_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
+    """Pixels (H, W) that lie on the plane, within the tolerance."""
+    return np.asarray(_sides(plane, depth, camera, config) == kernel.ON)
+
+
+def above_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
+    """Pixels (H, W) that stand above the plane by more than the tolerance."""
+    return np.asarray(_sides(plane, depth, camera, config) == kernel.ABOVE)
+
+
+def _sides(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> npt.NDArray[np.uint8]:
+    out = np.empty(depth.shape, np.uint8)
+    least, noise = np.float32(config.min_height_m), np.float32(config.noise_per_m)
+    kernel.tell_sides(depth, *plane.slopes(depth.shape, camera), np.float32(plane.offset_m), least, noise, out)
+    return out
+
+
+def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
+    """Pixels (H, W) above the plane with a neighbour that is not, or has no depth: where objects end.
+
+    Speckles of a pixel or two are smoothed away first.
+    """
+    above = cv2.medianBlur(above_mask(plane, depth, camera, config).view(np.uint8), SPECKLE_PX)
+    beside = (above == 0).view(np.uint8)
+    return np.asarray((above > 0) & (cv2.dilate(beside, np.ones((3, 3), np.uint8)) > 0))
+
+
+def _on(plane: Plane, points: Points, config: Support) -> Mask:
+    return np.asarray(np.abs(plane.height_m(points)) <= tolerance_m(points[:, 2], config))
+
+
+def _share(plane: Plane, sample: Points, config: Support) -> float:
+    return float(_on(plane, sample, config).mean())
+
+
+def _refine(plane: Plane, sample: Points, config: Support) -> Plane | None:
+    """Least squares on what lies within the tolerance, a few times; None where too little does."""
+    for _ in range(REFINEMENTS):
+        inliers = sample[_on(plane, sample, config)]
+        if len(inliers) < 3:
+            return None
+        plane = _fit(inliers)
+    return plane
+
+
+def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
+    """The largest plane above `floor` and along it; None where it has too small a share."""
+    assert config.stacked_share is not None
+    height = np.sort(floor.height_m(sample))
+    height = height[height > STACKED_M]
+    if height.size < 3:
+        return None
+    within = np.searchsorted(height, height + STACKED_SLACK_M) - np.arange(height.size)
+    low = height[within.argmax()]
+    band = (floor.height_m(sample) >= low) & (floor.height_m(sample) <= low + STACKED_SLACK_M)
+    plane = _refine(_fit(sample[band]), sample, config) if np.count_nonzero(band) >= 3 else None
+    if plane is None or plane.normal @ floor.normal < STACKED_COSINE:
+        return None
+    least = max(config.stacked_share * _share(floor, sample, config), config.min_share)
+    return plane if _share(plane, sample, config) >= least else None
+
+
+def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], sparse: bool, config: Support) -> bool:
+    """Whether hardly anything shows through a plane from below, where the plane is seen on three sides of it.
+
+    A table hides the floor; the front edges of a shelf lie in one plane too, but frame what is behind. cells (N, 2):
+    where the sample lies in a coarse image; a cell shows the plane if most of its points do. sparse: of a frame that
+    lacks most of its depth.
+    """
+    on, below = _on(plane, sample, config), plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
+    votes = np.zeros(cells.max(axis=0) + 1, np.int64)
+    np.add.at(votes, (cells[:, 0], cells[:, 1]), 2 * on - 1)
+    shown, along = (votes > 0).astype(np.int64), np.maximum.accumulate
+    sides = along(shown, 0) + along(shown[::-1], 0)[::-1] + along(shown, 1) + along(shown[:, ::-1], 1)[:, ::-1]
+    surrounded = (sides >= 3)[cells[:, 0], cells[:, 1]]
+    if sparse and np.count_nonzero(below) > np.count_nonzero(on):
+        return False
+    return bool(np.count_nonzero(below & surrounded) <= MOST_BELOW * np.count_nonzero((below | on) & surrounded))
+
+
+def _largest_planes(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
+    """Planes that differ, roughly the largest first: six at most, as long as they have `min_share` of the sample."""
+    tried: list[Plane] = []
+    for hypothesis in _hypotheses(sample, rng, config):
+        if len(tried) == MOST_PLANES:
+            return
+        if any(_is_alike(hypothesis, other) for other in tried):
+            continue
+        plane = _refine(hypothesis, sample, config)
+        if plane is None or _share(plane, sample, config) < config.min_share:
+            return
+        tried.append(plane)
+        yield plane
+
+
+def _is_alike(plane: Plane, other: Plane) -> bool:
+    near = abs(plane.offset_m - other.offset_m) < STACKED_SLACK_M
+    return bool(near and plane.normal @ other.normal > STACKED_COSINE)
+
+
+def _hypotheses(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
+    """Planes through three points each, those that more of the sample lies on first."""
+    a, b, c = sample[rng.integers(len(sample), size=(3, HYPOTHESES))]
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 1e-9)
+    offsets = -(normals * a).sum(1)
+    near = np.zeros(HYPOTHESES, np.int64)
+    planes = np.column_stack([normals, offsets]).astype(np.float32)
+    tolerance = tolerance_m(sample[:, 2].astype(np.float32), config)
+    kernel.count_near(sample.astype(np.float32).T.copy(), planes, tolerance, near)
+    near[lengths[:, 0] <= 1e-9] = 0
+    for k in np.argsort(-near, kind="stable"):
+        yield _towards_camera(normals[k], float(offsets[k]))
+
+
+def _fit(points: Points) -> Plane:
+    """The plane of least squares through points (N, 3)."""
+    middle = points.mean(0)
+    normal = np.linalg.eigh(np.cov((points - middle).T))[1][:, 0]
+    return _towards_camera(normal, -float(normal @ middle))
+
+
+def _towards_camera(normal: Points, offset_m: float) -> Plane:
+    """The camera stands at the origin, so the side where the offset is positive is its side."""
+    return Plane(normal, offset_m) if offset_m >= 0 else Plane(-normal, -offset_m)

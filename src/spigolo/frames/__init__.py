@@ -1,0 +1,1 @@
+"""The input: a frame with its camera, read, checked and owned once."""

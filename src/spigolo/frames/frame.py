@@ -1,0 +1,165 @@
+"""Frame: what goes in, checked and owned here, once.
+
+Camera axes: X right, Y down, Z forward. Image points are (y, x), rows first. Colour is RGB. Depth is the Z coordinate
+in metres, 0 where it is missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FrameError, warn
+from spigolo.frames.camera import Camera, is_number
+from spigolo.frames.intrinsics import CameraLike, as_camera, check_scale, scale_from_mapping
+
+__all__ = ["MAX_PIXELS", "Camera", "Color", "DepthMap", "Frame", "Mask", "depth_in_metres"]
+
+Color = npt.NDArray[np.uint8]
+DepthMap = npt.NDArray[np.float32]
+Mask = npt.NDArray[np.bool_]
+
+MAX_PIXELS = 16_000_000
+"""Larger images are refused unless they are asked for, as they may fill the memory."""
+NEAREST_M, FARTHEST_M = 1e-6, 1e8
+"""No camera measures what is nearer or farther; squares of such depths would leave float32."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, init=False)
+class Frame:
+    """One colour image with its registered depth; owns contiguous copies of both.
+
+    color (H, W, 3) uint8 RGB. depth (H, W): floating-point metres, or integers with `depth_scale` metres per unit,
+    which may be a field of a camera's mapping; 0, NaN, infinite, negative and masked depth is missing, and is 0 here.
+    camera: any form that `as_camera` takes, None where the intrinsics are not known; images of a camera with distortion
+    are undistorted here, once, and `camera` is then the one without: answers fit `color`, and not the image given
+    (`undistorted` says so). negative_depth: how many pixels were negative. Raises FrameError where they do not fit
+    together or have more than `max_pixels`, CameraError where the camera cannot be.
+    """
+
+    color: Color
+    depth: DepthMap
+    camera: Camera | None
+    name: str = ""
+    stamp_ns: int | None = None
+    negative_depth: int = field(init=False, default=0)
+    undistorted: bool = field(init=False, default=False)
+
+    def __init__(
+        self,
+        color: npt.ArrayLike,
+        depth: npt.ArrayLike,
+        camera: CameraLike,
+        name: str = "",
+        stamp_ns: int | None = None,
+        depth_scale: float | None = None,
+        *,
+        max_pixels: int = MAX_PIXELS,
+    ) -> None:
+        pixels, stored = np.asarray(color), np.asarray(np.ma.filled(depth, 0))  # what a mask hides is missing
+        _check_color(pixels, max_pixels)
+        if depth_scale is None and isinstance(camera, Mapping) and stored.dtype.kind in "ui":
+            depth_scale = _own_scale(camera)
+        metres, negative = depth_in_metres(stored, depth_scale)
+        known = _fitting_camera(pixels, metres, camera)
+        if negative:
+            warn(f"{negative} pixels have negative depth and count as missing")
+        pixels = np.array(pixels, np.uint8, order="C")
+        bent = known is not None and bool(known.distortion)
+        if known is not None and bent:
+            pixels, metres = known.undistort(pixels), known.undistort(metres, nearest=True)
+            known = known.without_distortion()
+        values = {"color": pixels, "depth": metres, "camera": known, "name": name, "stamp_ns": stamp_ns}
+        for key, value in (values | {"negative_depth": negative, "undistorted": bent}).items():
+            object.__setattr__(self, key, value)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(H, W)."""
+        return self.depth.shape[0], self.depth.shape[1]
+
+
+def _own_scale(camera: Mapping[str, Any]) -> float | None:
+    scale = scale_from_mapping(camera)
+    if scale is not None:
+        check_scale(scale, "the camera")
+    return scale
+
+
+def depth_in_metres(depth: npt.NDArray[Any], depth_scale: float | None = None) -> tuple[DepthMap, int]:
+    """Depth as spigolo computes with it, a copy (H, W) in metres, 0 = missing; how many pixels were negative.
+
+    What is no number or infinite, nearer than NEAREST_M or farther than FARTHEST_M is missing.
+    depth (H, W): floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
+    """
+    _check_depth(depth, depth_scale)
+    with np.errstate(over="ignore"):  # beyond float32 is infinite, and that is missing
+        metres = np.array(depth, np.float32, order="C")
+    if depth_scale is not None:
+        metres *= np.float32(depth_scale)
+    negative = int(np.count_nonzero(metres < 0))
+    metres[~((metres >= NEAREST_M) & (metres <= FARTHEST_M))] = 0
+    return metres, negative
+
+
+def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike) -> Camera | None:
+    if depth.shape != color.shape[:2]:
+        raise FrameError(
+            f"expected depth registered to colour, of its size {_size(color)}, got {_size(depth)}:"
+            " align depth to colour first (register_depth does)"
+        )
+    camera = as_camera(value, depth.shape[1], depth.shape[0])
+    if camera is not None and (camera.width, camera.height) != (depth.shape[1], depth.shape[0]):
+        raise FrameError(
+            f"expected a camera of the images' size {_size(depth)}, got {camera.width}x{camera.height}:"
+            " take the intrinsics of the stream that depth is aligned to"
+        )
+    return camera
+
+
+def check_frame(value: object) -> None:
+    """Raises FrameError for what is no frame, such as an image."""
+    if not isinstance(value, Frame):
+        raise FrameError(f"expected a Frame such as spigolo.Frame(color, depth, camera), got {type(value).__name__}")
+
+
+def _size(image: npt.NDArray[Any]) -> str:
+    return f"{image.shape[1]}x{image.shape[0]}" if image.ndim >= 2 else f"shape {image.shape}"
+
+
+def _check_color(color: npt.NDArray[Any], max_pixels: int) -> None:
+    if color.ndim != 3 or color.shape[2] != 3 or color.dtype != np.uint8:
+        raise FrameError(
+            f"expected colour as RGB of shape (H, W, 3) and type uint8, got shape {color.shape} and type {color.dtype}"
+        )
+    if color.size == 0:
+        raise FrameError(f"expected a colour image with pixels, got shape {color.shape}")
+    if color.shape[0] * color.shape[1] > max_pixels:
+        raise FrameError(
+            f"expected at most {max_pixels} pixels, got {_size(color)}: shrink the images, or give"
+            f" max_pixels={color.shape[0] * color.shape[1]} if the memory suffices"
+        )
+
+
+def _check_depth(depth: npt.NDArray[Any], depth_scale: float | None) -> None:
+    if depth.ndim != 2:
+        single = depth.ndim == 3 and 1 in depth.shape
+        mend = "take its one channel (np.squeeze)" if single else "a picture of depth in colours is no depth"
+        raise FrameError(f"expected depth of shape (H, W), got {depth.shape}: {mend}")
+    if depth.dtype == np.uint8:
+        raise FrameError(
+            "expected depth as 16-bit integers or floating-point metres, got 8 bits: distances are lost in it"
+        )
+    if depth.dtype.kind in "ui":
+        if depth_scale is None:
+            raise FrameError(
+                f"expected depth_scale with integer depth ({depth.dtype}): metres per unit, 0.001 for millimetres"
+            )
+    elif depth.dtype.kind != "f":
+        raise FrameError(f"expected depth as floating-point metres or integers with a scale, got type {depth.dtype}")
+    if depth_scale is not None and not (is_number(depth_scale) and np.isfinite(depth_scale) and depth_scale > 0):
+        raise FrameError(f"expected depth_scale as positive metres per unit, got {depth_scale!r}")

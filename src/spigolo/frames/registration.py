@@ -1,0 +1,90 @@
+"""Depth of a depth camera, moved into the image of the colour camera beside it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import CameraError, FrameError
+from spigolo.frames.camera import Camera
+from spigolo.frames.frame import DepthMap, depth_in_metres
+from spigolo.kernels import registration as kernel
+
+STEP_M = 0.03
+STEP_SHARE = 0.03
+"""Neighbouring pixels farther apart than max(STEP_M, STEP_SHARE Z) are not on one surface."""
+ROTATION_TOLERANCE = 1e-3
+FARTHEST_M = 10.0
+"""Two cameras farther apart than this see no common object: the translation is in millimetres."""
+
+
+def register_depth(
+    depth: npt.ArrayLike,
+    depth_camera: Camera,
+    color_camera: Camera,
+    T_color_depth: npt.ArrayLike,
+    *,
+    depth_scale: float | None = None,
+) -> DepthMap:
+    """The depth that the colour camera would measure, (H, W) float32 metres of its size, 0 where it is not known.
+
+    depth (h, w), the size of `depth_camera`: floating-point metres, or integers with `depth_scale` metres per unit.
+    T_color_depth (4, 4), translation in metres: point in the colour camera's frame = T_color_depth @ the point in the
+    depth camera's frame.
+    Surfaces are moved, not points: a larger colour image has no holes in them. The nearest surface wins, nothing is
+    drawn across a depth step, and what the depth camera did not see stays 0. Depth of a camera with distortion is
+    undistorted first; the colour camera must have none. Raises FrameError or CameraError.
+    """
+    for camera in (depth_camera, color_camera):
+        if not isinstance(camera, Camera):
+            raise CameraError(
+                f"expected a Camera, which has a size, got {type(camera).__name__}:"
+                " make one with spigolo.Camera.from_matrix(K, width, height)"
+            )
+    metres, _ = depth_in_metres(np.asarray(np.ma.filled(depth, 0)), depth_scale)
+    if metres.shape != (depth_camera.height, depth_camera.width):
+        raise FrameError(
+            f"expected depth of its camera's size {depth_camera.width}x{depth_camera.height},"
+            f" got {metres.shape[1]}x{metres.shape[0]}: take the intrinsics of the stream that it comes from"
+        )
+    if color_camera.distortion:
+        raise CameraError(
+            "expected a colour camera without distortion: undistort the colour image (color_camera.undistort) and give"
+            " color_camera.without_distortion()"
+        )
+    metres = np.ascontiguousarray(depth_camera.undistort(metres, nearest=True))
+    out = np.zeros((color_camera.height, color_camera.width), np.float32)
+    P = projection(depth_camera, color_camera, rigid_transform(T_color_depth, "T_color_depth", FARTHEST_M))
+    kernel.splat_depth(metres, P, STEP_M, STEP_SHARE, out)
+    return out
+
+
+def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """P (3, 4): pixel (x, y) of `source` at depth z is pixel (u, v) of `target` at depth Z.
+
+    (u Z, v Z, Z) = P (x z, y z, z, 1).
+    """
+    rotated = T_target_source[:3, :3] @ np.linalg.inv(source.matrix)
+    return np.ascontiguousarray(target.matrix @ np.column_stack([rotated, T_target_source[:3, 3]]))
+
+
+def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.NDArray[np.float64]:
+    """A rotation and translation (4, 4) as float64, checked. name: what a CameraError calls it."""
+    try:
+        T: npt.NDArray[Any] = np.array(value, np.float64, order="C")
+    except (TypeError, ValueError):
+        raise CameraError(f"expected {name} as numbers of shape (4, 4)") from None
+    if T.shape != (4, 4):
+        raise CameraError(f"expected {name} as numbers of shape (4, 4), got shape {T.shape}")
+    if not np.isfinite(T).all():
+        raise CameraError(f"expected {name} as finite numbers, got some that are NaN or infinite")
+    if not np.allclose(T[3], (0, 0, 0, 1), rtol=0, atol=ROTATION_TOLERANCE):
+        raise CameraError(f"expected the last row of {name} as 0 0 0 1, got {T[3].tolist()}: transpose it")
+    R = T[:3, :3]
+    if np.abs(R @ R.T - np.eye(3)).max() > ROTATION_TOLERANCE or np.linalg.det(R) < 0:
+        raise CameraError(f"expected a rotation in {name}[:3, :3], got one that scales, shears or mirrors")
+    if np.linalg.norm(T[:3, 3]) > farthest_m:
+        raise CameraError(f"expected the translation of {name} in metres, got {T[:3, 3].tolist()}")
+    return T

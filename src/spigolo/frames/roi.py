@@ -1,0 +1,102 @@
+"""The region of interest: where objects are wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FrameError
+from spigolo.frames.camera import is_number, shortened
+from spigolo.frames.frame import Frame, Mask
+from spigolo.frames.registration import rigid_transform
+
+FARTHEST_M = 100.0
+"""A robot's base is nearer; a translation beyond is not in metres."""
+LEAST_INSIDE = 0.5
+"""A region belongs to the region of interest with at least this share of its pixels (our choice)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MetricBox:
+    """A box in space, along the axes of the camera's frame or, with T_base_camera, of the robot's.
+
+    low_m, high_m: (X, Y, Z) of two opposite corners. T_base_camera (4, 4) maps points of the camera's frame into the
+    robot's base frame. Raises FrameError or CameraError.
+    """
+
+    low_m: Sequence[float]
+    high_m: Sequence[float]
+    T_base_camera: npt.ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        try:
+            low, high = np.asarray(self.low_m, float), np.asarray(self.high_m, float)
+            fits = low.shape == high.shape == (3,) and bool((low < high).all())
+        except (TypeError, ValueError):
+            fits = False
+        if not fits:
+            raise FrameError(
+                f"expected a metric box with low < high in X, Y and Z (metres), got {self.low_m} and {self.high_m}"
+            )
+        if self.T_base_camera is not None:
+            rigid_transform(self.T_base_camera, "T_base_camera", FARTHEST_M)
+
+
+Roi = npt.NDArray[np.bool_] | Sequence[int] | MetricBox
+"""A mask (H, W), a pixel box (y0, x0, y1, x1) with the last two exclusive, or a metric box."""
+
+
+def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
+    """A point (y, x) as the pixel of an image (H, W). Raises IndexError for what is no whole numbers inside of it."""
+    height, width = shape
+    try:
+        y, x = point
+    except (TypeError, ValueError):
+        y = x = None
+    if all(is_number(v) and 0 <= v < end and v == int(v) for v, end in ((y, height), (x, width))):
+        return int(y), int(x)
+    raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {shortened(point)}")
+
+
+def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
+    """Pixels (H, W) inside the region of interest, and the pixels that count: all, or those with depth."""
+    counted = np.ones(frame.shape, bool)
+    if isinstance(roi, MetricBox):
+        return _inside_box(roi, frame), frame.depth > 0
+    mask = np.asarray(roi)
+    if mask.shape == (4,):
+        return _inside_pixels(mask, frame.shape), counted
+    if mask.shape != frame.shape:
+        raise FrameError(
+            f"expected a mask of the image's shape {frame.shape} or a pixel box (y0, x0, y1, x1) as region of interest,"
+            f" got shape {mask.shape}"
+        )
+    return mask.astype(bool), counted
+
+
+def _inside_pixels(box: npt.NDArray[np.generic], shape: tuple[int, int]) -> Mask:
+    y0, x0, y1, x1 = box.tolist()
+    if box.dtype.kind not in "ui" or not (0 <= y0 < y1 <= shape[0] and 0 <= x0 < x1 <= shape[1]):
+        raise FrameError(
+            f"expected a pixel box (y0, x0, y1, x1) of whole numbers inside {shape[0]} rows and {shape[1]} columns, got"
+            f" {(y0, x0, y1, x1)}"
+        )
+    mask = np.zeros(shape, bool)
+    mask[y0:y1, x0:x1] = True
+    return mask
+
+
+def _inside_box(box: MetricBox, frame: Frame) -> Mask:
+    if frame.camera is None:
+        raise FrameError("expected intrinsics with a metric region of interest, got a frame without a camera")
+    points = frame.camera.back_project(frame.depth).astype(np.float64)
+    if box.T_base_camera is not None:
+        T = np.asarray(box.T_base_camera, np.float64)
+        points = points @ T[:3, :3].T + T[:3, 3]
+    mask = np.zeros(frame.shape, bool)
+    mask[frame.depth > 0] = ((points >= np.asarray(box.low_m)) & (points <= np.asarray(box.high_m))).all(axis=1)
+    return mask

@@ -1,0 +1,56 @@
+"""Figures made of raw times: medians, paired ratios, exponents."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from spigolo.lab.bench.timing import Sample
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """Median and least time in ms of a contestant's runs."""
+
+    cpu_ms: float
+    cpu_min_ms: float
+    wall_ms: float
+    wall_min_ms: float
+
+
+def summarise(samples: Sequence[Sample]) -> Summary:
+    """The medians and minima of at least one run."""
+    cpu, wall = [s.cpu_ms for s in samples], [s.wall_ms for s in samples]
+    return Summary(statistics.median(cpu), min(cpu), statistics.median(wall), min(wall))
+
+
+def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
+    """How many times our CPU time the peer takes: the median over rounds of the ratio within the round."""
+    return statistics.median(p.cpu_ms / o.cpu_ms for p, o in zip(peer, ours, strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class PowerLaw:
+    """t = factor x^exponent. residual: root mean square of the logarithms' deviation, 0.01 = 1 %."""
+
+    factor: float
+    exponent: float
+    residual: float
+
+
+def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
+    """Least squares over the logarithms of at least two different x > 0 and their t > 0."""
+    log_x, log_t = np.log(x), np.log(t)
+    spread = log_x - log_x.mean()
+    exponent = float(spread @ (log_t - log_t.mean()) / (spread @ spread))
+    offset = float(log_t.mean() - exponent * log_x.mean())
+    residual = float(np.sqrt(np.mean((log_t - offset - exponent * log_x) ** 2)))
+    return PowerLaw(float(np.exp(offset)), exponent, residual)
+
+
+def percentile(values: Sequence[float], share: float) -> float:
+    """The value that this share of the values does not exceed, one of them."""
+    return float(np.quantile(values, share, method="inverted_cdf"))

@@ -1,0 +1,129 @@
+"""All measurements in one go, and their report."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from spigolo import __version__
+from spigolo.frames.frame import Frame
+from spigolo.lab.bench.contestants import CONFIGS, Comparison, compare, everybody
+from spigolo.lab.bench.figures import Summary, summarise
+from spigolo.lab.bench.peers import Peers, open_peers
+from spigolo.lab.bench.resources import (
+    Latency,
+    Memory,
+    Throughput,
+    measure_latency,
+    measure_memory,
+    measure_throughput,
+)
+from spigolo.lab.bench.scaling import SIZES, Growth, Size, study
+from spigolo.lab.bench.stages import time_stages
+from spigolo.lab.bench.startup import Startup, measure_startup
+from spigolo.lab.bench.timing import Sample, Tell, run_rounds, silent
+from spigolo.lab.machine import Machine, one_thread, this_machine
+
+MAIN = "OBJECTS 8c"
+"""Whose throughput and latency are measured."""
+STAGED = tuple(name for name in CONFIGS if name.endswith("8c"))
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """How much is measured.
+
+    rounds: of the contestants and the stages; size_rounds: of the study of `sizes` (width, height), which an empty one
+    leaves out. repeats: of the throughput of `frames` frames a thread, and of the start-up. latency: frames in a row, 0
+    for none. cold: also start once with nothing compiled.
+    """
+
+    rounds: int = 15
+    size_rounds: int = 5
+    sizes: tuple[Size, ...] = SIZES
+    frames: int = 60
+    repeats: int = 3
+    latency: int = 0
+    cold: bool = False
+
+
+QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Contest:
+    """The rounds on one frame. samples: raw, by contestant and round."""
+
+    frame: str
+    width: int
+    height: int
+    comparisons: list[Comparison]
+    samples: dict[str, list[Sample]]
+
+    @property
+    def summaries(self) -> dict[str, Summary]:
+        """Medians and minima by contestant."""
+        return {name: summarise(taken) for name, taken in self.samples.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """Everything that was measured. The parts from `sizes` on are about the first frame.
+
+    peers: versions by interpreter; missing: a sentence for each package that no interpreter has. growth by contestant;
+    stages by configuration and stage, raw; memory by configuration.
+    """
+
+    machine: Machine
+    plan: Plan
+    peers: dict[str, dict[str, str]]
+    missing: list[str]
+    contests: list[Contest]
+    growth: dict[str, Growth]
+    stages: dict[str, dict[str, list[Sample]]]
+    memory: dict[str, Memory]
+    throughput: Throughput
+    latency: Latency | None
+    startup: Startup
+
+    def to_json(self) -> dict[str, Any]:
+        """Everything, raw rounds included, as json.dumps takes it; the medians of the rounds as `summaries`."""
+        values = asdict(self)
+        for contest, out in zip(self.contests, values["contests"], strict=True):
+            out["summaries"] = {name: asdict(summary) for name, summary in contest.summaries.items()}
+        return values
+
+
+def bench(
+    frames: Mapping[str, Frame], plan: Plan | None = None, python: Path | None = None, tell: Tell = silent
+) -> Report:
+    """Measures ours and the peers on at least one frame, by name.
+
+    python: interpreter of the peers, see `open_peers`. tell: told of the progress.
+    """
+    plan = Plan() if plan is None else plan
+    machine = this_machine(spigolo=__version__)
+    with one_thread(), open_peers(python) as peers:
+        contests = [_contest(name, frame, plan, peers, tell) for name, frame in frames.items()]
+        first = next(iter(frames.values()))
+        return Report(
+            machine=machine,
+            plan=plan,
+            peers=peers.versions,
+            missing=peers.missing,
+            contests=contests,
+            growth=study(first, plan.sizes, plan.size_rounds, peers, tell),
+            stages=time_stages(first, {name: CONFIGS[name] for name in STAGED}, plan.rounds, tell),
+            memory={name: measure_memory(first, config) for name, config in CONFIGS.items()},
+            throughput=measure_throughput(first, CONFIGS[MAIN], plan.frames, plan.repeats, tell),
+            latency=measure_latency(first, CONFIGS[MAIN], plan.latency, tell) if plan.latency else None,
+            startup=measure_startup(first, plan.repeats, plan.cold, tell),
+        )
+
+
+def _contest(name: str, frame: Frame, plan: Plan, peers: Peers, tell: Tell) -> Contest:
+    samples = run_rounds(everybody(frame, peers, name), plan.rounds, tell, name)
+    height, width = frame.shape
+    return Contest(name, width, height, compare(samples), samples)

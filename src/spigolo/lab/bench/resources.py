@@ -1,0 +1,97 @@
+"""Memory, throughput of threads, and the time of many frames in a row."""
+
+from __future__ import annotations
+
+import statistics
+import time
+import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+from spigolo.frames.frame import Frame
+from spigolo.lab.bench.figures import percentile
+from spigolo.lab.bench.timing import Tell, silent
+from spigolo.settings.config import Config
+from spigolo.stream import Segmenter
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """Bytes a pixel. workspace: kept between frames; frame: peak on top of it while one frame is segmented.
+
+    answer: what of that peak the answer keeps.
+    """
+
+    workspace: float
+    frame: float
+    answer: float
+
+
+def measure_memory(frame: Frame, config: Config) -> Memory:
+    """What numpy and Python allocate; temporaries inside OpenCV's functions are not seen."""
+    run = Segmenter(config)
+    run(frame)
+    tracemalloc.start()
+    try:
+        before = tracemalloc.get_traced_memory()[0]
+        answer = run(frame)
+        kept, peak = (bytes_ - before for bytes_ in tracemalloc.get_traced_memory())
+    finally:
+        tracemalloc.stop()
+    pixels = answer.labels.size
+    return Memory(run.workspace.size_bytes / pixels, peak / pixels, kept / pixels)
+
+
+@dataclass(frozen=True, slots=True)
+class Throughput:
+    """Frames a second by repeat, and the median ratio of two threads, a Segmenter each, to one."""
+
+    frames: int
+    one_thread: list[float]
+    two_threads: list[float]
+    ratio: float
+
+
+def measure_throughput(frame: Frame, config: Config, frames: int, repeats: int, tell: Tell = silent) -> Throughput:
+    """Each thread segments `frames` frames; one and two threads take turns."""
+    kept = [Segmenter(config), Segmenter(config)]
+    rates: dict[int, list[float]] = {1: [], 2: []}
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(lambda run: run(frame), kept))
+        for k in range(repeats):
+            for threads in (1, 2) if k % 2 == 0 else (2, 1):
+                tell(f"throughput of {threads} threads", sum(map(len, rates.values())) / (2 * repeats))
+                start = time.perf_counter()
+                list(pool.map(lambda run: _many(run, frame, frames), kept[:threads]))
+                rates[threads].append(threads * frames / (time.perf_counter() - start))
+    ratio = statistics.median(two / one for one, two in zip(rates[1], rates[2], strict=True))
+    return Throughput(frames, rates[1], rates[2], ratio)
+
+
+def _many(run: Segmenter, frame: Frame, frames: int) -> None:
+    for _ in range(frames):
+        run(frame)
+
+
+@dataclass(frozen=True, slots=True)
+class Latency:
+    """Wall time in ms of frames in a row, raw in `samples`."""
+
+    frames: int
+    median_ms: float
+    p99_ms: float
+    worst_ms: float
+    samples: list[float]
+
+
+def measure_latency(frame: Frame, config: Config, frames: int, tell: Tell = silent) -> Latency:
+    """One thread, one Segmenter, after one frame that does not count."""
+    run = Segmenter(config)
+    run(frame)
+    times: list[float] = []
+    for k in range(frames):
+        tell("latency", k / frames)
+        start = time.perf_counter()
+        run(frame)
+        times.append(1e3 * (time.perf_counter() - start))
+    return Latency(frames, statistics.median(times), percentile(times, 0.99), max(times), times)

@@ -1,0 +1,91 @@
+"""How time grows with the number of pixels."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import cv2
+
+from spigolo.frames.frame import Frame
+from spigolo.lab.bench.contestants import CONFIGS, SEGMENTING_PEERS
+from spigolo.lab.bench.figures import PowerLaw, fit_power_law, summarise
+from spigolo.lab.bench.peers import Peers
+from spigolo.lab.bench.timing import Run, Sample, Tell, run_rounds, silent, timed
+from spigolo.stream import Segmenter
+
+Size = tuple[int, int]
+"""Width, height."""
+
+SIZES: tuple[Size, ...] = ((320, 240), (640, 480), (1280, 960), (1920, 1080), (2560, 1920))
+SCALED = ("TABLE 8c", "SHELF 8c")
+VGA, FULL_HD = (640, 480), (1920, 1080)
+
+
+@dataclass(frozen=True, slots=True)
+class Growth:
+    """One contestant at all sizes.
+
+    cpu_ms: medians by size. pixels: t = c N^p; pixels_log: t = c (N log N)^p; both None for a single size.
+    hd_per_vga: CPU time per pixel at 1920x1080 relative to 640x480; None where one of them was not run.
+    samples: raw, by size.
+    """
+
+    cpu_ms: list[float]
+    pixels: PowerLaw | None
+    pixels_log: PowerLaw | None
+    hd_per_vga: float | None
+    samples: list[list[Sample]]
+
+
+def rescaled(frame: Frame, size: Size) -> Frame:
+    """The frame at another size: colour averaged or interpolated, depth of the nearest pixel, the camera scaled."""
+    width, height = size
+    shrinks = width * height < frame.depth.size
+    color = cv2.resize(frame.color, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
+    depth = cv2.resize(frame.depth, size, interpolation=cv2.INTER_NEAREST)
+    camera = None if frame.camera is None else frame.camera.scaled(width, height)
+    return Frame(color, depth, camera, max_pixels=width * height)
+
+
+def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: Tell = silent) -> dict[str, Growth]:
+    """TABLE, SHELF and the first peer that segments, each at all sizes in each round; nothing without sizes."""
+    if not sizes:
+        return {}
+    runs: dict[str, Run] = {}
+    methods = {name: Segmenter(CONFIGS[name]) for name in SCALED}
+    rivals = [name for name in peers.names if name in SEGMENTING_PEERS][:1]
+    for size in sizes:
+        scaled = rescaled(frame, size)
+        for name, method in methods.items():
+            runs[_key(name, size)] = _on(method, scaled)
+        if rivals:
+            key = _key("scaled", size)
+            peers.load(key, scaled.color)
+            runs |= {_key(name, size): peers.contestants(key)[name] for name in rivals}
+    samples = run_rounds(runs, rounds, tell, "sizes")
+    return {name: growth(sizes, [samples[_key(name, size)] for size in sizes]) for name in (*methods, *rivals)}
+
+
+def growth(sizes: Sequence[Size], samples: list[list[Sample]]) -> Growth:
+    """The figures of one contestant from its raw samples by size."""
+    cpu = [summarise(s).cpu_ms for s in samples]
+    pixels = [float(width * height) for width, height in sizes]
+    several = len(set(pixels)) > 1
+    per_pixel = {size: t / n for size, t, n in zip(sizes, cpu, pixels, strict=True)}
+    return Growth(
+        cpu_ms=cpu,
+        pixels=fit_power_law(pixels, cpu) if several else None,
+        pixels_log=fit_power_law([n * math.log(n) for n in pixels], cpu) if several else None,
+        hd_per_vga=per_pixel[FULL_HD] / per_pixel[VGA] if {FULL_HD, VGA} <= set(sizes) else None,
+        samples=samples,
+    )
+
+
+def _key(name: str, size: Size) -> str:
+    return f"{name} {size[0]}x{size[1]}"
+
+
+def _on(method: Callable[[Frame], object], frame: Frame) -> Run:
+    return timed(lambda: method(frame))

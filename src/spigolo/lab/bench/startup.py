@@ -1,0 +1,78 @@
+"""From the start of a process to the first labels."""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spigolo.errors import SpigoloError
+from spigolo.frames.frame import Frame
+from spigolo.lab.bench.timing import Tell, silent
+
+CODE = """
+import json, sys, time
+start = time.time()
+import cv2
+cv2_s = time.time() - start
+import numpy as np
+import spigolo as sp
+camera = sp.Camera(**json.loads(sys.argv[3])) if sys.argv[3] != "null" else None
+frame = sp.Frame(np.load(sys.argv[1]), np.load(sys.argv[2]), camera)
+sp.segment(frame)
+print(json.dumps([time.time(), cv2_s]))
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Startup:
+    """Wall time in s from the start of a process to its first labels, and the part in `import cv2`; medians.
+
+    cold_s: the same, once, with nothing compiled yet; None where it was not asked for.
+    """
+
+    warm_s: float
+    opencv_s: float
+    cold_s: float | None
+    samples: list[tuple[float, float]]
+
+
+def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent) -> Startup:
+    """New processes that segment the frame, read from .npy, with OBJECTS, whose kernels are compiled already."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        np.save(folder / "color.npy", frame.color)
+        np.save(folder / "depth.npy", frame.depth)
+        camera = json.dumps(None if frame.camera is None else asdict(frame.camera))
+        words = [str(folder / "color.npy"), str(folder / "depth.npy"), camera]
+        samples = []
+        for k in range(repeats):
+            tell("start of a new process", k / (repeats + cold))
+            samples.append(_start(words))
+        if cold:
+            tell("start with nothing compiled", repeats / (repeats + 1))
+        cold_s = _start(words, folder / "cache")[0] if cold else None
+    totals, opencv = zip(*samples, strict=True)
+    return Startup(statistics.median(totals), statistics.median(opencv), cold_s, samples)
+
+
+def _start(words: list[str], cache: Path | None = None) -> tuple[float, float]:
+    """Seconds to the first labels, and those in `import cv2`."""
+    surroundings = dict(os.environ) if cache is None else os.environ | {"SPIGOLO_CACHE_DIR": str(cache)}
+    start = time.time()
+    done = subprocess.run(
+        [sys.executable, "-c", CODE, *words], env=surroundings, capture_output=True, text=True, check=False
+    )
+    if done.returncode != 0:
+        last = (done.stderr.strip().splitlines() or ["no reason given"])[-1]
+        raise SpigoloError(f"a new process could not segment the frame: {last}")
+    end, opencv = json.loads(done.stdout)
+    return end - start, opencv

@@ -1,0 +1,188 @@
+"""A report as tables to be read."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from statistics import median
+from typing import Literal
+
+from spigolo.lab.bench.contestants import CONFIGS
+from spigolo.lab.bench.figures import PowerLaw, summarise
+from spigolo.lab.bench.report import MAIN, Contest, Report
+from spigolo.lab.bench.stages import PARTS, STAGES
+
+Row = tuple[str, ...]
+PAIRED = "CPU time; median of the ratios within each round."
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Cells by row, the names of the columns, and which columns are text; the others are figures."""
+
+    title: str
+    header: Row
+    rows: Sequence[Row]
+    note: str = ""
+    text: int = 1
+
+    @property
+    def sides(self) -> list[Literal["left", "right"]]:
+        """How each column is aligned."""
+        return ["left" if k < self.text else "right" for k in range(len(self.header))]
+
+
+def tables(report: Report) -> Iterator[Table]:
+    """All tables of a report, the machine first."""
+    yield machine_table(report)
+    for contest in report.contests:
+        yield times_table(contest)
+        yield ratio_table(contest)
+        yield parts_table(contest)
+    if len(report.contests) > 1:
+        yield overall_table(report.contests)
+    if report.growth:
+        yield growth_table(report)
+    yield stage_table(report)
+    yield memory_table(report)
+    yield rest_table(report)
+
+
+def machine_table(report: Report) -> Table:
+    """Machine, versions, what is missing."""
+    machine = report.machine
+    rows = [
+        ("processor", f"{machine.cpu}, {machine.cores} cores"),
+        ("system", machine.system),
+        ("load before", "unknown" if machine.load is None else f"{machine.load:.2f}"),
+        ("versions", _versions(machine.versions)),
+        *((f"peers in {python}", _versions(versions)) for python, versions in report.peers.items()),
+    ]
+    return Table("Machine", ("", ""), rows, "\n".join(report.missing), text=2)
+
+
+def times_table(contest: Contest) -> Table:
+    """Every contestant's times."""
+    rows = [
+        (name, _ms(s.cpu_ms), _ms(s.cpu_min_ms), _ms(s.wall_ms), _ms(s.wall_min_ms))
+        for name, s in contest.summaries.items()
+    ]
+    header = ("ms", "CPU, median", "CPU, least", "wall, median", "wall, least")
+    rounds = len(next(iter(contest.samples.values())))
+    return Table(f"{_title(contest)}, one thread, {rounds} rounds", header, rows)
+
+
+def ratio_table(contest: Contest) -> Table:
+    """A row for each preset, a column for each other method that segments."""
+    ratios = {(pair.ours, pair.peer): pair.ratio for pair in contest.comparisons if pair.ours in CONFIGS}
+    peers = list(dict.fromkeys(peer for _, peer in ratios))
+    rows = [(name, *(f"{ratios[name, peer]:.2f}" for peer in peers)) for name in CONFIGS]
+    return Table(f"{_title(contest)}: how many times our time they take", ("ours", *peers), rows, PAIRED)
+
+
+def overall_table(contests: Sequence[Contest]) -> Table:
+    """The ratios of several frames in one."""
+    ratios: dict[tuple[str, str], list[float]] = {}
+    for pair in (pair for contest in contests for pair in contest.comparisons):
+        ratios.setdefault((pair.ours, pair.peer), []).append(pair.ratio)
+    rows = [(*pair, f"{median(r):.2f}", f"{min(r):.2f}", f"{max(r):.2f}") for pair, r in ratios.items()]
+    header = ("ours", "theirs", "how many times our time, median", "least", "most")
+    return Table(f"All {len(contests)} frames", header, rows, "Over the frames, of each frame's ratio.", text=2)
+
+
+def parts_table(contest: Contest) -> Table:
+    """The parts of ours that others have as well."""
+    rows = [(pair.ours, pair.peer, f"{pair.ratio:.2f}") for pair in contest.comparisons if pair.ours not in CONFIGS]
+    title = f"{_title(contest)}: parts"
+    return Table(title, ("ours", "theirs", "how many times our time"), rows, PAIRED, text=2)
+
+
+def growth_table(report: Report) -> Table:
+    """CPU time by size, exponents."""
+    sizes = [f"{width}x{height}" for width, height in report.plan.sizes]
+    header = ("CPU ms", *sizes, "p of N^p", "p of (N log N)^p", "1080p : VGA")
+    rows = [
+        (
+            name,
+            *map(_ms, g.cpu_ms),
+            _exponent(g.pixels, len(sizes)),
+            _exponent(g.pixels_log, len(sizes)),
+            "-" if g.hd_per_vga is None else f"{g.hd_per_vga:.2f}",
+        )
+        for name, g in report.growth.items()
+    ]
+    note = (
+        f"{report.contests[0].frame} rescaled. Behind an exponent: root mean square distance of the times from the fit."
+        " Last column: time per pixel at 1920x1080 relative to 640x480."
+    )
+    return Table("Time against pixels", header, rows, note)
+
+
+def stage_table(report: Report) -> Table:
+    """CPU time by stage, and of the cues by part."""
+    names = list(report.stages)
+    rows = []
+    for stage in (STAGES[0], *PARTS, *STAGES[1:]):
+        taken = [report.stages[name].get(stage) for name in names]
+        label = f"  of these: {stage}" if stage in PARTS else stage
+        rows.append((label, *("-" if t is None else _ms(summarise(t).cpu_ms) for t in taken)))
+    sums = [sum(summarise(report.stages[name][stage]).cpu_ms for stage in STAGES) for name in names]
+    return Table("Time by stage", ("CPU ms, median", *names), [*rows, ("sum of stages", *map(_ms, sums))])
+
+
+def memory_table(report: Report) -> Table:
+    """Bytes a pixel."""
+    rows = []
+    for name in CONFIGS:
+        m = report.memory[name]
+        figures = (m.workspace, m.frame, m.answer, m.workspace + m.frame - m.answer)
+        rows.append((name, *(f"{figure:.0f}" for figure in figures)))
+    header = ("bytes a pixel", "workspace, kept", "a frame's peak, on top", "the answer's part of it", "without that")
+    return Table("Memory", header, rows, "Temporaries inside OpenCV's functions are not seen.")
+
+
+def rest_table(report: Report) -> Table:
+    """Throughput, latency, start-up."""
+    t, s = report.throughput, report.startup
+    rows = [
+        ("one thread", f"{median(t.one_thread):.1f} frames/s"),
+        ("two threads, a Segmenter each", f"{median(t.two_threads):.1f} frames/s, {t.ratio:.2f} times that"),
+    ]
+    if report.latency is not None:
+        la = report.latency
+        figures = f"median {la.median_ms:.1f} ms, 99 % within {la.p99_ms:.1f} ms, worst {la.worst_ms:.1f} ms"
+        rows.append((f"{la.frames} frames in a row", figures))
+    rows.append(("a new process to its first labels", f"{s.warm_s:.2f} s, {s.opencv_s:.2f} s of it import cv2"))
+    if s.cold_s is not None:
+        rows.append(("the same, nothing compiled yet", f"{s.cold_s:.1f} s"))
+    return Table(f"Throughput, latency, start-up ({MAIN})", ("wall time", ""), rows, text=2)
+
+
+def markdown(report: Report) -> str:
+    """All tables as Markdown."""
+    return "\n".join(_markdown(table) for table in tables(report))
+
+
+def _markdown(table: Table) -> str:
+    rule = ["---" if side == "left" else "---:" for side in table.sides]
+    lines = ["| " + " | ".join(row) + " |" for row in (table.header, rule, *table.rows)]
+    return "\n".join([f"## {table.title}", "", *lines, "", *([table.note, ""] if table.note else [])])
+
+
+def _title(contest: Contest) -> str:
+    return f"{contest.frame} {contest.width}x{contest.height}"
+
+
+def _versions(versions: dict[str, str]) -> str:
+    return ", ".join(f"{name} {version}" for name, version in versions.items())
+
+
+def _ms(value: float) -> str:
+    return f"{value:.0f}" if value >= 1000 else f"{value:.1f}"
+
+
+def _exponent(law: PowerLaw | None, sizes: int) -> str:
+    """With the distance from the fit, which is 0 through two points."""
+    if law is None:
+        return "-"
+    return f"{law.exponent:.3f} ± {law.residual:.1%}" if sizes > 2 else f"{law.exponent:.3f}"

@@ -1,0 +1,180 @@
+"""BOP, any of its sets: ruapc, icmi, ycbv, hope, ..., as bop_toolkit's `docs/bop_datasets_format.md` describes them.
+
+    DATASET/
+      models/obj_000001.ply                       millimetres
+      test/000001/                                any folder of scenes: test, val, train_pbr, ...
+        scene_camera.json                         {"IMAGE": {"cam_K": [9, row by row], "depth_scale": mm per unit}}
+        scene_gt.json                             {"IMAGE": [{"obj_id", "cam_R_m2c": [9], "cam_t_m2c": [3, mm]}]}
+        rgb/000000.png (or gray/, .jpg, .tif)     8 bits
+        depth/000000.png (or .tif)                16 bits, 0 = missing
+        mask_visib/000000_000000.png              image, then place in the list of scene_gt; 0 and 255
+
+Labels are places in the list plus 1. Where there is no mask_visib it is rendered from models and poses.
+Sets differ in whether every object is labelled: `part`, unless `full` names the set. The frames of one scene are
+near-identical.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FileError, FrameError
+from spigolo.frames.camera import Camera
+from spigolo.frames.files import read_color, read_depth, read_labels
+from spigolo.frames.frame import Frame, depth_in_metres
+from spigolo.lab.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, Labelling, Truth
+from spigolo.lab.datasets.jsons import read_mapping
+from spigolo.lab.datasets.meshes import read_model
+from spigolo.lab.datasets.sample import Instance
+from spigolo.lab.datasets.visibility import visible_labels
+
+SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
+"""Folders of scenes; the first that is there is read."""
+
+Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
+"""obj_id, cam_R_m2c, cam_t_m2c in millimetres."""
+
+
+@dataclass(frozen=True, slots=True)
+class BopImage(Entry):
+    """One image of a scene. intrinsics: cam_K; depth_scale: metres per unit."""
+
+    scene: Path
+    image: int
+    intrinsics: tuple[float, ...]
+    depth_scale: float
+    poses: tuple[Pose, ...]
+    color: Path
+    depth: Path
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Colour, depth, and masks or models."""
+        return self.color, self.depth, *(self._masks or (self._model(obj_id) for obj_id, _, _ in self.poses))
+
+    def read(self) -> Frame:
+        """The frame; raises FileError, FrameError or CameraError."""
+        depth = read_depth(self.depth)
+        return Frame(read_color(self.color), depth, self.intrinsics, self.name, depth_scale=self.depth_scale)
+
+    def read_truth(self) -> Truth | None:
+        """Its visible masks, stored or rendered; raises FileError or FrameError."""
+        if self.labelling == "none":
+            return None
+        instances = self.read_instances()
+        labels = self._stored_labels() if self._masks else self._rendered_labels(instances)
+        return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: i.model for i in instances})
+
+    def read_instances(self) -> tuple[Instance, ...]:
+        """Its objects with their poses."""
+        return tuple(
+            Instance(label, f"obj_{obj_id:06d}", _matrix(rotation, translation))
+            for label, (obj_id, rotation, translation) in enumerate(self.poses, start=1)
+        )
+
+    @property
+    def _masks(self) -> tuple[Path, ...]:
+        """() where the scene has none."""
+        folder = self.scene / "mask_visib"
+        if not folder.is_dir():
+            return ()
+        return tuple(folder / f"{self.image:06d}_{n:06d}.png" for n in range(len(self.poses)))
+
+    def _model(self, obj_id: int) -> Path:
+        return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
+
+    def _stored_labels(self) -> npt.NDArray[np.int32]:
+        """Where masks meet, the later object."""
+        labels = None
+        for label, path in enumerate(self._masks, start=1):
+            mask = read_labels(path)
+            labels = np.zeros(mask.shape, np.int32) if labels is None else labels
+            if mask.shape != labels.shape:
+                raise FrameError(f"expected masks of one size, got another in {path}")
+            labels[mask > 0] = label
+        assert labels is not None
+        return labels
+
+    def _rendered_labels(self, instances: tuple[Instance, ...]) -> npt.NDArray[np.int32]:
+        depth, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
+        camera = Camera.from_matrix(self.intrinsics, depth.shape[1], depth.shape[0])
+        models = [read_model(self._model(obj_id), MILLIMETRES) for obj_id, _, _ in self.poses]
+        return visible_labels(instances, models, depth, camera)
+
+
+class Bop(DataSet):
+    """A data set in BOP's layout. split: its folder of scenes, such as "test"."""
+
+    layout = "scenes with scene_camera.json, rgb/ and depth/ (BOP: DATASET/test/000001/)"
+
+    def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS, split: str | None = None) -> None:
+        self.split = split
+        super().__init__(folder, full)
+
+    @classmethod
+    def matches(cls, folder: Path) -> bool:
+        """Whether a folder of scenes has a scene_camera.json."""
+        return _split(folder, None) is not None
+
+    def _find(self) -> Iterator[Entry]:
+        split = _split(self.folder, self.split)
+        if split is None:
+            place = self.folder / (self.split or "test")
+            raise FileError(f"expected scenes of a BOP data set as {place}/000001/scene_camera.json, got none")
+        for path in sorted(split.glob("*/scene_camera.json")):
+            yield from self._scene(path.parent)
+
+    def _scene(self, scene: Path) -> Iterator[Entry]:
+        cameras = read_mapping(scene / "scene_camera.json")
+        truth = read_mapping(scene / "scene_gt.json") if (scene / "scene_gt.json").is_file() else {}
+        colors, depths = _images(scene, "rgb", "gray"), _images(scene, "depth")
+        data_set = self._named(self.folder.name)
+        for key in sorted(filter(str.isdecimal, cameras), key=int):
+            image = int(key)
+            try:
+                poses = tuple(_pose(fields) for fields in truth.get(key, ()))
+                intrinsics = tuple(float(value) for value in cameras[key]["cam_K"])
+                if len(intrinsics) != 9:
+                    raise ValueError
+                scale = float(cameras[key].get("depth_scale", 1.0)) * MILLIMETRES
+            except (KeyError, TypeError, ValueError, OverflowError):
+                raise FileError(
+                    f"expected nine numbers cam_K in {scene}/scene_camera.json, and obj_id, nine numbers cam_R_m2c and"
+                    f" three cam_t_m2c of each object in scene_gt.json, got something else for image {key}"
+                ) from None
+            labelling: Labelling = self._labelled(data_set) if poses else "none"
+            color = colors.get(image, scene / "rgb" / f"{image:06d}.png")
+            depth = depths.get(image, scene / "depth" / f"{image:06d}.png")
+            name, group = f"{scene.name}/{image:06d}", f"{data_set}/{scene.name}"
+            yield BopImage(data_set, name, group, labelling, scene, image, intrinsics, scale, poses, color, depth)
+
+
+def _split(folder: Path, split: str | None) -> Path | None:
+    patterns = SPLITS if split is None else (split,)
+    found = (path for pattern in patterns for path in sorted(folder.glob(pattern)))
+    return next((path for path in found if any(path.glob("*/scene_camera.json"))), None)
+
+
+def _images(scene: Path, *folders: str) -> dict[int, Path]:
+    paths = [path for name in folders for path in (scene / name).glob("*") if path.stem.isdigit()]
+    return {int(path.stem): path for path in paths}
+
+
+def _pose(fields: Mapping[str, Any]) -> Pose:
+    rotation, translation = tuple(map(float, fields["cam_R_m2c"])), tuple(map(float, fields["cam_t_m2c"]))
+    if (len(rotation), len(translation)) != (9, 3):
+        raise ValueError("nine and three")
+    return int(fields["obj_id"]), rotation, translation
+
+
+def _matrix(rotation: tuple[float, ...], translation: tuple[float, ...]) -> npt.NDArray[np.float64]:
+    pose = np.eye(4)
+    pose[:3, :3] = np.reshape(rotation, (3, 3))
+    pose[:3, 3] = np.multiply(translation, MILLIMETRES)
+    return pose

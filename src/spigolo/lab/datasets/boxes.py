@@ -1,0 +1,88 @@
+"""Boxes of UW RGB-D Scenes v1: MATLAB files (version 5) with a variable `bboxes`.
+
+It is a cell of 1 x N, one a frame from frame 1 on, each empty or a struct array with the fields category (text),
+instance (number), top, bottom, left, right (pixels, counted from 1, both ends within).
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import FileError
+from spigolo.frames.frame import Mask
+
+FIELDS = ("category", "instance", "top", "bottom", "left", "right")
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectBox:
+    """Where an object is: rows top..bottom - 1 and columns left..right - 1 from 0, so that image[top:bottom, ...]."""
+
+    category: str
+    instance: int
+    top: int
+    bottom: int
+    left: int
+    right: int
+
+
+def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
+    """The boxes of frame `number`, from 1; raises FileError."""
+    frames = _read_all(path)
+    if not 1 <= number <= len(frames):
+        raise FileError(f"expected boxes of frame {number} in {path}, got those of {len(frames)} frames")
+    return frames[number - 1]
+
+
+def box_of(category: str, instance: int, mask: Mask) -> ObjectBox:
+    """The smallest box around a mask (H, W) that is not empty."""
+    y, x = np.nonzero(mask)
+    return ObjectBox(category, instance, int(y.min()), int(y.max()) + 1, int(x.min()), int(x.max()) + 1)
+
+
+def boxes_to_mat(frames: Mapping[int, Sequence[ObjectBox]]) -> bytes:
+    """The MATLAB file of the boxes of each frame, by number from 1."""
+    cell = np.empty((1, max(frames, default=0)), object)
+    for k in range(cell.shape[1]):
+        boxes = frames.get(k + 1, ())
+        stored = np.empty((1, len(boxes)), [(name, object) for name in FIELDS])
+        for n, box in enumerate(boxes):
+            stored[0, n] = (box.category, box.instance, box.top + 1, box.bottom, box.left + 1, box.right)
+        cell[0, k] = stored if boxes else np.empty((0, 0))
+    file = io.BytesIO()
+    _scipy_io(Path("boxes")).savemat(file, {"bboxes": cell}, do_compression=True)
+    return file.getvalue()
+
+
+@lru_cache(maxsize=32)
+def _read_all(path: Path) -> tuple[tuple[ObjectBox, ...], ...]:
+    try:
+        cell = _scipy_io(path).loadmat(str(path))["bboxes"].ravel()
+        return tuple(tuple(_box(box) for box in frame.ravel()) if frame.size else () for frame in cell)
+    except FileError:
+        raise
+    except Exception as error:  # scipy raises what its parsing meets
+        raise FileError(
+            f"expected a MATLAB file with bboxes, a cell of structs with {', '.join(FIELDS)}, in {path}: {error!r}"
+        ) from None
+
+
+def _box(stored: Any) -> ObjectBox:
+    values = {name: np.asarray(stored[name]).ravel()[0] for name in FIELDS}
+    top, bottom, left, right = (int(values[name]) for name in FIELDS[2:])
+    return ObjectBox(str(values["category"]), int(values["instance"]), top - 1, bottom, left - 1, right)
+
+
+def _scipy_io(path: Path) -> Any:
+    try:
+        return importlib.import_module("scipy.io")
+    except ImportError:
+        raise FileError(f'expected scipy for {path}, but it is missing: pip install "spigolo[datasets]"') from None

@@ -1,0 +1,147 @@
+"""One folder a frame, the layout of `spigolo evaluate` for frames of your own.
+
+    FOLDER/splits.json                  optional: {"near_duplicate_groups": [["SET/FRAME", ...], ...]}
+    FOLDER/SET/FRAME/rgb.png            8 bits
+    FOLDER/SET/FRAME/depth.png          16 bits, 0 = missing
+    FOLDER/SET/FRAME/camera.json        intrinsics and depth_scale
+    FOLDER/SET/FRAME/label.png          0 = background, 1..N = objects, 255 = ignore; absent where nothing is labelled
+    FOLDER/SET/FRAME/info.json          optional: {"fully_labelled": true, "ignore_label": 255}, both optional too
+
+A SET or a FRAME alone serves as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from spigolo.errors import FileError, SpigoloError, warn
+from spigolo.frames.camera import Camera
+from spigolo.frames.files import read_camera, read_frame, read_labels
+from spigolo.frames.frame import Frame
+from spigolo.lab.datasets.entry import DataSet, Entry, Labelling, Truth
+from spigolo.lab.datasets.jsons import read_mapping
+
+IGNORE_LABEL = 255
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class FrameFolder(Entry):
+    """A frame in a folder of its own. ignore_label: what is neither right nor wrong."""
+
+    folder: Path
+    ignore_label: int = IGNORE_LABEL
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Colour, depth, camera, labels."""
+        names = ("rgb.png", "depth.png", "camera.json", *(() if self.labelling == "none" else ("label.png",)))
+        return tuple(self.folder / name for name in names)
+
+    @property
+    def reading(self) -> str:
+        """The label that is ignored, where it is another than usual: with it scores change."""
+        return "" if self.ignore_label == IGNORE_LABEL else f"ignore {self.ignore_label}"
+
+    def read(self) -> Frame:
+        """The frame; raises FileError, FrameError or CameraError."""
+        return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self.folder / "camera.json")
+
+    def read_truth(self) -> Truth | None:
+        """Its labels, None where it has none; raises FileError or FrameError."""
+        if self.labelling == "none":
+            return None
+        labels = read_labels(self.folder / "label.png")
+        ignore = labels == self.ignore_label
+        camera = self._distorting_camera(labels.shape[1], labels.shape[0])
+        if camera is not None and (camera.height, camera.width) == labels.shape:
+            labels = camera.undistort(labels, nearest=True)
+            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # also what the image did not see
+        return Truth(np.where(ignore, 0, labels), ignore)
+
+    def _distorting_camera(self, width: int, height: int) -> Camera | None:
+        """Its camera if that has distortion: labels are drawn on the image as it is stored, a frame is undistorted.
+
+        None also where the camera cannot be read; `read` says so.
+        """
+        try:
+            camera, _ = read_camera(self.folder / "camera.json", width, height)
+        except SpigoloError:
+            return None
+        return camera if camera.distortion else None
+
+
+class Folders(DataSet):
+    """Sets of frames, each in a folder of its own."""
+
+    layout = "SET/FRAME/ with rgb.png, depth.png and camera.json"
+    mend = "put it there, or take the frame's folder away"
+
+    @classmethod
+    def matches(cls, folder: Path) -> bool:
+        """Whether it or a folder up to two below has a rgb.png."""
+        return next(_places(folder), None) is not None
+
+    def _find(self) -> Iterator[Entry]:
+        groups: dict[Path, Mapping[str, str]] = {}
+        for place in _places(self.folder):
+            root = place.parent.parent
+            if root not in groups:
+                groups[root] = _groups(root)
+            yield self._describe(place, groups[root])
+
+    def _describe(self, place: Path, groups: Mapping[str, str]) -> FrameFolder:
+        data_set, name = self._named(place.parent.name), place.name
+        info = place / "info.json"
+        told = _mapping(info)
+        whole = _field(told, info, "fully_labelled", bool, self._labelled(data_set) == "full")
+        ignored = _field(told, info, "ignore_label", int, IGNORE_LABEL)
+        labelling: Labelling = "none"
+        if (place / "label.png").is_file():
+            labelling = "full" if whole else "part"
+        key = f"{place.parent.name}/{name}"
+        return FrameFolder(data_set, name, groups.get(key, key), labelling, place, ignored)
+
+
+def _places(folder: Path) -> Iterator[Path]:
+    return (path.parent for pattern in ("", "*/", "*/*/") for path in sorted(folder.glob(f"{pattern}rgb.png")))
+
+
+def _groups(root: Path) -> Mapping[str, str]:
+    """Group of each frame that is like others: the name of the first of them. Warns of names that no frame has."""
+    groups = _mapping(root / "splits.json").get("near_duplicate_groups", [])
+    if not isinstance(groups, list) or not all(isinstance(g, list) and g for g in groups):
+        raise FileError(f"expected lists of frames as near_duplicate_groups in {root / 'splits.json'}, got {groups!r}")
+    groups = [[str(name) for name in members] for members in groups]
+    absent = [name for members in groups for name in members if _is_absent(root, name)]
+    if absent:
+        warn(f"{root / 'splits.json'} names {absent[0]}, but no frame is called so: write SET/FRAME")
+    return {name: members[0] for members in groups for name in members}
+
+
+def _is_absent(root: Path, name: str) -> bool:
+    """Whether no frame has a name, though its set is there."""
+    data_set, slash, _ = name.partition("/")
+    return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
+
+
+def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], default: T) -> T:
+    """A field of what the JSON file at `path` told; raises FileError for a value of another type."""
+    value = told.get(name)
+    if value is None:
+        return default
+    if type(value) is not kind:
+        meant = "true or false" if kind is bool else "a label"
+        raise FileError(f"expected {meant} as {name} in {path}, got {value!r}")
+    return value
+
+
+def _mapping(path: Path) -> Mapping[str, Any]:
+    """What a JSON file holds, nothing where there is none."""
+    return read_mapping(path) if path.is_file() else {}

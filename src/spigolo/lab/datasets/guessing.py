@@ -1,0 +1,66 @@
+"""Which layout a folder has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from spigolo.errors import FileError
+from spigolo.lab.datasets.bop import Bop
+from spigolo.lab.datasets.entry import FULL_SETS, DataSet, Entry, existing_folder
+from spigolo.lab.datasets.folders import Folders
+from spigolo.lab.datasets.labelled_images import Ocid, Osd
+from spigolo.lab.datasets.mosd import Mosd
+from spigolo.lab.datasets.rutgers import Rutgers
+from spigolo.lab.datasets.tejani import Tejani
+from spigolo.lab.datasets.tum import Tum
+from spigolo.lab.datasets.uw_scenes import UwScenes
+from spigolo.lab.datasets.uw_scenes_v2 import UwScenesV2
+
+READERS: tuple[type[DataSet], ...] = (
+    Folders, Bop, UwScenes, UwScenesV2, Tejani, Rutgers, Osd, Mosd, Tum, Ocid,
+)  # fmt: skip
+"""In the order in which they are tried."""
+
+
+def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
+    """The data set in a folder, or in the one folder in it that has any known layout.
+
+    full: sets on which every object is labelled, as patterns such as "osd-*", where the layout does not say. Raises
+    FileError where there is none, where there are several, or where files are missing.
+    """
+    folder = existing_folder(path)
+    reader = _reader(folder)
+    if reader is not None:
+        return reader(folder, full)
+    inner = {below: found for below in sorted(folder.iterdir()) if below.is_dir() and (found := _reader(below))}
+    if len(inner) > 1:
+        raise FileError(f"expected one data set in {path}, got {len(inner)}: give {' or '.join(map(str, inner))}")
+    if not inner:
+        raise FileError(
+            f"expected frames in {path}, got none: give a root of sets, a set or a single frame ({Folders.layout}), or"
+            " a data set as it was published (BOP, UW RGB-D Scenes, Rutgers APC, Tejani, OSD, mOSD, OCID, TUM)"
+        )
+    ((below, reader),) = inner.items()
+    return reader(below, full)
+
+
+def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SETS) -> list[Entry]:
+    """The frames in these folders, by set and name; each folder as `guess` takes it.
+
+    Raises FileError where a folder holds none, or where two frames share set and name.
+    """
+    found: dict[tuple[str, str], Entry] = {}
+    for folder in folders:
+        for entry in guess(folder, full):
+            other = found.setdefault((entry.data_set, entry.name), entry)
+            if other != entry:
+                raise FileError(
+                    f"expected one frame {entry.data_set}/{entry.name}, got {other.files[0]} and {entry.files[0]}:"
+                    " rename one set"
+                )
+    return [found[key] for key in sorted(found)]
+
+
+def _reader(folder: Path) -> type[DataSet] | None:
+    return next((reader for reader in READERS if reader.matches(folder)), None)

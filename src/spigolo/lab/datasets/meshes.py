@@ -1,0 +1,60 @@
+"""Models of objects on disk: triangle meshes as .ply, .obj or .stl."""
+
+from __future__ import annotations
+
+import importlib
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import FileError
+from spigolo.frames.files import write_bytes
+from spigolo.lab.datasets.sample import Model
+
+MESHES = (".ply", ".obj", ".stl")
+
+
+@lru_cache(maxsize=64)
+def read_model(path: Path, unit_m: float = 1.0) -> Model:
+    """The mesh in a file, its name the file's; unit_m: metres per stored unit. Raises FileError."""
+    trimesh = _trimesh(path)
+    try:
+        mesh = trimesh.load_mesh(str(path), process=False)
+    except Exception as error:  # readers of the formats raise what they like
+        raise FileError(f"expected a triangle mesh in {path}, but it cannot be read: {error}") from None
+    vertices = np.asarray(getattr(mesh, "vertices", ()), np.float64)
+    triangles = np.asarray(getattr(mesh, "faces", ()), np.int32)
+    if not triangles.size:
+        raise FileError(f"expected a triangle mesh in {path}, got one without triangles")
+    if triangles.min() < 0 or triangles.max() >= len(vertices) or not np.isfinite(vertices).all():
+        raise FileError(f"expected a triangle mesh in {path}, got triangles whose corners are nowhere: it is damaged")
+    coloured = mesh.visual.kind == "vertex"
+    colors = np.asarray(mesh.visual.vertex_colors, np.uint8)[:, :3] if coloured else None
+    return Model(path.stem, vertices * unit_m, triangles, colors)
+
+
+def write_model(path: Path, model: Model, unit_m: float = 1.0) -> None:
+    """Writes a model as binary .ply, in units of unit_m metres; raises FileError."""
+    trimesh = _trimesh(path)
+    mesh = trimesh.Trimesh(model.vertices_m / unit_m, model.triangles, vertex_colors=model.colors, process=False)
+    write_bytes(path, trimesh.exchange.ply.export_ply(mesh, vertex_normal=False))
+
+
+def find_model(folder: Path, name: str) -> Path | None:
+    """NAME.ply, .obj or .stl in the folder, or in NAME/ there, whatever its case; None where there is none."""
+    if not folder.is_dir():
+        return None
+    wanted = name.lower()
+    places = [folder, *(p for p in sorted(folder.iterdir()) if p.is_dir() and p.name.lower() == wanted)]
+    files = [p for place in places for p in sorted(place.iterdir()) if p.stem.lower() == wanted]
+    return next((p for kind in MESHES for p in files if p.suffix.lower() == kind), None)
+
+
+def _trimesh(path: Path) -> Any:
+    try:
+        importlib.import_module("trimesh.exchange.ply")
+        return importlib.import_module("trimesh")
+    except ImportError:
+        raise FileError(f'expected trimesh for {path}, but it is missing: pip install "spigolo[datasets]"') from None

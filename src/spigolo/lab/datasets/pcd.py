@@ -1,0 +1,124 @@
+"""Files of the Point Cloud Library: a header in text, then one record a point as text, as bytes, or packed by field."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import CameraError, FileError
+from spigolo.frames.camera import Camera
+from spigolo.kernels.lzf import unpack_lzf
+
+KINDS = {
+    f"{kind}{size}": f"<{kind.lower()}{size}" for kind in "IUF" for size in (1, 2, 4, 8) if f"{kind}{size}" != "F1"
+}
+"""NumPy's name of each type and size of a field."""
+STEEPEST = 1e6
+"""No pinhole camera sees farther aside, as a multiple of the depth."""
+MAX_MISFIT_PX = 0.5
+"""How far the pixels of an organised cloud may be from those of the pinhole camera that fits them."""
+
+
+def read_pcd(path: Path) -> npt.NDArray[Any]:
+    """The points (H, W) of a cloud with its fields by name, H = 1 where it is not organised; raises FileError."""
+    try:
+        header, body = _split(path.read_bytes())
+        shape = int(header["HEIGHT"][0]), int(header["WIDTH"][0])
+        return _records(header, body, shape[0] * shape[1]).reshape(shape)
+    except (OSError, ValueError, KeyError, IndexError, ArithmeticError, MemoryError, struct.error) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(f"expected a point cloud in {path}, but it cannot be read: {reason}") from None
+
+
+def colors_of(points: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
+    """RGB (H, W, 3) of the field rgb or rgba: 0xRRGGBB, also where it is stored as a float."""
+    name = "rgb" if "rgb" in (points.dtype.names or ()) else "rgba"
+    packed = np.ascontiguousarray(points[name]).view(np.uint32)
+    return np.stack([packed >> 16 & 255, packed >> 8 & 255, packed & 255], axis=-1).astype(np.uint8)
+
+
+def camera_of(points: npt.NDArray[Any]) -> Camera:
+    """The pinhole camera that saw an organised cloud (H, W), fitted to it; raises CameraError."""
+    height, width = points.shape
+    seen = np.isfinite(points["z"]) & (points["z"] > 0)
+    y, x = np.nonzero(seen)
+    with np.errstate(all="ignore"):  # a damaged cloud may hold any number
+        z = points["z"][seen].astype(np.float64)
+        fx, cx, x_off = _line(points["x"][seen] / z, x)
+        fy, cy, y_off = _line(points["y"][seen] / z, y)
+    if not max(x_off, y_off) <= MAX_MISFIT_PX:
+        raise CameraError(
+            f"expected an organised cloud, a point for each of {width}x{height} pixels of a pinhole camera, got points"
+            f" {max(x_off, y_off):.1f} px beside them"
+        )
+    return Camera(fx, fy, cx, cy, width, height)
+
+
+def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
+    """F and c of pixels = f slopes + c, and how far the worst is from it; infinitely far where there is no line."""
+    if not slopes.size or slopes.min() == slopes.max() or not np.abs(slopes).max() < STEEPEST:
+        return 0.0, 0.0, np.inf
+    f, c = np.polyfit(slopes, pixels, 1)
+    return float(f), float(c), float(np.abs(f * slopes + c - pixels).max())
+
+
+def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
+    """Header words by their first, and what follows the line DATA."""
+    header: dict[str, list[str]] = {}
+    while "DATA" not in header:
+        line, newline, data = data.partition(b"\n")
+        if not newline:
+            raise ValueError("it has no line DATA")
+        key, *values = line.decode("ascii", "replace").split() or ["#"]
+        header[key] = values
+    return header, data
+
+
+def _records(header: dict[str, list[str]], body: bytes, count: int) -> npt.NDArray[Any]:
+    kinds = [KINDS[kind.upper() + size] for kind, size in zip(header["TYPE"], header["SIZE"], strict=True)]
+    lengths = [int(n) for n in header.get("COUNT", ["1"] * len(kinds))]
+    # padding is called _ in every cloud, and may come several times
+    names = [name if name != "_" else f"_{k}" for k, name in enumerate(header["FIELDS"])]
+    fields = list(zip(names, kinds, lengths, strict=True))
+    record = np.dtype([(name, kind) if n == 1 else (name, kind, (n,)) for name, kind, n in fields])
+    form = header["DATA"][0].lower()
+    if form == "binary":
+        return np.frombuffer(body, record, count)
+    if form == "ascii":
+        words = np.array(body.split()).reshape(count, sum(lengths))
+        return _from_columns(record, [column.astype(np.float64) for column in words.T], count)
+    if form == "binary_compressed":
+        return _from_planes(record, _unpacked(body), count)
+    raise ValueError(f"DATA is {form}, none of ascii, binary, binary_compressed")
+
+
+def _from_columns(record: np.dtype[Any], columns: list[npt.NDArray[np.float64]], count: int) -> npt.NDArray[Any]:
+    out = np.zeros(count, record)
+    rest = iter(columns)
+    with np.errstate(invalid="raise", over="raise"):  # numbers that their field cannot hold
+        for name in record.names or ():
+            n = record[name].shape[0] if record[name].shape else 0
+            out[name] = np.stack([next(rest) for _ in range(n)], axis=1) if n else next(rest)
+    return out
+
+
+def _from_planes(record: np.dtype[Any], data: npt.NDArray[np.uint8], count: int) -> npt.NDArray[Any]:
+    """Packed clouds hold all values of a field, then those of the next."""
+    out, start = np.zeros(count, record), 0
+    for name in record.names or ():
+        out[name] = np.frombuffer(data, record[name], count, start)
+        start += record[name].itemsize * count
+    return out
+
+
+def _unpacked(body: bytes) -> npt.NDArray[np.uint8]:
+    packed_size, size = struct.unpack_from("<II", body)
+    packed = np.frombuffer(body, np.uint8, packed_size, 8).copy()  # read-only arrays are another type to a kernel
+    out = np.zeros(size, np.uint8)
+    if not unpack_lzf(packed, out):
+        raise ValueError("its packed points are damaged")
+    return out

@@ -1,0 +1,51 @@
+"""Frames of sets that have poses and models but no masks: the masks are rendered when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.files import read_depth
+from spigolo.frames.frame import depth_in_metres
+from spigolo.lab.datasets.entry import ImageEntry, Truth
+from spigolo.lab.datasets.meshes import read_model
+from spigolo.lab.datasets.sample import Instance
+from spigolo.lab.datasets.visibility import visible_labels
+
+Pose = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class PosedImage(ImageEntry):
+    """A frame with a file of poses (4, 4) of one object, None for both files where it has none.
+
+    read_poses: what reads that file, a function of a module.
+    """
+
+    object_name: str
+    poses: Path | None
+    model: Path | None
+    read_poses: Callable[[Path], Sequence[Pose]]
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Colour and depth, poses and model where there are."""
+        return tuple(path for path in (self.color, self.depth, self.poses, self.model) if path is not None)
+
+    def read_truth(self) -> Truth | None:
+        """The visible masks of its objects, None without poses; raises FileError."""
+        if self.model is None:
+            return None
+        instances = self.read_instances()
+        depth, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
+        labels = visible_labels(instances, [read_model(self.model)] * len(instances), depth, self.camera)
+        return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
+
+    def read_instances(self) -> tuple[Instance, ...]:
+        """Its objects with their poses; raises FileError."""
+        poses = () if self.poses is None else self.read_poses(self.poses)
+        return tuple(Instance(label, self.object_name, pose) for label, pose in enumerate(poses, start=1))

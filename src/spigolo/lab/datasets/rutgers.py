@@ -1,0 +1,119 @@
+"""Rutgers APC RGB-D (Rennie, Shome, Bekris, De Souza 2016), original file names.
+
+    FOLDER/OBJECT-image-BIN-CLUTTER-POSITION-SHOT.png     8 bits; also in a folder OBJECT/
+    FOLDER/OBJECT-depth-BIN-CLUTTER-POSITION-SHOT.png     16 bits, millimetres, 0 = missing
+    FOLDER/OBJECT-pose-BIN-CLUTTER-POSITION-SHOT.yml      OpenCV's YAML: object_rotation_wrt_camera (3 x 3 matrix) and
+                                                          object_translation_wrt_camera (3 numbers, metres)
+    FOLDER/OBJECT-mask-BIN-CLUTTER-POSITION-SHOT.png      of the shelf bin, not of the object; not read
+    FOLDER/models/OBJECT.ply (or .obj, .stl, or in OBJECT/), metres
+    FOLDER/camera.json                                    optional, another camera than BOP's for this set
+
+BIN is A..L; the four shots of one position are near-identical. Only OBJECT is labelled, as 1: its visible mask is
+rendered. Frames without a pose have no labels. What the three numbers stand for is inferred from how many there are.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import FileError
+from spigolo.frames.camera import Camera
+from spigolo.frames.files import import_yaml
+from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry
+from spigolo.lab.datasets.meshes import find_model
+from spigolo.lab.datasets.posed import Pose, PosedImage
+
+CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
+"""BOP's for this set."""
+NAME = re.compile(r"(?P<object>.+)-image-(?P<bin>[A-L])-(?P<rest>\d+-\d+)-(?P<shot>\d+)\.png")
+ROTATION, TRANSLATION = "object_rotation_wrt_camera", "object_translation_wrt_camera"
+MATRIX = "tag:yaml.org,2002:opencv-matrix"
+
+
+class Rutgers(DataSet):
+    """Frames of the Rutgers APC set."""
+
+    layout = "files OBJECT-image-BIN-CLUTTER-POSITION-SHOT.png (Rutgers APC)"
+
+    @classmethod
+    def matches(cls, folder: Path) -> bool:
+        """Whether there is a file of such a name."""
+        return next(_colors(folder), None) is not None
+
+    def _find(self) -> Iterator[Entry]:
+        data_set, camera = self._named("rutgers-apc"), self._camera(CAMERA)
+        for path, found in sorted(_colors(self.folder), key=lambda pair: pair[0]):
+            name, place = found["object"], f"{found['object']}-{found['bin']}-{found['rest']}"
+            pose = _beside(path, "pose", ".yml")
+            posed = pose.is_file()
+            yield PosedImage(
+                data_set,
+                f"{place}-{found['shot']}",
+                f"{data_set}/{place}",
+                self._labelled(data_set) if posed else "none",
+                path,
+                _beside(path, "depth", ".png"),
+                camera,
+                MILLIMETRES,
+                name,
+                pose if posed else None,
+                self._model(name) if posed else None,
+                read_pose,
+            )
+
+    def _model(self, name: str) -> Path:
+        """Where the model of an object is, or would be expected."""
+        return find_model(self.folder / "models", name) or self.folder / "models" / f"{name}.ply"
+
+
+def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
+    for pattern in ("*-image-*.png", "*/*-image-*.png"):
+        for path in folder.glob(pattern):
+            found = NAME.fullmatch(path.name)
+            if found and path.parent.name in (folder.name, found["object"]):
+                yield path, found
+
+
+def read_pose(path: Path) -> list[Pose]:
+    """The one pose (4, 4) of the object in the camera, metres; raises FileError."""
+    yaml, pose = import_yaml(path, "datasets"), np.eye(4)
+    try:
+        values = _load_opencv(yaml, path.read_text(encoding="utf-8"))
+        pose[:3, :3] = np.reshape(np.array(values[ROTATION]["data"], np.float64), (3, 3))
+        pose[:3, 3] = np.reshape(np.array(values[TRANSLATION], np.float64), 3)
+        if not np.isfinite(pose).all():
+            raise ValueError("not all numbers are finite")
+    except (OSError, ValueError, TypeError, KeyError, OverflowError, RecursionError, yaml.YAMLError):
+        raise FileError(
+            f"expected {ROTATION} as an OpenCV matrix and {TRANSLATION} as three numbers in {path}, got something else"
+        ) from None
+    return [pose]
+
+
+def _load_opencv(yaml: Any, text: str) -> Any:
+    """What OpenCV wrote; its own reader ends the process over a damaged file."""
+
+    class Loader(yaml.SafeLoader):  # type: ignore[misc]
+        """Knows OpenCV's matrices, as their fields."""
+
+    Loader.add_constructor(MATRIX, lambda loader, node: loader.construct_mapping(node, deep=True))
+    return yaml.load(text.removeprefix("%YAML:1.0"), Loader)
+
+
+def pose_to_yaml(pose: Pose) -> str:
+    """What `read_pose` reads."""
+    translation, rotation = (", ".join(f"{v:.17g}" for v in part.ravel()) for part in (pose[:3, 3], pose[:3, :3]))
+    return (
+        f"%YAML:1.0\n{TRANSLATION}: [ {translation} ]\n"
+        f"{ROTATION}: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {rotation} ]\n"
+    )
+
+
+def _beside(image: Path, kind: str, ending: str) -> Path:
+    head, _, tail = image.stem.rpartition("-image-")
+    return image.with_name(f"{head}-{kind}-{tail}{ending}")

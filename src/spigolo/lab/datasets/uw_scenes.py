@@ -1,0 +1,129 @@
+"""UW RGB-D Scenes v1 (Lai, Bo, Ren, Fox 2011), with QuickFind's hand-traced masks (Zhong, Kanhere, Chou 2016).
+
+    rgbd-scenes/SCENE/SCENE_K/SCENE_K_N.png               8 bits, 640 x 480; N from 1, without leading zeros
+    rgbd-scenes/SCENE/SCENE_K/SCENE_K_N_depth.png         16 bits, millimetres, 0 = missing
+    rgbd-scenes/SCENE/SCENE_K.mat                         optional: boxes, see `read_boxes`
+    rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
+    quickfind_mask_data/SCENE_K_N_mask.png                optional, beside rgbd-scenes or in it: a colour an object
+
+Labels are places in `MASK_COLORS` plus 1; strange colours are ignored. Frames without a mask have no labels. What is
+none of those 22 objects is not labelled: `part`. The frames of one sequence SCENE_K are near-identical.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from spigolo.frames.camera import Camera
+from spigolo.frames.files import read_color
+from spigolo.frames.frame import Color
+from spigolo.lab.datasets.boxes import ObjectBox, read_boxes
+from spigolo.lab.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, ImageEntry, Truth, existing_folder
+
+CAMERA = Camera(570.3, 570.3, 320.0, 240.0, 640, 480)
+NAME = re.compile(r"(?P<sequence>(?P<scene>.+)_\d+)_(?P<number>\d+)\.png")
+MASK_FOLDER = "quickfind_mask_data"
+MASK_COLORS = {
+    "bowl_2": (255, 0, 0), "bowl_3": (255, 255, 0), "bowl_4": (0, 255, 0), "cap_1": (0, 255, 255),
+    "cap_3": (0, 0, 255), "cap_4": (255, 0, 255), "cereal_1": (192, 0, 0), "cereal_2": (192, 192, 0),
+    "cereal_4": (0, 192, 0), "coffee_mug_1": (128, 0, 0), "coffee_mug_4": (128, 128, 0), "coffee_mug_5": (0, 128, 0),
+    "coffee_mug_6": (0, 128, 128), "flashlight_1": (64, 0, 0), "flashlight_2": (64, 64, 0), "flashlight_3": (0, 64, 0),
+    "flashlight_5": (0, 64, 64), "soda_can_1": (0, 0, 192), "soda_can_3": (192, 0, 192), "soda_can_4": (64, 64, 64),
+    "soda_can_5": (192, 192, 192), "soda_can_6": (128, 128, 128),
+}  # fmt: skip
+"""RGB of each object."""
+
+
+@dataclass(frozen=True, slots=True)
+class UwFrame(ImageEntry):
+    """One frame of a sequence. mask and boxes: None where there is none."""
+
+    number: int
+    mask: Path | None
+    boxes: Path | None
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Colour and depth, boxes and mask where there are."""
+        return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
+
+    def read_truth(self) -> Truth | None:
+        """Its hand-traced mask, None where it has none; raises FileError."""
+        return None if self.mask is None else labels_of(read_color(self.mask))
+
+    def read_boxes(self) -> tuple[ObjectBox, ...]:
+        """The boxes of its objects as the set has them, () where it has none; raises FileError."""
+        return () if self.boxes is None else read_boxes(self.boxes, self.number)
+
+
+class UwScenes(DataSet):
+    """Frames of UW RGB-D Scenes v1. masks: folder of QuickFind's masks; if None, it is looked for."""
+
+    layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
+
+    def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS, masks: Path | str | None = None) -> None:
+        self.masks = None if masks is None else existing_folder(masks)
+        super().__init__(folder, full)
+
+    @classmethod
+    def matches(cls, folder: Path) -> bool:
+        """Whether there are frames of a sequence in a folder of its name."""
+        return next(_colors(folder), None) is not None
+
+    def _find(self) -> Iterator[Entry]:
+        data_set, camera = self._named("uw-scenes-v1"), self._camera(CAMERA)
+        masks = self.masks or next((f for f in self._usual_masks() if f.is_dir()), None)
+        for sequence, number, color in sorted(_colors(self.folder)):
+            mask = None if masks is None else masks / f"{color.stem}_mask.png"
+            mask = mask if mask is not None and mask.is_file() else None
+            boxes = color.parent.with_suffix(".mat")
+            yield UwFrame(
+                data_set,
+                color.stem,
+                f"{data_set}/{sequence}",
+                "none" if mask is None else self._labelled(data_set),
+                color,
+                color.with_name(f"{color.stem}_depth.png"),
+                camera,
+                MILLIMETRES,
+                number,
+                mask,
+                boxes if boxes.is_file() else None,
+            )
+
+    def _usual_masks(self) -> tuple[Path, Path]:
+        return self.folder / MASK_FOLDER, self.folder.parent / MASK_FOLDER
+
+
+def labels_of(picture: Color) -> Truth:
+    """Labels of a mask picture (H, W, 3)."""
+    colors = {color: label for label, color in enumerate(MASK_COLORS.values(), start=1)}
+    labels = np.zeros(picture.shape[:2], np.int32)
+    ignore = np.zeros(picture.shape[:2], np.bool_)
+    packed = picture.astype(np.int32) @ np.array([65536, 256, 1])
+    for value in np.unique(packed).tolist():
+        label = colors.get((value >> 16, value >> 8 & 255, value & 255), 0)
+        labels[packed == value] = label
+        if value and not label:
+            ignore |= packed == value
+    names = dict(enumerate(MASK_COLORS, start=1))
+    return Truth(labels, ignore, {label: names[label] for label in np.unique(labels).tolist() if label})
+
+
+def category_of(name: str) -> tuple[str, int]:
+    """Category and number of an object as its box has them: cereal_2 is a cereal_box."""
+    kind, _, number = name.rpartition("_")
+    return ("cereal_box" if kind == "cereal" else kind), int(number)
+
+
+def _colors(folder: Path) -> Iterator[tuple[str, int, Path]]:
+    """Sequence, number and colour image of each frame."""
+    for path in folder.glob("*/*/*.png"):
+        found = NAME.fullmatch(path.name)
+        if found and path.parent.name == found["sequence"]:
+            yield found["sequence"], int(found["number"]), path

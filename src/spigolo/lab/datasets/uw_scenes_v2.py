@@ -1,0 +1,37 @@
+"""UW RGB-D Scenes v2 (Lai, Bo, Fox 2014): videos of furniture and table-tops.
+
+    rgbd-scenes-v2/imgs/scene_01/00000-color.png          8 bits, 640 x 480
+    rgbd-scenes-v2/imgs/scene_01/00000-depth.png          16 bits, tenths of a millimetre, 0 = missing
+    rgbd-scenes-v2/camera.json                            optional, another camera than that of v1
+
+Its labels are of points of a cloud, not of pixels: no frame has labels here. The frames of a scene are near-identical.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
+from spigolo.lab.datasets.uw_scenes import CAMERA
+
+DEPTH_SCALE = 0.0001
+
+
+class UwScenesV2(DataSet):
+    """Frames of UW RGB-D Scenes v2."""
+
+    layout = "imgs/scene_XX/NNNNN-color.png and NNNNN-depth.png (UW RGB-D Scenes v2)"
+
+    @classmethod
+    def matches(cls, folder: Path) -> bool:
+        """Whether a scene has such images."""
+        return any(folder.glob("imgs/scene_*/*-color.png"))
+
+    def _find(self) -> Iterator[Entry]:
+        data_set, camera = self._named("uw-scenes-v2"), self._camera(CAMERA)
+        for color in sorted(self.folder.glob("imgs/scene_*/*-color.png")):
+            scene, number = color.parent.name, color.stem.removesuffix("-color")
+            depth = color.with_name(f"{number}-depth.png")
+            group = f"{data_set}/{scene}"
+            yield ImageEntry(data_set, f"{scene}/{number}", group, "none", color, depth, camera, DEPTH_SCALE)

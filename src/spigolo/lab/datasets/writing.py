@@ -1,0 +1,184 @@
+"""Rendered stand-ins written in the layouts of real sets, which `spigolo.lab.datasets` reads back as it does the originals.
+
+Each file is written at once, what describes a scene after its frames. `rendered.json` in the folder says that no frame
+is a photograph; `camera.json` beside it holds the camera, where the layout has no place for it. The name of each
+sample's frame is its place in the set: `rutgers_name`, `uw_scenes_name` and `tejani_name` make such names.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from spigolo.errors import FrameError
+from spigolo.frames.camera import Camera
+from spigolo.frames.files import write_bytes, write_json, write_png
+from spigolo.frames.frame import Color
+from spigolo.lab.datasets.bop_writing import SceneFiles, write_description, write_models
+from spigolo.lab.datasets.boxes import ObjectBox, box_of, boxes_to_mat
+from spigolo.lab.datasets.entry import MILLIMETRES, RENDERED
+from spigolo.lab.datasets.meshes import write_model
+from spigolo.lab.datasets.posed import Pose
+from spigolo.lab.datasets.rutgers import pose_to_yaml
+from spigolo.lab.datasets.sample import Instance, Model, Sample
+from spigolo.lab.datasets.tejani import ANNOTATION, MODELS, poses_to_text
+from spigolo.lab.datasets.tejani import OBJECTS as TEJANI_OBJECTS
+from spigolo.lab.datasets.uw_scenes import MASK_COLORS, MASK_FOLDER, category_of
+
+
+def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int, shot: int) -> str:
+    """Of a frame: object, bin A..L, degree of clutter 0..2, camera position 0..2, shot 0..3."""
+    return f"{object_name}-{bin_letter}-{clutter}-{position}-{shot}"
+
+
+def uw_scenes_name(sequence: str, number: int) -> str:
+    """Of a frame: a sequence such as table_1 or kitchen_small_1, and a number from 1."""
+    return f"{sequence}_{number}"
+
+
+def tejani_name(object_name: str, number: int) -> str:
+    """Of a frame: Coffee_Cup, Shampoo, Joystick, Camera, Juice or Milk, and a number from 0; raises FrameError."""
+    if object_name not in TEJANI_OBJECTS:
+        raise FrameError(f"expected one of {', '.join(TEJANI_OBJECTS)}, got {object_name}")
+    return f"scene_{TEJANI_OBJECTS.index(object_name) + 1:02d}/img_{number:03d}"
+
+
+def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
+    """Writes the layout of `Rutgers`: of each frame the one object that its name tells, with its pose.
+
+    about: what was rendered, in a sentence. Returns the number of frames; raises FileError or FrameError.
+    """
+    images = _Images(folder, about)
+    for model in models:
+        write_model(folder / "models" / f"{model.name}.ply", model)
+    for sample in samples:
+        name, place = _parts(sample, r"(.+)-([A-L]-\d+-\d+-\d+)", "OBJECT-BIN-CLUTTER-POSITION-SHOT")
+        poses = _poses_of(sample, name, models)
+        if len(poses) > 1:
+            raise FrameError(f"expected one {name} in frame {sample.frame.name}, got {len(poses)}")
+        images.write(sample, f"{name}-image-{place}.png", f"{name}-depth-{place}.png")
+        write_bytes(folder / f"{name}-pose-{place}.yml", pose_to_yaml(poses[0]).encode())
+    return images.count
+
+
+def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
+    """Writes the layout of `UwScenes` with QuickFind's masks in it: of each frame the objects that have a colour there.
+
+    Each sequence gets its boxes when all frames are written. Returns the number of frames; raises FileError or
+    FrameError.
+    """
+    images = _Images(folder, about)
+    boxes: dict[str, dict[int, list[ObjectBox]]] = defaultdict(dict)
+    for sample in samples:
+        sequence, number = _parts(sample, r"(.+_\d+)_([1-9]\d*)", "SCENE_K_N")
+        place = f"{_scene(sequence)}/{sequence}/{sequence}_{number}"
+        images.write(sample, f"{place}.png", f"{place}_depth.png")
+        shown = _shown(sample)
+        write_png(folder / MASK_FOLDER / f"{sequence}_{number}_mask.png", _mask_picture(sample, shown))
+        boxes[sequence][int(number)] = [box_of(*category_of(i.model), sample.labels == i.label) for i in shown]
+    for sequence, frames in boxes.items():
+        write_bytes(folder / _scene(sequence) / f"{sequence}.mat", boxes_to_mat(frames))
+    return images.count
+
+
+def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
+    """Writes the layout of `Tejani`: of each frame the instances of its scene's object, with their poses.
+
+    Returns the number of frames; raises FileError or FrameError.
+    """
+    images = _Images(folder, about)
+    for model in models:
+        if model.name in TEJANI_OBJECTS:
+            write_model(folder / MODELS[0] / f"obj_{TEJANI_OBJECTS.index(model.name) + 1:02d}.ply", model)
+    for sample in samples:
+        scene, number = _parts(sample, r"scene_(0[1-6])/img_(\d+)", "scene_XX/img_NNN, XX from 01 to 06")
+        poses = _poses_of(sample, TEJANI_OBJECTS[int(scene) - 1], models)
+        place = f"test/scene_{scene}"
+        images.write(sample, f"{place}/RGB/img_{number}.png", f"{place}/Depth/img_{number}.png")
+        write_bytes(folder / ANNOTATION / f"scene_{scene}/poses{int(number)}.txt", poses_to_text(poses).encode())
+    return images.count
+
+
+def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
+    """Writes the layout of `Bop`, with whole and visible masks; models are numbered from 1 in their order.
+
+    Frames named "SCENE/IMAGE", both numbers, get this place, others the next one of scene 1. Labels without an
+    instance are left out. Returns the number of frames; raises FileError or FrameError.
+    """
+    write_json(folder / RENDERED, {"about": about})
+    write_description(folder, models, about)
+    write_models(folder / "models", models)
+    scenes: dict[int, SceneFiles] = {}
+    count = 0
+    for count, sample in enumerate(samples, start=1):
+        found = re.fullmatch(r"(\d+)/(\d+)", sample.frame.name)
+        scene, image = (int(found[1]), int(found[2])) if found else (1, count - 1)
+        files = scenes.setdefault(scene, SceneFiles(folder / "test" / f"{scene:06d}", models))
+        files.write(image, sample)
+    for files in scenes.values():
+        files.close()
+    return count
+
+
+class _Images:
+    """Colour and depth of samples that share a camera."""
+
+    def __init__(self, folder: Path, about: str) -> None:
+        self.count = 0
+        self._folder = folder
+        self._camera: Camera | None = None
+        write_json(folder / RENDERED, {"about": about})
+
+    def write(self, sample: Sample, color: str, depth: str) -> None:
+        """Writes both; the first time also camera.json."""
+        camera = sample.frame.camera
+        if camera is None or camera not in (self._camera, camera if self._camera is None else None):
+            raise FrameError(f"expected one camera in all frames, got {camera} in {sample.frame.name}")
+        if self._camera is None:
+            names = ("fx", "fy", "cx", "cy", "width", "height")
+            write_json(self._folder / "camera.json", {name: getattr(camera, name) for name in names})
+            self._camera = camera
+        write_png(self._folder / color, sample.frame.color)
+        write_png(self._folder / depth, np.round(sample.frame.depth / MILLIMETRES).clip(0, 65535).astype(np.uint16))
+        self.count += 1
+
+
+def _parts(sample: Sample, pattern: str, shape: str) -> tuple[str, str]:
+    found = re.fullmatch(pattern, sample.frame.name)
+    if found is None:
+        raise FrameError(f"expected a frame named {shape}, got {sample.frame.name!r}: its name is its place in the set")
+    return found[1], found[2]
+
+
+def _poses_of(sample: Sample, name: str, models: Sequence[Model]) -> list[Pose]:
+    if name not in (model.name for model in models):
+        raise FrameError(f"expected a model named {name} for frame {sample.frame.name}, got none")
+    poses = [instance.pose for instance in sample.instances if instance.model == name]
+    if not poses:
+        raise FrameError(f"expected an instance of {name} in frame {sample.frame.name}, got none")
+    return poses
+
+
+def _shown(sample: Sample) -> list[Instance]:
+    """The instances that have a colour in QuickFind's masks and a pixel in this frame."""
+    present = set(np.unique(sample.labels).tolist())
+    shown = [i for i in sample.instances if i.model in MASK_COLORS and i.label in present]
+    names = [instance.model for instance in shown]
+    if len(set(names)) < len(names):
+        raise FrameError(f"expected each object once in frame {sample.frame.name}, got {', '.join(sorted(names))}")
+    return shown
+
+
+def _mask_picture(sample: Sample, shown: Iterable[Instance]) -> Color:
+    picture = np.zeros((*sample.labels.shape, 3), np.uint8)
+    for instance in shown:
+        picture[sample.labels == instance.label] = MASK_COLORS[instance.model]
+    return picture
+
+
+def _scene(sequence: str) -> str:
+    return sequence.rpartition("_")[0]

@@ -1,0 +1,155 @@
+"""Who overlaps whom, who is paired with whom, and which boundary pixels meet.
+
+Everything here takes label images that were already checked (`spigolo.lab.evaluation.score_frame` does it).
+Letters used in shapes: H, W = image; N = true objects; S = predicted segments.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+Labels = NDArray[np.integer[Any]]
+Mask = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+RADIUS_PER_DIAGONAL = 0.003
+"""Reach of the boundary matching as a share of the image diagonal."""
+
+DENSE = 4096
+"""Up to this label each has a place of its own in the counts, whether it occurs or not."""
+
+LARGE_PX = 16
+"""From this radius on a distance transform is faster than a disk."""
+
+NEEDS_SCIPY = 'the measures need scipy, which is not installed; mend: pip install "spigolo[evaluation]"'
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OverlapTable:
+    """Pixel counts of every (true object, predicted segment) couple; background is neither."""
+
+    object_ids: NDArray[np.integer[Any]]
+    """(N,) labels of the true objects, ascending."""
+
+    segment_ids: NDArray[np.integer[Any]]
+    """(S,) labels of the predicted segments, ascending."""
+
+    shared_px: Ints
+    """(N, S) pixels that carry both labels."""
+
+    object_px: Ints
+    """(N,) area of each true object; what no segment covers counts too."""
+
+    segment_px: Ints
+    """(S,) area of each segment; what lies on no object counts too."""
+
+    def recall(self) -> Floats:
+        """(N, S) share of the object that the segment covers."""
+        return self.shared_px / self.object_px[:, np.newaxis]
+
+    def precision(self) -> Floats:
+        """(N, S) share of the segment that lies on the object."""
+        return self.shared_px / self.segment_px[np.newaxis, :]
+
+    def f(self) -> Floats:
+        """(N, S) harmonic mean of recall and precision: twice the shared area over the sum of both areas."""
+        return 2 * self.shared_px / np.add.outer(self.object_px, self.segment_px)
+
+    def iou(self) -> Floats:
+        """(N, S) shared area over the area of the union."""
+        return self.shared_px / (np.add.outer(self.object_px, self.segment_px) - self.shared_px)
+
+
+def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
+    """Count the pixels that true objects and predicted segments share.
+
+    Parameters
+    ----------
+    truth, prediction
+        (H, W) label images, 0 = background.
+
+    """
+    true_values, true_rank = _ranked(truth)
+    pred_values, pred_rank = _ranked(prediction)
+    size = (len(true_values), len(pred_values))
+    couple = np.multiply(true_rank, size[1], dtype=np.intp)
+    np.add(couple, pred_rank, out=couple, dtype=np.intp)  # in place: fresh memory takes longer than the sums
+    counts = np.bincount(couple, minlength=math.prod(size)).reshape(size)
+    object_px, segment_px = counts.sum(axis=1), counts.sum(axis=0)
+    is_object, is_segment = (true_values != 0) & (object_px > 0), (pred_values != 0) & (segment_px > 0)
+    return OverlapTable(
+        object_ids=true_values[is_object],
+        segment_ids=pred_values[is_segment],
+        shared_px=counts[is_object][:, is_segment],
+        object_px=object_px[is_object],
+        segment_px=segment_px[is_segment],
+    )
+
+
+def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
+    """Values, ascending, that hold all labels, and the place of each pixel's among them (H * W,).
+
+    Labels that count up are their own places: sorting the pixels would take most of the time of a score.
+    """
+    highest = int(labels.max(initial=0))
+    if highest <= DENSE:
+        return np.arange(highest + 1, dtype=labels.dtype), labels.ravel()
+    return np.unique(labels.ravel(), return_inverse=True)
+
+
+def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Pair objects and segments one to one so that the sum of the pairs' F is as large as it can be.
+
+    Returns
+    -------
+    objects, segments
+        (min(N, S),) row and column numbers of the table. Where several pairings reach the same sum, the
+        one taken depends on the order of the labels; so, in such a tie, do the measures made from it.
+
+    """
+    try:
+        from scipy.optimize import linear_sum_assignment
+    except ModuleNotFoundError as missing:
+        raise ModuleNotFoundError(NEEDS_SCIPY) from missing
+    objects, segments = linear_sum_assignment(table.f(), maximize=True)
+    return objects, segments
+
+
+def default_radius_px(shape: tuple[int, ...]) -> int:
+    """Reach of the boundary matching [px]: 0.003 of the image diagonal, rounded up (3 at 640 x 480)."""
+    return math.ceil(RADIUS_PER_DIAGONAL * math.hypot(*shape))
+
+
+def boundary_map(labels: Labels) -> Mask:
+    """(H, W) mask of the pixels whose right or lower neighbour carries another label."""
+    edge = np.zeros(labels.shape, np.bool_)
+    edge[:, :-1] = labels[:, :-1] != labels[:, 1:]
+    edge[:-1] |= labels[:-1] != labels[1:]
+    return edge
+
+
+def boundary_hits(boundary: Mask, other: Mask, radius_px: float) -> int:
+    """How many pixels of `boundary` have a pixel of `other` at most `radius_px` away (Euclidean).
+
+    A pixel of `other` may serve any number of pixels of `boundary`.
+    """
+    return int(np.count_nonzero(boundary & _within(other, radius_px)))
+
+
+def _within(mask: Mask, radius_px: float) -> Mask:
+    """Where a pixel of the mask (H, W) is at most so far away."""
+    if radius_px > LARGE_PX:
+        if not mask.any():
+            return mask
+        nearest_px = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        return np.asarray(np.sqrt(np.rint(nearest_px.astype(np.float64) ** 2)) <= radius_px)  # squares are whole
+    reach = np.arange(-int(radius_px), int(radius_px) + 1)
+    disk = np.hypot(reach[:, np.newaxis], reach) <= radius_px
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), disk.astype(np.uint8)) > 0)

@@ -1,0 +1,208 @@
+"""Rows put together: the figures of a method on many frames, and of two methods beside each other.
+
+Near-identical frames count once: a frame weighs 1 / (frames of its group), so that every group weighs the same in a
+mean, and its objects count once among all objects.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from spigolo.lab.evaluation.measures import FOUND_SHARE
+from spigolo.lab.evaluation.resampling import UNKNOWN, Estimate, bootstrap, wilson_interval
+from spigolo.lab.evaluation.rows import Row, RowScore
+
+Floats = NDArray[np.float64]
+Figure = Callable[[RowScore], float]
+
+
+@dataclass(frozen=True, slots=True)
+class Pooled:
+    """Figures of one method on many frames; NaN where they mean nothing.
+
+    Precision, F and false positives need frames on which every object is labelled: they are NaN if any frame is not.
+    """
+
+    n_frames: int
+    n_groups: int
+    """Groups of near-identical frames; a frame unlike all others is one."""
+
+    n_failed: int
+    """Frames with an error; scored as if nothing had been found."""
+
+    n_predicted: float
+    """Mean number of predicted objects."""
+
+    n_objects: float
+    """Labelled objects; not whole where the frames of a group differ in number."""
+
+    overlap_precision: float
+    overlap_recall: float
+    overlap_f: Estimate
+    """Mean over the groups, bootstrap over the groups."""
+
+    boundary_precision: float
+    boundary_recall: float
+    boundary_f: float
+    f75: float
+    true_positives: float
+    """Labelled objects with IoU > 0.7."""
+
+    false_positives: float
+    found: Estimate
+    """Share of labelled objects with IoU > 0.7, Wilson interval."""
+
+    found_in_regions: float
+    """The same share among all regions, rejected ones as well."""
+
+    best_iou: float
+    """Mean over the labelled objects."""
+
+    best_iou_of_regions: float
+    """The same among all regions."""
+
+    found_70_recall: float
+    """Share of labelled objects that one predicted one covers by more than 70 %, whatever else it covers."""
+
+    found_70_both: float
+    """Share of labelled objects that one predicted one covers so and lies on by more than 70 %."""
+
+    pieces: float
+    """Regions that hold 5 % of an object or more, per labelled object."""
+
+    leaks: float
+    """Under-segmentation error of the regions, mean over the labelled objects."""
+
+    cpu_median_s: float
+    cpu_mean_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """How much larger the figures of one method are than those of another, on the frames that both have.
+
+    Intervals: bootstrap over the groups, paired. cpu_ratio: median over the frames of the ratio of CPU times.
+    """
+
+    n_frames: int
+    n_groups: int
+    overlap_f: Estimate
+    boundary_f: Estimate
+    f75: Estimate
+    found: Estimate
+    cpu_ratio: float
+
+
+def pool(rows: Sequence[Row]) -> Pooled:
+    """The figures of one method on the frames of these rows.
+
+    Raises ValueError without rows, and where two rows are of one frame.
+    """
+    _check(rows)
+    scored = [row for row in rows if row.score is not None]
+    complete = bool(scored) and all(row.labelling == "full" for row in scored)
+    hits, objects = _total(scored, lambda s: s.true_positives), _total(scored, lambda s: s.n_objects)
+    cpu = [row.cpu_s for row in rows if row.cpu_s is not None]
+
+    def where_complete(figure: Figure) -> float:
+        return _mean(scored, figure).value if complete else math.nan
+
+    return Pooled(
+        n_frames=len(rows),
+        n_groups=len({row.group for row in rows}),
+        n_failed=sum(row.error is not None for row in rows),
+        n_predicted=float(np.average([row.n_predicted for row in rows], weights=_weights(rows))),
+        n_objects=objects,
+        overlap_precision=where_complete(lambda s: s.overlap_precision),
+        overlap_recall=_mean(scored, lambda s: s.overlap_recall).value,
+        overlap_f=_mean(scored, lambda s: s.overlap_f) if complete else UNKNOWN,
+        boundary_precision=where_complete(lambda s: s.boundary_precision),
+        boundary_recall=_mean(scored, lambda s: s.boundary_recall).value,
+        boundary_f=where_complete(lambda s: s.boundary_f),
+        f75=_mean(scored, lambda s: s.f75).value,
+        true_positives=hits,
+        false_positives=_total(scored, lambda s: s.false_positives) if complete else math.nan,
+        found=Estimate(hits / objects, *wilson_interval(hits, objects)) if objects else UNKNOWN,
+        found_in_regions=_share(scored, lambda s: sum(iou > FOUND_SHARE for iou in s.best_iou_of_regions)),
+        best_iou=_share(scored, lambda s: sum(s.best_iou)),
+        best_iou_of_regions=_share(scored, lambda s: sum(s.best_iou_of_regions)),
+        found_70_recall=_share(scored, lambda s: s.found_70_recall),
+        found_70_both=_share(scored, lambda s: s.found_70_both),
+        pieces=_share(scored, lambda s: s.pieces),
+        leaks=_share(scored, lambda s: s.leaks),
+        cpu_median_s=float(np.median(cpu)) if cpu else math.nan,
+        cpu_mean_s=float(np.mean(cpu)) if cpu else math.nan,
+    )
+
+
+def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
+    """How much larger the figures of `after` are than those of `before`; raises ValueError as `pool` does."""
+    _check(before)
+    _check(after)
+    old = {(row.data_set, row.frame): row for row in before}
+    pairs = [(old[row.data_set, row.frame], row) for row in after if (row.data_set, row.frame) in old]
+    scored = [(a, b) for a, b in pairs if a.score is not None and b.score is not None]
+    complete = bool(scored) and all(a.labelling == b.labelling == "full" for a, b in scored)
+
+    def paired(figure: Figure, weigh: Figure = lambda _: 1.0) -> Estimate:
+        a, b = ([pair[k] for pair in scored] for k in (0, 1))
+        objects = _group_means(b, weigh)
+        change = _group_means(b, figure) - _group_means(a, figure, of=b)
+        return bootstrap(np.divide(change, objects, out=np.zeros_like(change), where=objects > 0), objects)
+
+    ratios = [b.cpu_s / a.cpu_s for a, b in pairs if a.cpu_s and b.cpu_s is not None]
+    return Difference(
+        n_frames=len(pairs),
+        n_groups=len({b.group for _, b in pairs}),
+        overlap_f=paired(lambda s: s.overlap_f) if complete else UNKNOWN,
+        boundary_f=paired(lambda s: s.boundary_f) if complete else UNKNOWN,
+        f75=paired(lambda s: s.f75),
+        found=paired(lambda s: s.true_positives, lambda s: s.n_objects),
+        cpu_ratio=float(np.median(ratios)) if ratios else math.nan,
+    )
+
+
+def _check(rows: Sequence[Row]) -> None:
+    if not rows:
+        raise ValueError("expected rows to put together, got none; mend: evaluate some frames")
+    counts = Counter((row.data_set, row.frame) for row in rows)
+    (data_set, frame), most = counts.most_common(1)[0]
+    if most > 1:
+        raise ValueError(
+            f"expected one row per frame, got {most} of {data_set}/{frame};"
+            " mend: give the rows of one method with one set of parameters"
+        )
+
+
+def _weights(rows: Sequence[Row]) -> Floats:
+    size = Counter(row.group for row in rows)
+    return np.array([1 / size[row.group] for row in rows])
+
+
+def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
+    """(G,) mean of a figure within each group, groups in the order of their first frame; `of` says the groups."""
+    members: dict[str, list[float]] = {}
+    for row, like in zip(rows, rows if of is None else of, strict=True):
+        assert row.score is not None
+        members.setdefault(like.group, []).append(figure(row.score))
+    return np.array([np.mean(values) for values in members.values()], np.float64)
+
+
+def _mean(rows: Sequence[Row], figure: Figure) -> Estimate:
+    return bootstrap(_group_means(rows, figure))
+
+
+def _total(rows: Sequence[Row], count: Figure) -> float:
+    return float(_group_means(rows, count).sum())
+
+
+def _share(rows: Sequence[Row], count: Figure) -> float:
+    """What is counted, per labelled object."""
+    objects = _total(rows, lambda s: s.n_objects)
+    return _total(rows, count) / objects if objects else math.nan

@@ -1,0 +1,73 @@
+"""The measures of many frames together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
+
+
+@dataclass(frozen=True, slots=True)
+class DatasetScore(Measures):
+    """Measures of many frames: means over the frames, or shares of the objects of all frames together.
+
+    The means of the frames' F are not the harmonic means of the figures beside them.
+    """
+
+    found_70_recall: float
+    """Share of all objects, NaN without objects. Merging raises it: read it beside `overlap_precision`."""
+
+    found_70_both: float
+    """Share of all objects, NaN without objects."""
+
+    found_iou_70: float
+    """Share of all objects, NaN without objects."""
+
+    best_iou: float
+    """Mean over all objects of their best IoU, NaN without objects."""
+
+    segments_per_object: float
+    """Predicted segments of all frames over the objects of all frames (over 1 when there are none)."""
+
+    n_frames: int
+    """How many frames were scored."""
+
+    n_objects: int
+    """How many true objects they hold together."""
+
+
+def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
+    """Put the scores of many frames together; every frame, or every object, weighs the same.
+
+    Raises
+    ------
+    ValueError
+        When there is no frame.
+
+    """
+    scores = list(scores)
+    if not scores:
+        raise ValueError("expected the scores of at least one frame, got none; mend: give a data set with frames")
+    means: dict[str, Any] = {name: _mean([getattr(score, name) for score in scores]) for name in MEASURES}
+    n_objects = sum(score.n_objects for score in scores)
+    return DatasetScore(
+        **means,
+        found_70_recall=_mean(np.concatenate([score.found_70_recall for score in scores])),
+        found_70_both=_mean(np.concatenate([score.found_70_both for score in scores])),
+        found_iou_70=_mean(np.concatenate([score.found_iou_70 for score in scores])),
+        best_iou=_mean(np.concatenate([score.best_iou for score in scores])),
+        segments_per_object=sum(score.n_segments for score in scores) / max(1, n_objects),
+        n_frames=len(scores),
+        n_objects=n_objects,
+    )
+
+
+def _mean(values: ArrayLike) -> float:
+    array = np.asarray(values, np.float64)
+    return float(array.mean()) if array.size else math.nan

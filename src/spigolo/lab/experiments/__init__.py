@@ -1,0 +1,33 @@
+"""Methods on labelled frames, in two steps: `evaluate` writes rows, `write_report` makes a page of them.
+
+frames = find_labelled_frames([Path("frames")])
+evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))
+write_report(read_contenders([Path("rows.jsonl")]), Path("report"), frames)
+"""
+
+from __future__ import annotations
+
+from spigolo.lab.datasets import Entry, Truth, find_labelled_frames
+from spigolo.lab.experiments.contenders import Contender, find_references, gather, read_contenders
+from spigolo.lab.experiments.methods import make_methods, remake
+from spigolo.lab.experiments.paper import write_paper_tables
+from spigolo.lab.experiments.report import write_report
+from spigolo.lab.experiments.running import evaluate
+from spigolo.methods import Method, Toscana2016
+
+__all__ = [
+    "Contender",
+    "Entry",
+    "Method",
+    "Toscana2016",
+    "Truth",
+    "evaluate",
+    "find_labelled_frames",
+    "find_references",
+    "gather",
+    "make_methods",
+    "read_contenders",
+    "remake",
+    "write_paper_tables",
+    "write_report",
+]

@@ -1,0 +1,127 @@
+"""Rows of one method with one set of parameters, under the name that tells it from the others."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from spigolo.errors import ConfigError, FileError
+from spigolo.lab.evaluation.rows import Row, read_rows
+from spigolo.settings.presets import PRESETS
+
+Part = tuple[str, str, str]
+"""Method, digest, and file where files hold the same frames."""
+
+Place = tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Contender:
+    """label: its name on the page. file: where it comes from, if files hold the same frames. rows: one per frame."""
+
+    label: str
+    file: str
+    rows: tuple[Row, ...]
+
+    @property
+    def which(self) -> tuple[str, str]:
+        """Method and digest."""
+        return self.rows[0].method, self.rows[0].digest
+
+
+def read_contenders(paths: Sequence[Path]) -> list[Contender]:
+    """The contenders of files of rows, in the order of their first rows."""
+    files = {path: read_rows(path) for path in paths}
+    rows = gather({str(path): held for path, held in files.items()})
+    if not rows:
+        raise FileError(f"expected rows in {', '.join(map(str, paths))}, got none: run `spigolo evaluate` first")
+    return rows
+
+
+def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
+    """The contenders of rows by the file that they come from.
+
+    Files that hold different frames of one method add up; those that hold the same frames are contenders of their own,
+    as before and after a change of the code.
+    """
+    held = {file: _by_method(rows) for file, rows in files.items()}
+    parts: dict[Part, dict[Place, Row]] = {}
+    for file, methods in held.items():
+        others = [other for name, other in held.items() if name != file]
+        for which, rows in methods.items():
+            clash = any(rows.keys() & other.get(which, {}).keys() for other in others)
+            parts.setdefault((*which, file if clash else ""), {}).update(rows)
+    firsts = {part: next(iter(rows.values())) for part, rows in parts.items()}
+    return [Contender(label, part[2], tuple(parts[part].values())) for part, label in _labels(firsts).items()]
+
+
+def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
+    """What the others are compared with: the contender of that label, digest, preset or method, or those of a file.
+
+    Without a name the first one, or, where files hold the same frames, those of the first file. Raises ConfigError
+    where the name is of none, or of several that are not one file.
+    """
+    if name is None:
+        return _of_file(contenders, contenders[0].file) or [contenders[0]]
+    alias = PRESETS[name.upper()].digest if name.upper() in PRESETS else name  # OBJECTS is the newest of several
+    exact = [c for c in contenders if name == c.label]
+    files = {c.file for c in contenders if c.file and name in (c.file, Path(c.file).name, Path(c.file).stem)}
+    found = exact or [c for file in files for c in _of_file(contenders, file)]
+    if found and len(files) < 2:
+        return found
+    found = [c for c in contenders if name.lower() in _names(c)] or [c for c in contenders if alias == c.which[1]]
+    if len(found) == 1:
+        return found
+    known = "; ".join(f"{c.label} ({c.which[1]})" for c in contenders)
+    raise ConfigError(
+        f"expected the label or digest of one method in the rows, or a file, got {name!r}, which fits"
+        f" {len(found) or 'none'} of them: {known}"
+    )
+
+
+def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
+    """Each other contender with the reference of its method and digest, or else with the first reference."""
+    of = {c.which: c for c in references}
+    return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]
+
+
+def _of_file(contenders: Sequence[Contender], file: str) -> list[Contender]:
+    return [c for c in contenders if c.file == file] if file else []
+
+
+def _names(contender: Contender) -> set[str]:
+    return {name.lower() for name in (contender.label, *contender.which, contender.rows[0].preset)}
+
+
+def _by_method(rows: Sequence[Row]) -> dict[tuple[str, str], dict[Place, Row]]:
+    methods: dict[tuple[str, str], dict[Place, Row]] = {}
+    for row in rows:
+        methods.setdefault((row.method, row.digest), {})[row.data_set, row.frame] = row
+    return methods
+
+
+def _labels(firsts: Mapping[Part, Row]) -> dict[Part, str]:
+    """As short as tells them apart: preset, method and preset, digest, file."""
+    one_method = len({method for method, _, _ in firsts}) == 1
+    labels = {part: _short(row, one_method) for part, row in firsts.items()}
+    labels = _refine(labels, lambda part: part[1] if _digests(labels, labels[part]) > 1 else "")
+    labels = _refine(labels, lambda part: Path(part[2]).stem)
+    return _refine(labels, lambda part: part[2])
+
+
+def _short(row: Row, one_method: bool) -> str:
+    if not row.preset:
+        return row.method
+    return row.preset if one_method else f"{row.method} {row.preset}"
+
+
+def _digests(labels: Mapping[Part, str], label: str) -> int:
+    return len({digest for (_, digest, _), other in labels.items() if other == label})
+
+
+def _refine(labels: Mapping[Part, str], more: Callable[[Part], str]) -> dict[Part, str]:
+    """The labels, those that are not alone with something more."""
+    count = Counter(labels.values())
+    return {part: f"{label} {more(part)}".rstrip() if count[label] > 1 else label for part, label in labels.items()}

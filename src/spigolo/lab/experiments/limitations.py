@@ -1,0 +1,106 @@
+"""What the figures of a report do not say, in sentences made from its rows."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+from spigolo.lab.evaluation.rows import Labelling, Row
+from spigolo.lab.experiments.contenders import Contender
+from spigolo.lab.experiments.tables import FEW_GROUPS
+
+MOST = 0.5
+"""A set with more than this share of the groups stands for most of the pooled figures."""
+
+
+def limitations(contenders: Sequence[Contender]) -> list[str]:
+    """The limitations, the weightier first."""
+    rows = [row for contender in contenders for row in contender.rows]
+    groups = {row.group: row.data_set for row in rows if row.score is not None}
+    methods = sorted({row.method for row in rows})
+    return [
+        *_labelling(rows),
+        *_size(groups),
+        *_coverage(contenders, rows),
+        *_failures(contenders),
+        "Rows do not say which frames a preset was fitted to; its figures on those flatter it, and only frames left out"
+        " tell what it does on new ones.",
+        f"Not a comparison with learned methods: the rows hold {_list(methods)} alone.",
+        "The interval of the found share takes objects as independent, though those of one frame share its light, view"
+        " and camera; it is rather too narrow.",
+        "Times are CPU times of one run per frame, measured while other programs may have run, after one run that was"
+        " not timed.",
+        *_mixed(rows),
+    ]
+
+
+def _labelling(rows: Sequence[Row]) -> list[str]:
+    part, none = _sets(rows, "part"), _sets(rows, "none")
+    told = []
+    if part:
+        told.append(
+            f"{_list(part)}: only some objects are labelled. Such frames cannot show precision, since a segment on an"
+            " unlabelled object is not wrong; overlap P and F, boundary F and false objects are left out."
+        )
+    if none:
+        told.append(f"{_list(none)}: no labels; such frames show time and the number of predicted objects alone.")
+    return told
+
+
+def _size(groups: dict[str, str]) -> list[str]:
+    if not groups:
+        return ["No frame has labels: nothing is said about accuracy."]
+    count = Counter(groups.values())
+    few = sorted(name for name, n in count.items() if n < FEW_GROUPS)
+    biggest, most = count.most_common(1)[0]
+    told = [
+        f"{len(groups)} distinct labelled frames of {len(count)} data sets: rooms, cameras and objects of few places."
+    ]
+    if few:
+        told.append(f"Fewer than {FEW_GROUPS} distinct frames in {_list(few)}: read these figures as examples.")
+    if len(count) > 1 and most > MOST * len(groups):
+        told.append(
+            f"{biggest} has {most} of the {len(groups)} distinct frames, so that the pooled figures are mostly its."
+        )
+    return told
+
+
+def _coverage(contenders: Sequence[Contender], rows: Sequence[Row]) -> list[str]:
+    every = {(row.data_set, row.frame) for row in rows}
+    lacking = {c.label: len(every) - len(c.rows) for c in contenders}
+    short = [f"{label} lacks {n}" for label, n in lacking.items() if n]
+    if not short:
+        return []
+    return [
+        f"Not every method ran on all {len(every)} frames ({'; '.join(short)}): compare by the table of differences."
+    ]
+
+
+def _failures(contenders: Sequence[Contender]) -> list[str]:
+    told = []
+    for contender in contenders:
+        failed = [row for row in contender.rows if row.error is not None]
+        if failed:
+            told.append(
+                f"{contender.label} failed on {len(failed)} frames, which are scored as if it had found nothing, or"
+                f" left out where the labels could not be read. First: {failed[0].data_set}/{failed[0].frame}:"
+                f" {failed[0].error}"
+            )
+    return told
+
+
+def _mixed(rows: Sequence[Row]) -> list[str]:
+    told = []
+    if len({row.machine for row in rows}) > 1:
+        told.append("The rows come from several machines or versions of libraries: do not compare their times.")
+    if len({row.version for row in rows}) > 1:
+        told.append("The rows come from several versions of spigolo.")
+    return told
+
+
+def _sets(rows: Sequence[Row], labelling: Labelling) -> list[str]:
+    return sorted({row.data_set for row in rows if row.labelling == labelling})
+
+
+def _list(names: Sequence[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -1,0 +1,36 @@
+"""What is evaluated: methods by name, ours once for each preset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from spigolo.errors import ConfigError
+from spigolo.lab.evaluation.rows import Row
+from spigolo.methods import METHODS, Method, Toscana2016
+from spigolo.settings.config import Config
+
+
+def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method]:
+    """Methods by name: `toscana2016` once per configuration, any other once. The same parameters come once.
+
+    Raises ConfigError for a name that is not known.
+    """
+    methods: dict[tuple[str, str], Method] = {}
+    for name in names:
+        if name not in METHODS:
+            raise ConfigError(f"unknown method {name!r}: expected one of {', '.join(METHODS)}")
+        made: list[Method] = [Toscana2016(c) for c in configs] if name == Toscana2016.name else [METHODS[name]]
+        for method in made:
+            methods.setdefault((method.name, method.digest), method)
+    return list(methods.values())
+
+
+def remake(row: Row) -> Method | None:
+    """The method of a row with the row's parameters, None where it no longer exists with these."""
+    if row.method not in METHODS:
+        return None
+    try:
+        method = METHODS[row.method].replace(**row.parameters)
+    except ConfigError:
+        return None
+    return method if method.digest == row.digest else None

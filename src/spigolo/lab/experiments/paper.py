@@ -1,0 +1,218 @@
+"""The paper's Tables I to III, what it printed beside what rows say: its rule for an object that is found is that one
+segment covers more than 70 % of its pixels.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from spigolo.errors import FileError
+from spigolo.frames.files import write_bytes
+from spigolo.lab.evaluation.measures import FOUND_SHARE
+from spigolo.lab.evaluation.rows import Row
+from spigolo.lab.experiments.contenders import Contender
+from spigolo.lab.experiments.page import Block, Cell, Heading, Items, Page, Paragraph, Table, to_html, to_markdown
+from spigolo.lab.experiments.printed import TABLES, Place, Printed
+from spigolo.settings.presets import PRESETS
+
+RENDERED = "-rendered"
+"""Ends the names of sets that are no photographs."""
+NOT_DONE = "-"
+"""The paper's sign for a cell that it leaves out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """Objects of one cell, how many of them are found, and how many would be if no region were rejected."""
+
+    objects: int = 0
+    found: int = 0
+    in_regions: int = 0
+
+    def __add__(self, other: Tally) -> Tally:
+        return Tally(self.objects + other.objects, self.found + other.found, self.in_regions + other.in_regions)
+
+    @property
+    def share(self) -> str:
+        """Found, in per cent."""
+        return _percent(self.found, self.objects)
+
+    @property
+    def share_in_regions(self) -> str:
+        """Covered by any region, in per cent."""
+        return _percent(self.in_regions, self.objects)
+
+    def among(self, other: Tally) -> str:
+        """How many objects, where these are not those of the other."""
+        return "" if self.objects == other.objects else f"of {self.objects}"
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """One of the paper's tables on one data set. tallies: by contender, in their order, and place.
+
+    The first contender is the preset that the paper uses; beside: the method in parentheses, None where there is none.
+    """
+
+    printed: Printed
+    rendered: bool
+    n_frames: int
+    tallies: Mapping[str, Mapping[Place, Tally]]
+    beside: str | None
+
+    @property
+    def title(self) -> str:
+        """Says plainly what is no photograph."""
+        on = f"rendered stand-in for {self.printed.about}" if self.rendered else self.printed.about
+        return f"Table {self.printed.number}: {on}"
+
+
+def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple[str, Table]]:
+    """Writes index.html and report.md into the folder `out`; returns titles and tables of the sets that are there.
+
+    Raises FileError where the rows hold none of the paper's sets, lack the preset that the paper uses on one, are of an
+    older version or cannot be written.
+    """
+    measured = measure(contenders)
+    tables = [(one.title, paper_table(one)) for one in measured]
+    blocks: list[Block] = []
+    for one, (title, table) in zip(measured, tables, strict=True):
+        blocks += [Heading(title), Paragraph(_about(one)), table]
+    page = Page("The paper's tables", [*blocks, Heading("How to read this"), Items(_explanations(measured))])
+    write_bytes(out / "index.html", to_html(page).encode())
+    write_bytes(out / "report.md", to_markdown(page).encode())
+    return tables
+
+
+def measure(contenders: Sequence[Contender]) -> list[Measured]:
+    """What the rows say of each of the paper's sets that they hold; raises FileError as `write_paper_tables` does."""
+    sets = [(printed, rendered) for printed in TABLES for rendered in (False, True)]
+    measured = [one for pair in sets if (one := _measure(contenders, *pair)) is not None]
+    if not measured:
+        known = ", ".join(printed.data_set for printed in TABLES)
+        raise FileError(
+            f"expected rows of {known}, or of their stand-ins, got none; mend: evaluate one of them, or stand-ins of"
+            " `spigolo render FAMILY --layout original`"
+        )
+    return measured
+
+
+def paper_table(measured: Measured) -> Table:
+    """Printed and measured side by side; of one column of figures in lines, of several in columns."""
+    return _wide(measured) if len(measured.printed.columns) > 1 else _narrow(measured)
+
+
+def _measure(contenders: Sequence[Contender], printed: Printed, rendered: bool) -> Measured | None:
+    name = printed.data_set + (RENDERED if rendered else "")
+    held = {c.label: (c, [row for row in c.rows if row.data_set == name and row.score is not None]) for c in contenders}
+    held = {label: pair for label, pair in held.items() if pair[1]}
+    if not held:
+        return None
+    ours = ("toscana2016", PRESETS[printed.preset].digest)
+    order = sorted(held, key=lambda label: held[label][0].which != ours)
+    if held[order[0]][0].which != ours:
+        raise FileError(
+            f"expected rows of toscana2016 with preset {printed.preset} on {name} for Table {printed.number}, got those"
+            f" of {', '.join(order)}; mend: `spigolo evaluate FOLDER --presets {printed.preset}` into the same file"
+        )
+    tallies = {label: _tally(held[label][1], printed) for label in order}
+    beside = next((label for label in order if held[label][0].which[0] == printed.beside), None)
+    return Measured(printed, rendered, len(held[order[0]][1]), tallies, beside)
+
+
+def _tally(rows: Sequence[Row], printed: Printed) -> dict[Place, Tally]:
+    tallies: dict[Place, Tally] = {}
+    for row in rows:
+        for place, tally in _judged(row, printed):
+            tallies[place] = tallies.get(place, Tally()) + tally
+    return tallies
+
+
+def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
+    """The objects of a row that belong into the table, one after the other."""
+    score = row.score
+    assert score is not None
+    if not len(score.names) == len(score.covered) == score.n_objects:
+        raise FileError(
+            f"expected names of the objects in the row of {row.data_set}/{row.frame}, got one of spigolo {row.version}"
+            " without them; mend: evaluate again into a new file"
+        )
+    for name, covered, by_region in zip(score.names, score.covered, score.covered_by_regions, strict=True):
+        place = printed.place(row.frame, name)
+        if place in printed.figures:
+            yield place, Tally(1, int(covered > FOUND_SHARE), int(by_region > FOUND_SHARE))
+
+
+def _narrow(measured: Measured) -> Table:
+    printed, column = measured.printed, measured.printed.columns[0]
+    head = ["", "objects, printed", "found, printed", "objects"]
+    head += [part for label in measured.tallies for part in (label, "in its regions")]
+    rows = []
+    for line in printed.lines:
+        figure = printed.figures[line, column]
+        tallies = [cells.get((line, column), Tally()) for cells in measured.tallies.values()]
+        cells = [Cell(line), Cell(str(figure.objects)), Cell(f"{figure.found} %"), Cell(str(tallies[0].objects))]
+        for tally in tallies:
+            note = tally.among(tallies[0])
+            cells += [Cell(tally.share, note, tally is tallies[0]), Cell(tally.share_in_regions, note)]
+        rows.append(cells)
+    return Table(head, rows)
+
+
+def _wide(measured: Measured) -> Table:
+    """For each line what is printed, the measured presets, and how many objects there are."""
+    printed = measured.printed
+    first, *others = [label for label in measured.tallies if label != measured.beside]
+    name = f"{first} ({measured.beside})" if measured.beside else first
+    rows = []
+    for line in printed.lines:
+        figures = [printed.figures.get((line, column)) for column in printed.columns]
+        rows.append([Cell(line), Cell("printed"), *(Cell(f.found, f.beside) if f else Cell(NOT_DONE) for f in figures)])
+        rows.append([Cell(line), Cell(name), *_paired_cells(measured, line, first)])
+        tallies = _tallies(measured, line, first)
+        in_regions = (Cell(t.share_in_regions if t else NOT_DONE) for t in tallies)
+        rows.append([Cell(line), Cell(f"in the regions of {first}"), *in_regions])
+        for label in others:
+            pairs = zip(_tallies(measured, line, label), tallies, strict=True)
+            rows.append(
+                [Cell(line), Cell(label), *(Cell(t.share, t.among(r)) if t and r else Cell("-") for t, r in pairs)]
+            )
+        rows.append([Cell(line), Cell("objects"), *(Cell(str(t.objects) if t else NOT_DONE) for t in tallies)])
+    return Table(["scene", "", *printed.columns], rows, names=2)
+
+
+def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
+    """The preset's figures, those of the method beside it in parentheses."""
+    tallies = _tallies(measured, line, label)
+    besides = _tallies(measured, line, measured.beside) if measured.beside else [None] * len(tallies)
+    for tally, other in zip(tallies, besides, strict=True):
+        yield Cell(tally.share, other.share if other else "", strong=True) if tally else Cell(NOT_DONE)
+
+
+def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
+    """Along a line; None for what the paper leaves out."""
+    places = [(line, column) for column in measured.printed.columns]
+    return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]
+
+
+def _about(measured: Measured) -> str:
+    kind = "rendered frames, no photographs" if measured.rendered else "frames"
+    return f"{measured.n_frames} {kind}. {measured.printed.note}"
+
+
+def _explanations(measured: Sequence[Measured]) -> list[str]:
+    stand_in = "On a rendered stand-in a figure says how this code does there, and nothing about the printed one."
+    return [
+        "Found: one returned object covers more than 70 % of the object's pixels, whatever else it covers. In the"
+        " regions: the same by any region, rejected ones as well; the paper does not say which of the two it counts. A"
+        " region that holds half the scene covers whatever lies in it.",
+        "Printed: Toscana and Rosa 2016, whose masks were drawn by hand. Each object of each frame counts once.",
+        "– : there is no such object in these frames.",
+        *([stand_in] if any(one.rendered for one in measured) else []),
+    ]
+
+
+def _percent(hits: int, n: int) -> str:
+    return f"{100 * hits / n:.1f} %" if n else "–"

@@ -1,0 +1,137 @@
+"""The page that says how good methods are and how fast, from their rows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from spigolo.frames.files import write_bytes
+from spigolo.lab.datasets import Entry
+from spigolo.lab.evaluation.resampling import DRAWS, SEED
+from spigolo.lab.evaluation.rows import Row
+from spigolo.lab.experiments.contenders import Contender, find_references, pair_up
+from spigolo.lab.experiments.limitations import limitations
+from spigolo.lab.experiments.page import Block, Gallery, Heading, Items, Page, Paragraph, to_html, to_markdown
+from spigolo.lab.experiments.pictures import Tell, draw_worst
+from spigolo.lab.experiments.tables import FEW_GROUPS, change_table, pooled_table, rejection_table, set_table
+from spigolo.methods import METHODS
+
+HTML, MARKDOWN = "index.html", "report.md"
+
+
+def write_report(
+    contenders: Sequence[Contender],
+    out: Path,
+    frames: Sequence[Entry] = (),
+    against: str | None = None,
+    tell: Tell | None = None,
+) -> None:
+    """Writes index.html and report.md into the folder `out`, and pictures of the worst of `frames` beside them.
+
+    against: what differences are to, as `find_references` takes it. tell: called with the number of pictures drawn and
+    to draw, for each contender anew. Raises ConfigError for an unknown name, FileError where a file cannot be written.
+    """
+    references = find_references(contenders, against)
+    rows = [row for contender in contenders for row in contender.rows]
+    blocks = [
+        *_opening(contenders, rows),
+        *_accuracy(contenders),
+        *_differences(contenders, references),
+        *_rejections(contenders),
+        *_worst(contenders, frames, out, tell),
+        Heading("How to read this"),
+        Items(_explanations()),
+        Heading("Limitations"),
+        Items(limitations(contenders)),
+    ]
+    page = Page("Objects found in labelled RGB-D frames", blocks)
+    write_bytes(out / HTML, to_html(page).encode())
+    write_bytes(out / MARKDOWN, to_markdown(page).encode())
+
+
+def _preset(contender: Contender) -> str:
+    name = contender.rows[0].preset
+    return f" with preset {name}" if name else ""
+
+
+def _opening(contenders: Sequence[Contender], rows: Sequence[Row]) -> list[Block]:
+    frames = {(row.data_set, row.frame) for row in rows}
+    sets = {data_set for data_set, _ in frames}
+    what = [f"{c.label}: {c.rows[0].method}{_preset(c)}, digest {c.rows[0].digest}" for c in contenders]
+    machines = sorted({f"spigolo {row.version} on {row.machine}" for row in rows})
+    return [Paragraph(f"{len(frames)} frames of {len(sets)} data sets."), Items([*what, *machines])]
+
+
+def _accuracy(contenders: Sequence[Contender]) -> list[Block]:
+    pooled = pooled_table(contenders)
+    together: list[Block] = [Heading("Accuracy and time, sets together"), pooled] if pooled.rows else []
+    return [*together, Heading("Accuracy and time, by data set"), set_table(contenders)]
+
+
+def _differences(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[Block]:
+    pairs = pair_up(contenders, references)
+    table = change_table(pairs)
+    if not table.rows:
+        return []
+    return [
+        Heading(f"Differences to {' and '.join(c.label for c in references)}"),
+        Paragraph(
+            "On the frames that both have, with a paired 95 % interval. Bold: the interval leaves out zero, on"
+            f" {FEW_GROUPS} distinct frames or more. Of many intervals some leave it out by chance."
+        ),
+        table,
+    ]
+
+
+def _rejections(contenders: Sequence[Contender]) -> list[Block]:
+    table = rejection_table(contenders)
+    return [Heading("Rejected regions per frame, by reason"), table] if len(table.head) > 1 else []
+
+
+def _worst(contenders: Sequence[Contender], frames: Sequence[Entry], out: Path, tell: Tell | None) -> list[Block]:
+    if not frames:
+        return []
+    folders = {(frame.data_set, frame.name): frame for frame in frames}
+    galleries: list[Block] = []
+    for contender in contenders:
+        pictures = draw_worst(contender, folders, out, tell)
+        if pictures:
+            unfolded = not any(isinstance(block, Gallery) for block in galleries)
+            galleries.append(Gallery(f"{contender.label}: the {len(pictures)} worst", pictures, unfolded))
+        else:
+            galleries.append(Paragraph(f"{contender.label}: no pictures, as {_why_none(contender, folders)}."))
+    return [
+        Heading("Worst frames"),
+        Paragraph(
+            "By overlap F where every object is labelled, by overlap recall elsewhere; of near-identical frames the"
+            " worst. Left: the predicted objects. Right: the labelled objects, green where one predicted object has IoU"
+            " above 0.7, red where none has; hatched: ignored."
+        ),
+        *galleries,
+    ]
+
+
+def _why_none(contender: Contender, folders: dict[tuple[str, str], Entry]) -> str:
+    if any((row.data_set, row.frame) in folders and row.score is not None for row in contender.rows):
+        if contender.rows[0].method not in METHODS:
+            return f"{contender.rows[0].method} is none of spigolo.METHODS, so that it cannot be run again here"
+        return "this version of spigolo no longer makes a method with the digest of its rows"
+    return "the folders given hold none of its labelled frames"
+
+
+def _explanations() -> list[str]:
+    return [
+        "Overlap: predicted and labelled objects are paired one to one with the largest sum of F; P is the share of the"
+        " predicted pixels that lie within the pairs, R the share of the labelled ones. Boundary F: boundary pixels"
+        " within 0.003 of the image diagonal count as met. Both are means over frames. F@.75: share of the labelled"
+        " objects whose partner has F above 0.75, mean over frames.",
+        "Found: share of all labelled objects with one predicted object of IoU above 0.7, the count, and Wilson's 95 %"
+        " interval. In the regions: the same share before regions were rejected. False: predicted objects that meet no"
+        " labelled one so.",
+        "Near-identical frames count once: each weighs one over the number of frames in its group, in the means and in"
+        " the counts of objects.",
+        f"The interval of F and those of differences: {DRAWS} draws of as many groups as there are, with replacement,"
+        f" from seed {SEED}; percentiles 2.5 and 97.5. None is given for a single group.",
+        "CPU time: of one thread, for one frame; the median over frames, below it their mean.",
+        "– : the frames cannot say it.",
+    ]

@@ -1,0 +1,268 @@
+"""Methods on frames, a row each, in this process or in several."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import signal
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable, Generator, Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
+from dataclasses import dataclass, replace
+from multiprocessing import get_context, parent_process
+from pathlib import Path
+from typing import TypeVar
+
+import cv2
+import numpy as np
+
+from spigolo import __version__
+from spigolo.errors import FileError, SpigoloError
+from spigolo.frames.frame import Frame
+from spigolo.lab.datasets import Entry, Truth
+from spigolo.lab.evaluation.matching import NEEDS_SCIPY
+from spigolo.lab.evaluation.rows import Key, Row, RowFile, RowScore, score_row
+from spigolo.lab.machine import one_thread, this_machine
+from spigolo.methods import Method
+from spigolo.objects.segmentation import Segmentation
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+Tell = Callable[[int, int, Row | None], None]
+"""Called with the number of rows done, of rows to do and the row just done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One method on one frame."""
+
+    frame: Entry
+    method: str
+    digest: str
+
+    @property
+    def key(self) -> Key:
+        """As that of the row that it will be."""
+        return Key(self.frame.data_set, self.frame.name, self.method, self.digest)
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a method answered, and in what time."""
+
+    result: Segmentation
+    cpu_s: float
+    wall_s: float
+
+
+class Worker:
+    """Does tasks one after the other. The first frame of a method is run once before it is timed."""
+
+    def __init__(self, methods: Sequence[Method]) -> None:
+        self._methods = {(method.name, method.digest): method for method in methods}
+        self._warm: set[tuple[str, str]] = set()
+
+    def __call__(self, task: Task) -> Row:
+        """The row of a task; an error that spigolo raises on purpose becomes a row as well."""
+        method = self._methods[task.method, task.digest]
+        content, truth = "", None
+        try:
+            content = task.frame.content
+            frame, truth = task.frame.read_both()
+            run = self._time(method, frame)
+        except SpigoloError as error:
+            truth = _readable_truth(task.frame) if truth is None else truth
+            return _row(task.frame, content, method, None, _score_of_nothing(truth), str(error))
+        return _row(task.frame, content, method, run, None if truth is None else _score(truth, run.result))
+
+    def _time(self, method: Method, frame: Frame) -> Run:
+        key = method.name, method.digest
+        if key not in self._warm:
+            method(frame)
+            self._warm.add(key)
+        wall, cpu = time.perf_counter(), time.process_time()
+        result = method(frame)
+        if not isinstance(result, Segmentation):
+            raise SpigoloError(f"expected a Segmentation from {method.name}, got {type(result).__name__}: build one")
+        return Run(result, time.process_time() - cpu, time.perf_counter() - wall)
+
+
+def evaluate(
+    frames: Sequence[Entry], methods: Sequence[Method], out: Path, jobs: int = 1, tell: Tell | None = None
+) -> list[Row]:
+    """Runs every method on every frame and appends a row each to the file `out`, but for those that it holds.
+
+    Groups and labelling of the rows that it holds follow the frames; errors of frames that were mended are run again.
+    One run at a time owns the file. jobs: worker processes. Returns the rows of these methods on these frames, old and
+    new. Raises SpigoloError where the measures cannot run or a worker dies, FileError for a file that holds something
+    else.
+    """
+    if importlib.util.find_spec("scipy") is None:
+        raise SpigoloError(NEEDS_SCIPY)
+    if jobs < 1:
+        raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
+    wanted = [Task(frame, method.name, method.digest) for frame in frames for method in methods]
+    with RowFile(out) as file:
+        rows = _brought_up(frames, file)
+        if rows != file.rows:
+            file.rewrite(rows)
+        there = {row.key for row in file.rows}
+        tasks = [task for task in wanted if task.key not in there]
+        if tell is not None:
+            tell(0, len(tasks), None)
+        with closing(_run(tasks, methods, jobs)) as made:
+            for done, row in enumerate(made, start=1):
+                file.append(row)
+                if tell is not None:
+                    tell(done, len(tasks), row)
+        by_key = {row.key: row for row in file.rows}
+    return [by_key[task.key] for task in wanted]
+
+
+def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
+    """The rows of a file with groups and labelling as the frames have them now: neither asks for a new run.
+
+    Without errors of what was mended since. Raises FileError for rows of other frames that have the names of these.
+    """
+    entries = {(frame.data_set, frame.name): frame for frame in frames}
+    failed = _places(row for row in file.rows if row.error is not None)
+    contents = {
+        place: _readable_content(entries[place]) if place in failed else entries[place].content
+        for place in _places(row for row in file.rows if row.content or row.error is not None) & entries.keys()
+    }
+    rows = []
+    for row in file.rows:
+        place = row.data_set, row.frame
+        changed = place in contents and row.content != contents[place]
+        if changed and row.error is None and row.content:
+            raise FileError(
+                f"expected {row.data_set}/{row.frame} as it was when {file.path} was written, got another frame of that"
+                " name, or another ignored label: give another --out"
+            )
+        if not (changed and row.error is not None):
+            rows.append(_as_described(row, entries.get(place)))
+    return rows
+
+
+def _places(rows: Iterable[Row]) -> set[tuple[str, str]]:
+    return {(row.data_set, row.frame) for row in rows}
+
+
+def _readable_content(frame: Entry) -> str:
+    """As the row of a frame has it: nothing where a file cannot be read."""
+    try:
+        return frame.content
+    except FileError:
+        return ""
+
+
+def _as_described(row: Row, frame: Entry | None) -> Row:
+    """A row with the group and labelling of its frame; what was scored without labels stays so."""
+    if frame is None:
+        return row
+    unscored = "none" in (row.labelling, frame.labelling)
+    return replace(row, group=frame.group, labelling=row.labelling if unscored else frame.labelling)
+
+
+def _run(tasks: Sequence[Task], methods: Sequence[Method], jobs: int) -> Generator[Row]:
+    """The rows in the order of the tasks."""
+    if jobs == 1 or len(tasks) < 2:
+        yield from spread(Worker(methods), tasks, 1)
+    else:
+        yield from spread(_do, tasks, jobs, methods)
+
+
+def spread(do: Callable[[T], R], items: Sequence[T], jobs: int, methods: Sequence[Method] = ()) -> Generator[R]:
+    """What `do` makes of each item, in their order, in this process or in several, each with one thread.
+
+    methods: those of the worker that waits in each of several processes. Raises SpigoloError where one dies.
+    """
+    if jobs == 1 or len(items) < 2:
+        with one_thread():
+            yield from map(do, items)
+        return
+    # spawn: OpenCV's threads do not survive a fork
+    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_prepare, initargs=(methods,))
+    try:
+        yield from pool.map(do, items)
+    except BrokenProcessPool:
+        raise SpigoloError(
+            "expected the worker processes to live, but one died, probably for want of memory: take fewer with -j;"
+            " what is done so far is kept"
+        ) from None
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+_worker: Worker | None = None
+
+
+def _prepare(methods: Sequence[Method]) -> None:
+    """In a new worker process."""
+    global _worker  # noqa: PLW0603
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    cv2.setNumThreads(1)
+    _worker = Worker(methods)
+
+
+def _end_with_parent() -> None:
+    """A worker whose parent was killed would wait for tasks for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _do(task: Task) -> Row:
+    assert _worker is not None
+    return _worker(task)
+
+
+def _score(truth: Truth, result: Segmentation) -> RowScore:
+    return score_row(truth.labels, result.labels, result.scene.regions.labels + 1, truth.ignore, truth.names)
+
+
+def _readable_truth(frame: Entry) -> Truth | None:
+    """The labels of a frame of which something cannot be read."""
+    try:
+        return frame.read_truth()
+    except SpigoloError:
+        return None
+
+
+def _score_of_nothing(truth: Truth | None) -> RowScore | None:
+    """None also for an empty scene: who failed there has not seen that it is empty."""
+    if truth is None or not truth.labels.any():
+        return None
+    return score_row(truth.labels, np.zeros_like(truth.labels), None, truth.ignore, truth.names)
+
+
+def _row(
+    frame: Entry, content: str, method: Method, run: Run | None, score: RowScore | None, error: str | None = None
+) -> Row:
+    rejected = Counter(region.reason.value for region in run.result.rejected) if run is not None else {}
+    return Row(
+        data_set=frame.data_set,
+        frame=frame.name,
+        group=frame.group,
+        labelling=frame.labelling,
+        method=method.name,
+        preset=method.preset,
+        digest=method.digest,
+        parameters=dict(method.parameters),
+        version=__version__,
+        machine=str(this_machine()),
+        cpu_s=None if run is None else run.cpu_s,
+        wall_s=None if run is None else run.wall_s,
+        n_predicted=0 if run is None else len(run.result),
+        rejected=dict(sorted(rejected.items())),
+        score=score,
+        error=error,
+        content=content,
+    )

@@ -1,0 +1,134 @@
+"""What a search came to: the report, and the fitted preset as TOML."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from spigolo.frames.files import write_bytes
+from spigolo.lab.experiments.contenders import Contender
+from spigolo.lab.experiments.page import Cell, Items, Page, Paragraph, Table, to_markdown
+from spigolo.lab.experiments.tables import FEW_GROUPS, NONE, brief_table, change_table, set_table
+from spigolo.lab.fitting.choosing import HeldOut, best_trial, hold_out_sets, set_splits
+from spigolo.lab.fitting.spaces import apply
+from spigolo.lab.fitting.trials import Search
+from spigolo.methods import Method, Toscana2016
+
+
+def fitted(search: Search, start: Method) -> Method:
+    """The method with the best setting over all frames; a preset is named after the one that it starts from."""
+    method = apply(best_trial(search.trials).setting, start)
+    return method.replace(name=f"{start.preset}_FITTED") if isinstance(method, Toscana2016) else method
+
+
+def score_table(search: Search, held: HeldOut) -> Table:
+    """The start, the fitted parameters on the frames that chose them, on frames and on sets that had no say."""
+    return brief_table([contender for contender, _ in _lines(search, held)])
+
+
+def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
+    """Writes the parameters as TOML and report.md, and says where they are. Raises FileError where it cannot.
+
+    The TOML of `toscana2016` is a preset that every command takes; that of another method holds its fields.
+    """
+    method = fitted(search, start)
+    preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"
+    texts = {preset: _toml(method), page: to_markdown(make_page(search, held, start))}
+    for path, text in texts.items():
+        write_bytes(path, text.encode())
+    return preset, page
+
+
+def make_page(search: Search, held: HeldOut, start: Method) -> Page:
+    """The report."""
+    lines = _lines(search, held)
+    first, last = lines[0][0], lines[2][0]
+    return Page(
+        f"{start.name} {start.preset}".rstrip() + ", fitted",
+        [
+            Paragraph(
+                f"{len(search.trials) - 1} settings drawn at random, seed {search.subject.seed}, each tried on"
+                f" {len(search.subject.places)} labelled frames."
+            ),
+            score_table(search, held),
+            Items([f"{contender.label}: {meaning}" for contender, meaning in lines]),
+            *_of_each_set(search, lines),
+            Paragraph("What is left out, compared with the start:"),
+            change_table([(first, last)]),
+            Items(list(_remarks(search, held))),
+            Paragraph("What changed:"),
+            _changes(start, fitted(search, start)),
+        ],
+    )
+
+
+def _lines(search: Search, held: HeldOut) -> list[tuple[Contender, str]]:
+    best = best_trial(search.trials)
+    lines = [
+        (Contender("start", "", search.start.rows), "the parameters that the search began with."),
+        (
+            Contender("fitted", "", best.rows),
+            "the parameters in the TOML file, on the frames that chose them; this flatters them.",
+        ),
+        (
+            Contender("held out", "", held.rows),
+            f"{len(held.chosen)} folds, each with the setting that is best on the others: what to expect on new frames"
+            " of the same kind.",
+        ),
+    ]
+    if set_splits(search):
+        means = "each set with the setting that is best on the other sets: what to expect of another camera or place."
+        lines.append((Contender("set held out", "", hold_out_sets(search).rows), means))
+    return lines
+
+
+def _of_each_set(search: Search, lines: Sequence[tuple[Contender, str]]) -> list[Paragraph | Table]:
+    if not set_splits(search):
+        return []
+    return [Paragraph("Each set:"), set_table([contender for contender, _ in lines])]
+
+
+def _remarks(search: Search, held: HeldOut) -> Iterator[str]:
+    chosen = ", ".join(str(trial.number) for trial in held.chosen)
+    yield (
+        f"Chosen over all frames: trial {best_trial(search.trials).number}; in the folds: {chosen}. Trial 0 is the"
+        " start. What was chosen is what finds most objects (IoU > 0.7) plus the mean overlap F where every object is"
+        " labelled."
+    )
+    groups = len({place.group for place in search.subject.places})
+    if groups < FEW_GROUPS:
+        yield f"{groups} distinct frames: too few to tell settings apart; label more."
+    if not set_splits(search):
+        yield "Frames that are not like these, of another camera or another place, are another question."
+
+
+def _changes(before: Method, after: Method) -> Table:
+    old, new = dict(_flat(before.parameters)), dict(_flat(after.parameters))
+    names = [name for name in {**old, **new} if old.get(name) != new.get(name) and name != "name"]
+    rows = [[Cell(name), Cell(_text(old.get(name))), Cell(_text(new.get(name)))] for name in names]
+    return Table(("parameter", "start", "fitted"), rows)
+
+
+def _flat(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def _text(value: Any) -> str:
+    return NONE if value is None else f"{value}"
+
+
+def _toml(method: Method) -> str:
+    if isinstance(method, Toscana2016):
+        return method.config.to_toml()
+    import tomli_w
+
+    return tomli_w.dumps(_without_none(method.parameters))
+
+
+def _without_none(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {k: _without_none(v) if isinstance(v, Mapping) else v for k, v in values.items() if v is not None}

@@ -1,0 +1,96 @@
+"""A search: settings drawn, each tried on all labelled frames."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from spigolo.errors import FileError, SpigoloError
+from spigolo.lab.datasets import Entry
+from spigolo.lab.evaluation.matching import NEEDS_SCIPY
+from spigolo.lab.experiments.running import Task, Worker, spread
+from spigolo.lab.fitting.drawing import draw
+from spigolo.lab.fitting.spaces import Setting, apply, space_of
+from spigolo.lab.fitting.trials import Place, Search, Subject, Trial, TrialFile
+from spigolo.lab.machine import this_machine
+from spigolo.methods import Method
+
+Tell = Callable[[int, int, Trial | None], None]
+"""Called with the number of trials done, of trials to do and the trial just done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """A method with a setting, to be run on the frames."""
+
+    number: int
+    setting: Setting
+    method: Method
+    frames: tuple[Entry, ...]
+
+    def __call__(self) -> Trial:
+        """Runs it."""
+        work = Worker([self.method])
+        tasks = (Task(frame, self.method.name, self.method.digest) for frame in self.frames)
+        return Trial(self.number, self.setting, tuple(work(task) for task in tasks))
+
+
+def search(
+    frames: Sequence[Entry],
+    start: Method,
+    out: Path,
+    trials: int = 60,
+    seed: int = 0,
+    jobs: int = 1,
+    tell: Tell | None = None,
+) -> Search:
+    """Tries the start and `trials` settings drawn at random, and appends those to the file `out` that it lacks.
+
+    frames: those without labels are left out. jobs: worker processes. Raises SpigoloError where optuna or scipy is
+    missing or a worker dies, FileError without labelled frames or for a file of other trials.
+    """
+    if importlib.util.find_spec("scipy") is None:
+        raise SpigoloError(NEEDS_SCIPY)
+    for value, what, least in ((trials, "trials", 1), (jobs, "jobs", 1), (seed, "a seed", 0)):
+        if value < least:
+            raise SpigoloError(f"expected {what} of {least} or more, got {value}: leave it out for the usual")
+    labelled = only_labelled(frames)
+    settings: list[Setting] = [{}, *draw(space_of(start), trials, seed)]
+    with TrialFile(out, _subject(labelled, start, seed)) as file:
+        there = len(file.trials)
+        attempts = [Attempt(k, s, apply(s, start), labelled) for k, s in enumerate(settings) if k >= there]
+        if tell is not None:
+            tell(0, len(attempts), None)
+        with closing(spread(Attempt.__call__, attempts, jobs)) as done:
+            for count, trial in enumerate(done, start=1):
+                _check(trial)
+                file.append(trial)
+                if tell is not None:
+                    tell(count, len(attempts), trial)
+        return Search(_subject(labelled, start, seed), tuple(file.trials[: len(settings)]))
+
+
+def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
+    """Those with labels; raises FileError where there are none."""
+    labelled = tuple(frame for frame in frames if frame.labelling != "none")
+    if not labelled:
+        raise FileError(f"expected labelled frames, got {len(frames)} without labels: draw those of some")
+    return labelled
+
+
+def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
+    places = tuple(Place(f.data_set, f.name, f.group, f.labelling, f.content) for f in frames)
+    return Subject(start.name, start.preset, start.digest, seed, places, str(this_machine()))
+
+
+def _check(trial: Trial) -> None:
+    """Without a score of every frame trials cannot be compared; what fails with the start is the frame's fault."""
+    at_start = trial.number == 0
+    unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)
+    if unread is not None:
+        raise FileError(
+            f"expected frames that can be worked with, got {unread.data_set}/{unread.frame}: {unread.error}"
+        )

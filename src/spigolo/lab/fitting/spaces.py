@@ -1,0 +1,192 @@
+"""What is fitted: which parameters of a method, and between which values.
+
+A space maps dotted names of parameters to ranges, choices and switches. A switch turns on a stage that the preset
+leaves out; while it is off, what is drawn for that stage is left out as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from spigolo.errors import ConfigError
+from spigolo.methods import METHODS, Method, Toscana2016
+from spigolo.settings.config import BoundaryCost, Config, SaliencyCost
+
+Setting = dict[str, Any]
+"""Dotted names and values, as `replace` of a method takes them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Any number from low to high, whole where both are; log: as many small as large ones."""
+
+    low: float
+    high: float
+    log: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """One of several values."""
+
+    options: tuple[Any, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Switch:
+    """A stage with these fields, or none. needs: another switch, without which it stays off."""
+
+    on: Mapping[str, Any] = field(default_factory=dict)
+    needs: str = ""
+
+
+Space = Mapping[str, Range | Choice | Switch]
+
+SUPPORT, CONTOURS, JOINING = "rejection.support", "edges.depth_contours", "joining"
+
+REJECTED: Space = {
+    "rejection.support.min_height_m": Range(0.006, 0.012),
+    "rejection.support.stacked_share": Range(0.3, 0.8),
+    "rejection.max_eccentricity": Range(0.975, 0.99),
+}
+"""Which regions are no objects: the same for every method."""
+
+IN_PIXELS: Space = {
+    "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
+    "rejection.max_lambda2_px2": Range(1000.0, 4000.0, log=True),
+}
+IN_METRES: Space = {
+    "rejection.max_length_m": Range(0.3, 0.6),
+    "rejection.max_width_m": Range(0.18, 0.4),
+}
+"""Which of them depends on what the start has."""
+
+ADDED: Space = {
+    SUPPORT: Switch(),
+    CONTOURS: Switch(),
+    JOINING: Switch({"vessel": {}, "cap": {}, "smooth": {}, "enclosed": 0.85}, needs=SUPPORT),
+}
+"""What the paper has not; drawn only where the preset leaves it out."""
+
+DEPTH: Space = {
+    "depth.smoothing.max_radius_px": Range(4, 8),
+    "depth.smoothing.step_factor": Range(6.0, 18.0, log=True),
+    "depth.noise_per_m": Choice((0.0, 0.0028)),
+    "partition.connectivity": Choice((4, 8)),
+}
+
+BOUNDARIES: Space = {
+    "edges.contact_low_deg": Range(30.0, 56.0),
+    "edges.contact_high_deg": Range(140.0, 154.0),
+    "edges.blur_px": Choice((7, 9)),
+    f"{CONTOURS}.step_m": Range(0.012, 0.022),
+    f"{CONTOURS}.step_per_m": Range(0.006, 0.012),
+    f"{CONTOURS}.crease_offset_px": Range(4, 6),
+    f"{CONTOURS}.crease_high_deg": Range(138.0, 150.0),
+    "rejection.min_contour": Range(0.3, 0.7),
+}
+
+JOINED: Space = {
+    f"{JOINING}.vessel.sure_contrast": Range(0.1, 0.35),
+    f"{JOINING}.vessel.sure_solidity": Range(0.65, 0.85),
+    f"{JOINING}.cap.max_gap_m": Range(0.01, 0.03),
+    f"{JOINING}.smooth.max_bend_m": Range(0.0, 0.002),
+    f"{JOINING}.smooth.max_gap_m": Range(0.015, 0.04),
+}
+
+MERGED: Space = {
+    "sigma_px": Range(0.0, 2.0),
+    "k": Range(200.0, 3200.0, log=True),
+    "connectivity": Choice((4, 8)),
+    "min_size_px2": Range(400.0, 6000.0, log=True),
+}
+
+OTHERS: Mapping[str, Space] = {
+    "felzenszwalb2004": MERGED,
+    "rao2010": {**MERGED, "levels_per_m": Range(300.0, 4800.0, log=True)},
+    "abramov2012": {
+        "sigma_px": Range(0.0, 1.5),
+        "alpha": Range(1.2, 5.0, log=True),
+        "repulsion": Range(0.3, 3.0, log=True),
+        "step_m": Range(0.008, 0.04, log=True),
+        "step_per_m": Range(0.003, 0.015, log=True),
+        "penalty": Range(5.0, 80.0, log=True),
+        "piece_px2": Range(5000.0, 40000.0, log=True),
+        "piece_above": Range(-5.0, -0.5),
+        "min_size_px2": Range(400.0, 6000.0, log=True),
+    },
+    "mishra2012": {
+        "blur_px": Range(0.6, 2.0),
+        "gap_cost": Range(10.0, 100.0, log=True),
+        "sharpness": Range(2.0, 20.0, log=True),
+        "steepness": Range(3.0, 30.0, log=True),
+        "step_px": Range(0.1, 0.9, log=True),
+        "valley_px": Range(0.2, 1.8, log=True),
+        "texture": Range(0.05, 0.4),
+        "shift_px": Range(9.0, 30.0),
+        "min_votes": Range(4.0, 16.0),
+        "min_strong": Range(0.3, 0.8),
+        "max_iou": Range(0.3, 0.7),
+        "max_area": Range(0.08, 0.3),
+    },
+}
+
+
+def space_of(method: Method) -> Space:
+    """What is fitted of a method, from the parameters that it has now.
+
+    Raises ConfigError for a configuration with two cost functions, and for a method that is not known here.
+    """
+    if isinstance(method, Toscana2016):
+        return _ours(method.config)
+    if method.name not in OTHERS:
+        raise ConfigError(
+            f"expected a method that can be fitted, got {method.name!r}: choose from {', '.join(METHODS)}"
+        )
+    return {**OTHERS[method.name], **REJECTED, **IN_METRES}
+
+
+def _ours(config: Config) -> Space:
+    there = {SUPPORT: config.rejection.support, CONTOURS: config.edges.depth_contours, JOINING: config.joining}
+    added = {name: switch for name, switch in ADDED.items() if there[name] is None}
+    sizes = IN_PIXELS if config.rejection.max_length_m is None else IN_METRES
+    space: Space = {**added, **DEPTH, **JOINED, **REJECTED, **sizes}
+    match config.cost:
+        case BoundaryCost(k_b=k_b):
+            unit = k_b or 1.0  # k_b stays: only its ratios to k_x and gamma decide
+            return {
+                **space,
+                **BOUNDARIES,
+                "cost.k_x": Range(1.5 * unit, 12 * unit, log=True),
+                "partition.gamma": Range(0.002 * unit, 0.02 * unit, log=True),
+            }
+        case SaliencyCost(k_x=k_x):
+            unit = k_x or 1.0
+            return {
+                **{name: way for name, way in space.items() if name != CONTOURS},  # this cost reads no boundary
+                "cost.k_y": Range(0.3 * unit, 3 * unit, log=True),
+                "cost.k_s": Range(0.3 * unit, 3 * unit, log=True),
+                "partition.gamma": Range(unit, 20 * unit, log=True),
+            }
+    raise ConfigError(
+        f"expected a preset with one cost function, got {config.name} with kind 'auto': fit one for frames with large"
+        " shadows and one for the others"
+    )
+
+
+def complete(drawn: Setting, space: Space) -> Setting:
+    """What was drawn, on or off for each switch, as a setting: switches become stages, those that are off None."""
+    off = {name for name, way in space.items() if isinstance(way, Switch) and not drawn[name]}
+    off |= {name for name, way in space.items() if isinstance(way, Switch) and way.needs in off}
+    stages = {name: None if name in off else dict(way.on) for name, way in space.items() if isinstance(way, Switch)}
+    numbers = {
+        name: drawn[name] for name in space if name not in stages and not any(name.startswith(f"{s}.") for s in off)
+    }
+    return {**stages, **numbers}
+
+
+def apply(setting: Setting, method: Method) -> Method:
+    """The method with a setting; raises ConfigError for one that it cannot have."""
+    return method.replace(**setting) if setting else method

@@ -1,0 +1,74 @@
+"""Figures by which rendered frames are held against real ones.
+
+Letters used in shapes: B = distance bands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, fields
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.doctor.local_planes import fit_local_planes
+from spigolo.frames.frame import Frame
+
+__all__ = ["BANDS_M", "Realism", "quartiles", "realism"]
+
+BANDS_M = (0.4, 0.6, 0.8, 1.1, 1.6)
+"""Limits of the bands of distance, metres."""
+WIDTH_PX = 640
+"""Edges are counted at this width: a larger image of the same scene has fewer per pixel."""
+CANNY = (60.0, 150.0)
+"""Thresholds of `cv2.Canny` on 8-bit grey."""
+LEAST_WINDOWS = 500
+"""Fewer whole windows in a band say nothing of its noise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Realism:
+    """missing: share of pixels without depth. edges: share of pixels on Canny edges. brightness: median grey, 0..255.
+
+    noise_*: depth noise in millimetres, the median rms residual to planes in 7x7 windows, in bands of distance whose
+    limits are `BANDS_M`; NaN where a frame shows next to nothing.
+    """
+
+    missing: float
+    edges: float
+    brightness: float
+    noise_04: float
+    noise_06: float
+    noise_08: float
+    noise_11: float
+
+
+def realism(frame: Frame) -> Realism:
+    """The figures of one frame."""
+    grey = cv2.cvtColor(frame.color, cv2.COLOR_RGB2GRAY)
+    height = round(grey.shape[0] * WIDTH_PX / grey.shape[1])
+    small = cv2.resize(grey, (WIDTH_PX, height), interpolation=cv2.INTER_AREA)
+    edges = float(np.mean(cv2.Canny(small, *CANNY) > 0))
+    return Realism(float(np.mean(frame.depth == 0)), edges, float(np.median(grey)), *_noise_mm(frame.depth))
+
+
+def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
+    """Per band. Planes are fitted to inverse depth, whose noise is that of depth by its square."""
+    planes = fit_local_planes(depth)
+    residual_mm = 1000 * planes.residual[planes.whole] * depth[planes.whole].astype(np.float64) ** 2
+    distance_m = depth[planes.whole]
+    bands = [residual_mm[(low <= distance_m) & (distance_m < high)] for low, high in pairwise(BANDS_M)]
+    return [float(np.median(band)) if band.size >= LEAST_WINDOWS else float("nan") for band in bands]
+
+
+def quartiles(figures: Sequence[Realism]) -> Mapping[str, tuple[float, float, float]]:
+    """First quartile, median and third quartile of each figure over frames; NaN where no frame has it."""
+    values = np.array([astuple(one) for one in figures], np.float64)
+    answers = {}
+    for field, column in zip(fields(Realism), values.T, strict=True):
+        known = column[np.isfinite(column)]
+        low, middle, high = np.percentile(known, [25, 50, 75]) if known.size else [float("nan")] * 3
+        answers[field.name] = (float(low), float(middle), float(high))
+    return answers

@@ -1,0 +1,185 @@
+"""What MuJoCo draws of a scene: ideal depth, and colour under soft light."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.lab.synthetic.scene import SUPERSAMPLING, load_mujoco
+
+__all__ = [
+    "Lighting",
+    "Rendering",
+    "developed",
+    "render_all",
+    "render_depth",
+    "render_geoms",
+    "render_light",
+    "render_quickly",
+]
+
+FloatArray = npt.NDArray[np.float64]
+FloatMap = npt.NDArray[np.float32]
+
+_LIGHT_DISTANCE_M = 1.9
+
+
+@dataclass(frozen=True)
+class Lighting:
+    """A broad lamp, and the light of the room from all over a hemisphere, both towards `aim_m`.
+
+    The weights are linear RGB. The hemisphere's pole is the zenith, leant over towards -y by `sky_tilt_deg`.
+    """
+
+    aim_m: tuple[float, float, float]
+    lamp_m: tuple[float, float, float]
+    lamp_radius_m: float
+    lamp_rgb: FloatArray
+    sky_rgb: FloatArray
+    sky_tilt_deg: float = 0.0
+    lamp_samples: int = 24
+    sky_samples: int = 40
+
+    def points(self) -> Iterator[tuple[FloatArray, FloatArray]]:
+        """Positions, in metres, and weights of the point lights that make up lamp and sky."""
+        golden = np.pi * (3 - np.sqrt(5))
+        for k in range(self.lamp_samples):
+            radius_m, turn = self.lamp_radius_m * np.sqrt((k + 0.5) / self.lamp_samples), golden * k
+            offset = radius_m * np.array([np.cos(turn), np.sin(turn), 0.0])
+            yield np.array(self.lamp_m) + offset, self.lamp_rgb / self.lamp_samples
+        cos, sin = np.cos(np.radians(self.sky_tilt_deg)), np.sin(np.radians(self.sky_tilt_deg))
+        for k in range(self.sky_samples):
+            height = 0.25 + 0.75 * (k + 0.5) / self.sky_samples
+            x, y = np.sqrt(1 - height**2) * np.array([np.cos(golden * k), np.sin(golden * k)])
+            direction = np.array([x, cos * y - sin * height, sin * y + cos * height])
+            yield np.array(self.aim_m) + _LIGHT_DISTANCE_M * direction, self.sky_rgb / self.sky_samples
+
+
+def render_depth(model: Any) -> FloatMap:
+    """Ideal depth (H, W) in metres along the optical axis, 8 m or so in the void."""
+    with _renderer(model, samples=0) as renderer:  # a mean of several samples is no depth
+        return _depth(renderer, _at_rest(model))
+
+
+def render_geoms(model: Any) -> npt.NDArray[np.int32]:
+    """The geom of each pixel (H, W), -1 for the void."""
+    with _renderer(model, samples=0) as renderer:
+        return _geoms(renderer, _at_rest(model))
+
+
+def render_light(model: Any, lighting: Lighting) -> FloatArray:
+    """Linear light (H, W, 3), anti-aliased, of a model for supersampling.
+
+    MuJoCo's own shadows are hard; the mean of many renderings, each with the one light elsewhere, has the
+    penumbras of a broad lamp and the soft contact shadows of a room's light.
+    """
+    height, width = _size(model)
+    shape = (height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
+    light = np.zeros((height, width, 3))
+    with _renderer(model, samples=4, supersampling=SUPERSAMPLING) as renderer:
+        for colour in _lit(renderer, model, lighting):
+            light += colour * (renderer.render() / 255.0).reshape(shape).mean(axis=(1, 3))
+    return light
+
+
+@dataclass(frozen=True)
+class Rendering:
+    """light: linear (H, W, 3); lamp_light: that of the second lighting; depth_m (H, W); geoms (H, W), -1 the void."""
+
+    light: FloatArray
+    lamp_light: FloatArray
+    depth_m: FloatMap
+    geoms: npt.NDArray[np.int32]
+
+
+def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
+    """Everything at once, the light of two lightings as `render_quickly` makes it."""
+    with _renderer(model, samples=0) as renderer:
+        light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))
+        depth_m = _depth(renderer, _at_rest(model))
+        renderer.disable_depth_rendering()
+        return Rendering(light, lamp_light, depth_m, _geoms(renderer, _at_rest(model)))
+
+
+def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap]:
+    """`render_light` and `render_depth` in a tenth of the time, at the camera's own size.
+
+    Each light's image is moved by a part of a pixel, so that their mean is anti-aliased.
+    """
+    with _renderer(model, samples=0) as renderer:
+        return _quick_light(renderer, model, lighting), _depth(renderer, _at_rest(model))
+
+
+def _quick_light(renderer: Any, model: Any, lighting: Lighting) -> FloatArray:
+    light = np.zeros((*_size(model), 3))
+    for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
+        _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads them evenly
+        light += colour / 255.0 * renderer.render()
+    return light
+
+
+def _renderer(model: Any, samples: int, supersampling: int = 1) -> Any:
+    mujoco = load_mujoco()
+    model.vis.quality.offsamples = samples
+    height, width = _size(model)
+    return mujoco.Renderer(model, supersampling * height, supersampling * width)
+
+
+def _size(model: Any) -> tuple[int, int]:
+    """Height and width of the camera's image."""
+    width, height = model.cam_resolution[0]
+    return int(height), int(width)
+
+
+def _at_rest(model: Any) -> Any:
+    mujoco = load_mujoco()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def _depth(renderer: Any, data: Any) -> FloatMap:
+    renderer.update_scene(data, camera="robot")
+    renderer.enable_depth_rendering()
+    return np.array(renderer.render(), dtype=np.float32)
+
+
+def _geoms(renderer: Any, data: Any) -> npt.NDArray[np.int32]:
+    renderer.update_scene(data, camera="robot")
+    renderer.enable_segmentation_rendering()
+    return np.array(renderer.render(), np.int32)[..., 0]
+
+
+def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
+    """Sets the scene with each of the lights in turn and gives its weight."""
+    aim_m = np.array(lighting.aim_m)
+    for position_m, colour in lighting.points():
+        model.light_pos[0] = position_m
+        model.light_dir[0] = (aim_m - position_m) / np.linalg.norm(aim_m - position_m)
+        renderer.update_scene(_at_rest(model), camera="robot")
+        yield colour
+
+
+def _move_image(renderer: Any, right_px: float, up_px: float) -> None:
+    """Shift what the next rendering shows by less than a pixel."""
+    for camera in renderer.scene.camera:
+        camera.frustum_center += right_px * 2 * camera.frustum_width / renderer.width
+        up_m = up_px * (camera.frustum_top - camera.frustum_bottom) / renderer.height
+        camera.frustum_top += up_m
+        camera.frustum_bottom += up_m
+
+
+def developed(light: FloatArray) -> npt.NDArray[np.uint8]:
+    """Linear light to 8-bit sRGB, with a soft shoulder so that highlights do not clip."""
+    knee = 0.7
+    bright = knee + (1 - knee) * np.tanh((light - knee) / (1 - knee))
+    toned = np.where(light > knee, bright, light)
+    return np.round(255 * np.clip(_linear_to_srgb(toned), 0, 1)).astype(np.uint8)
+
+
+def _linear_to_srgb(value: FloatArray) -> FloatArray:
+    return np.where(value <= 0.0031308, 12.92 * value, 1.055 * np.maximum(value, 1e-9) ** (1 / 2.4) - 0.055)

@@ -1,0 +1,157 @@
+"""A scene with objects, and what an RGB-D camera records of it beside the exact truth.
+
+World axes: x to the right, y away from the camera, z up; what objects stand on is z = 0. Lengths are in metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Frame
+from spigolo.lab.datasets.entry import MILLIMETRES
+from spigolo.lab.datasets.sample import Instance, Sample
+from spigolo.lab.synthetic.rendering import Lighting, developed, render_all
+from spigolo.lab.synthetic.scene import Part, SceneObject, View, compile_scene
+from spigolo.lab.synthetic.structured_light import StructuredLight, simulate_structured_light
+
+__all__ = ["Recording", "Stage", "record"]
+
+FloatArray = npt.NDArray[np.float64]
+
+LEAST_VISIBLE_PX = 150
+"""Of an object with fewer pixels in view nobody would draw a mask: it is background."""
+_SHADOW_PX = 1024
+_WINDOW_PX = 2.0
+_VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
+
+
+@dataclass(frozen=True)
+class Stage:
+    """objects: what is labelled, 1..N; surroundings and bystanders: what is not.
+
+    grey: what the exposure makes of the median of the picture, of 255; noise_levels: of colour, of 255; blur_px: of
+    lens and demosaicing, one standard deviation; sharpening: what the camera does about it; contrast: exponent;
+    saturation: share of the colours' own.
+    """
+
+    objects: tuple[SceneObject, ...]
+    surroundings: tuple[Part, ...]
+    view: View
+    lighting: Lighting
+    sensor: StructuredLight
+    bystanders: tuple[SceneObject, ...] = ()
+    grey: float = 110.0
+    noise_levels: float = 1.5
+    blur_px: float = 0.6
+    sharpening: float = 0.5
+    contrast: float = 1.2
+    saturation: float = 0.8
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What the camera recorded, with its truth, and the depth (H, W) in metres that a perfect one would have."""
+
+    sample: Sample
+    ideal_m: npt.NDArray[np.float32]
+
+
+def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
+    """The frame of that name and its truth: labels of what is visible, poses from each object's axes to the camera's.
+
+    Its depth is in whole millimetres, as files hold it.
+    """
+    bodies = {"surroundings": SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, stage.surroundings)}
+    bodies |= {f"bystander {k}": _renamed(thing, f"bystander {k}") for k, thing in enumerate(stage.bystanders)}
+    bodies |= {f"object {k}": _renamed(thing, f"object {k}") for k, thing in enumerate(stage.objects)}
+    model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
+    drawn = render_all(model, stage.lighting, _projector(stage.view))
+    # The depth camera brings its own light: what reflects well is measured in the dark as well. It compares windows.
+    seen = cv2.GaussianBlur(developed(drawn.lamp_light), (0, 0), _WINDOW_PX)
+    depth_m = simulate_structured_light(
+        drawn.depth_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, drawn.geoms)
+    )
+    stored = np.round(depth_m / MILLIMETRES).astype(np.uint16)
+    colour = _photographed(drawn.light, stage, rng)
+    frame = Frame(colour, stored, stage.view.camera, name=name, depth_scale=MILLIMETRES)
+    sample = _labelled(frame, _objects(model, drawn.geoms, len(stage.objects)), stage)
+    return Recording(sample, drawn.depth_m)
+
+
+def _projector(view: View) -> Lighting:
+    """Light from where the camera is."""
+    return Lighting(view.look_at_m, tuple(view.position_m), 0.0, np.ones(3), np.zeros(3), lamp_samples=1, sky_samples=0)
+
+
+def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
+    """Numbers the objects that are visible."""
+    labels = np.zeros(indices.shape, np.int32)
+    instances: list[Instance] = []
+    for k, thing in enumerate(stage.objects):
+        seen = indices == k
+        if seen.sum() >= LEAST_VISIBLE_PX:
+            labels[seen] = len(instances) + 1
+            instances.append(Instance(len(instances) + 1, thing.name, _pose(thing, stage.view)))
+    return Sample(frame, labels, tuple(instances))
+
+
+def _pose(thing: SceneObject, view: View) -> FloatArray:
+    to_world = np.eye(4)
+    to_world[:3, :3], to_world[:3, 3] = thing.rotation, thing.position_m
+    return view.world_to_camera @ to_world
+
+
+def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArray[np.int32]:
+    """The index of the object at each pixel (H, W), -1 where there is none."""
+    of_geom = np.full(model.ngeom + 1, -1, np.int32)  # the last, for geom -1, is the void
+    for k in range(count):
+        of_geom[:-1][model.geom_bodyid == model.body(f"object {k}").id] = k
+    return of_geom[geoms]
+
+
+def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
+    """(H, W), 0 = matt or glazed, 1 = a mirror: what is specular beyond glaze."""
+    specular = np.append(model.mat_specular[model.geom_matid], 0.0)
+    return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)
+
+
+def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
+    """Through a plain lens, exposed, a little blurred, with noise whose grains are larger than a pixel."""
+    toned = (light / max(float(np.median(light)), 1e-4)) ** stage.contrast
+    soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * _through_lens(toned)), (0, 0), stage.blur_px)
+    luma, red, blue = cv2.split(cv2.cvtColor(soft.astype(np.float32) / 255, cv2.COLOR_RGB2YCrCb))
+    crisp = luma + stage.sharpening * (luma - cv2.GaussianBlur(luma, (0, 0), 1.5))
+    noise = stage.noise_levels / 255
+    noisy = [crisp + noise * _grain(luma.shape, 0.6, rng)]
+    noisy += [
+        0.5 + stage.saturation * (cv2.GaussianBlur(colour, (0, 0), _COLOUR_PX) - 0.5)
+        + noise * _grain(luma.shape, _COLOUR_PX, rng)
+        for colour in (red, blue)
+    ]  # fmt: skip
+    picture = 255 * cv2.cvtColor(np.stack(noisy, axis=-1), cv2.COLOR_YCrCb2RGB)
+    return np.asarray(np.clip(np.round(picture), 0, 255), np.uint8)
+
+
+def _through_lens(light: FloatArray) -> FloatArray:
+    """Darker towards the corners, and with a veil of stray light, so that no black is quite black."""
+    height, width = light.shape[:2]
+    y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
+    bright = np.minimum(light, 4.0).astype(np.float32)
+    veil = _HALO * cv2.GaussianBlur(bright, (0, 0), 12.0) + _VEIL * bright.mean(axis=(0, 1))
+    return np.asarray((1 - _DARKER_CORNERS * (x**2 + y**2)[..., None] / 2) * ((1 - _HALO - _VEIL) * light + veil))
+
+
+def _grain(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> npt.NDArray[np.float32]:
+    """Noise of unit variance (H, W) with grains of that size, as demosaicing and coding leave it."""
+    grain = cv2.GaussianBlur(np.asarray(rng.standard_normal(shape), np.float32), (0, 0), radius_px)
+    return np.asarray(grain / grain.std(), np.float32)
+
+
+def _renamed(thing: SceneObject, name: str) -> SceneObject:
+    """Bodies have names of their own, also where they are several instances of one product."""
+    return SceneObject(name, thing.position_m, thing.yaw_deg, thing.parts, thing.tilt_deg, thing.roll_deg)

@@ -1,0 +1,1 @@
+"""The output: measured regions, verdicts with their reasons, and the answer."""

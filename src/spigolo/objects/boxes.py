@@ -1,0 +1,82 @@
+"""Oriented boxes around what a depth camera saw of an object."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Camera, DepthMap, Mask
+
+Vectors = npt.NDArray[np.float64]
+
+TRIM_PERCENT = 1.0
+"""Share of the points cut off at each end of each axis: what erosion leaves of flying pixels (our choice)."""
+LEAST_POINTS = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OrientedBox:
+    """A box in the camera's frame.
+
+    center_m (3,); size_m (3,) along its own axes, longest first; R_camera_box (3, 3), whose columns are those axes,
+    right-handed.
+    """
+
+    center_m: Vectors
+    size_m: Vectors
+    R_camera_box: Vectors
+
+    def corners_m(self) -> Vectors:
+        """Its corners (8, 3) in the camera's frame."""
+        signs = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
+        return np.asarray(self.center_m + signs * self.size_m @ self.R_camera_box.T)
+
+
+def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = None) -> OrientedBox | None:
+    """The box of the valid depth (H, W) under a mask (H, W); None where fewer than 10 pixels have any.
+
+    up: (3,) unit vector that one of its axes follows, such as the normal of what the object stands on. Without one it
+    is the direction in which the surface varies least, which is tilted where the camera sees top and sides at once.
+    It covers the visible surface alone. Depth at a contour mixes object and background (flying pixels), so the rim of
+    the mask and the outermost points along each axis are left out.
+    """
+    core = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
+    points = camera.back_project(depth, core)
+    if len(points) < LEAST_POINTS:
+        points = camera.back_project(depth, mask)
+    if len(points) < LEAST_POINTS:
+        return None
+    cloud = points.astype(np.float64)
+    return _tight_box(cloud, _flattest(cloud) if up is None else up)
+
+
+def _flattest(points: Vectors) -> Vectors:
+    """The direction in which points (N, 3) vary least."""
+    return np.asarray(np.linalg.eigh(np.cov(points.T))[1][:, 0])
+
+
+def _tight_box(points: Vectors, axis: Vectors) -> OrientedBox:
+    """The least rectangle across an axis gives the other two."""
+    middle = np.median(points, axis=0)
+    across = np.linalg.svd(axis[None, :])[2][1:].T
+    plane = (points - middle) @ across
+    inside = np.all([_within_trim(p) for p in plane.T], axis=0)
+    angle = np.deg2rad(cv2.minAreaRect(plane[inside].astype(np.float32))[2])
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    axes = np.column_stack([across @ turn, axis])
+    low, high = np.percentile((points - middle) @ axes, [TRIM_PERCENT, 100 - TRIM_PERCENT], axis=0)
+    center = middle + axes @ ((low + high) / 2)
+    longest_first = np.argsort(low - high, kind="stable")
+    axes = axes[:, longest_first]
+    if np.linalg.det(axes) < 0:
+        axes[:, 2] *= -1
+    return OrientedBox(center, (high - low)[longest_first], axes)
+
+
+def _within_trim(values: Vectors) -> Mask:
+    low, high = np.percentile(values, [TRIM_PERCENT, 100 - TRIM_PERCENT])
+    return np.asarray((values >= low) & (values <= high))

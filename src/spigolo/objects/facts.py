@@ -1,0 +1,267 @@
+"""What is known of every region, in the image and in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.additions.stance import Stance
+from spigolo.additions.support import Plane
+from spigolo.errors import CameraError
+from spigolo.frames.camera import kernel_numbers
+from spigolo.frames.frame import DepthMap, Frame, Mask
+from spigolo.kernels import moments
+from spigolo.objects.boxes import OrientedBox, fit_box
+from spigolo.stages.cues import Cues
+from spigolo.stages.depth import missing_mask
+from spigolo.stages.graph import Graph
+from spigolo.stages.regions import Regions
+
+Labels = npt.NDArray[np.int32]
+Heights = npt.NDArray[np.floating[Any]]
+
+SPREAD_OF_SQUARE = 12
+"""The square of a rectangle's side as a multiple of the variance along it."""
+LEVEL_SHARE = 0.65
+"""Least share of a level region's pixels near its median height."""
+RIM_GAP_PX = 7
+"""Pieces of a rim up to so many pixels apart go on in each other, whatever the image's size."""
+SUPPORTED_PX2 = 3000.0
+"""Measured pixels, at 640x480, at which a score has risen to 63 % of what the rest allows (our choice)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class RegionFacts:
+    """What is known of one region.
+
+    region: its number in `trace.regions`. score: how much speaks for an object, in [0, 1] (`region_score`).
+    box_px: (y0, x0, y1, x1), the last two exclusive. centroid_px: (y, x). centroid_m: mean (X, Y, Z) of its measured
+    points, None without any or without intrinsics. spread_px2: the eigenvalues (lambda1, lambda2) of the covariance of
+    its pixel coordinates. eccentricity: sqrt(1 - lambda2 / lambda1). missing: share of its pixels without measured
+    depth. unfilled: share still without depth after in-painting. dark: share in the first three of 32 brightness bins.
+    above: share of its measured pixels that stand above the support plane, None where there is no plane. inside: share
+    in the region of interest, None where none is given. contour: strength of its contour in [0, 1], the mean of
+    `contour_cue` along its border. cut: share of its contour on the image border; hides: share beyond which depth
+    steps back; lean_deg: angle of its mean surface normal to the line of sight; None where no rule asks, and for a
+    region that is not tall or, the last two, has too little depth (`Wall`). plane: the support, if there is
+    one.
+    """
+
+    region: int
+    score: float
+    area_px: int
+    box_px: tuple[int, int, int, int]
+    centroid_px: tuple[float, float]
+    centroid_m: tuple[float, float, float] | None
+    spread_px2: tuple[float, float]
+    eccentricity: float
+    missing: float
+    unfilled: float
+    dark: float
+    above: float | None
+    inside: float | None
+    contour: float
+    cut: float | None
+    hides: float | None
+    lean_deg: float | None
+    regions: Labels = field(repr=False)
+    frame: Frame = field(repr=False)
+    plane: Plane | None = field(repr=False)
+
+    @property
+    def mask(self) -> Mask:
+        """Its pixels, (H, W) bool, a new array each time."""
+        return np.asarray(self.regions == self.region)
+
+    @property
+    def distance_m(self) -> float | None:
+        """Distance of the centroid from the camera, None without depth."""
+        return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
+
+    @property
+    def size_m(self) -> tuple[float, float] | None:
+        """Length and width of a rectangle with the same spread, seen straight on at the centroid's depth.
+
+        None without depth or intrinsics.
+        """
+        camera, center = self.frame.camera, self.centroid_m
+        if camera is None or center is None:
+            return None
+        pixel_m = 2 * center[2] / (camera.fx + camera.fy)
+        length, width = (float(np.sqrt(SPREAD_OF_SQUARE * spread)) * pixel_m for spread in self.spread_px2)
+        return length, width
+
+    def points_m(self) -> npt.NDArray[np.float32]:
+        """Its measured points (N, 3) in the camera's frame, in raster order; never in-painted depth.
+
+        Raises CameraError for a frame without intrinsics.
+        """
+        if self.frame.camera is None:
+            raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
+        return self.frame.camera.back_project(self.frame.depth, self.mask)
+
+    def oriented_box(self) -> OrientedBox | None:
+        """The box around its measured surface, trimmed against flying pixels; it stands upright on the support.
+
+        None with fewer than 10 measured pixels, or without intrinsics.
+        """
+        camera = self.frame.camera
+        if camera is None:
+            return None
+        return fit_box(self.mask, self.frame.depth, camera, None if self.plane is None else self.plane.normal)
+
+
+def measure_regions(
+    regions: Regions,
+    depth: DepthMap,
+    frame: Frame,
+    contour: npt.NDArray[np.float32],
+    above: Mask | None = None,
+    inside: tuple[Mask, Mask] | None = None,
+    stance: Stance | None = None,
+    plane: Plane | None = None,
+) -> list[RegionFacts]:
+    """The facts of every region, by number.
+
+    depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` gives it. above: (H, W), measured pixels above the
+    support. inside: pixels (H, W) in the region of interest and those that count. plane: the support.
+    """
+    sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
+    moments.sum_regions(regions.labels, sums, boxes)
+    n = sums[:, 0]
+    centroid = sums[:, 1:3] / n[:, None]
+    large, small, eccentricity = principal_spread(sums)
+    points = _sum_points(regions, frame)
+    measured = points[:, 0]
+    dark = np.zeros(regions.count, np.int64)
+    moments.count_dark(regions.labels, frame.color, dark)
+    strength = contour_strength(regions, contour)
+    standing = None if above is None else _share(regions, above, measured)
+    wanted = None if inside is None else _share(regions, inside[0] & inside[1], regions.count_where(inside[1]))
+    score = region_score(strength, measured * regions.vga_scale, standing)
+    unfilled = regions.count_where(missing_mask(depth)) / n
+    return [
+        RegionFacts(
+            region=k,
+            score=float(score[k]),
+            area_px=int(n[k]),
+            box_px=(int(boxes[k, 0]), int(boxes[k, 1]), int(boxes[k, 2]), int(boxes[k, 3])),
+            centroid_px=(float(centroid[k, 0]), float(centroid[k, 1])),
+            centroid_m=None if frame.camera is None else _mean_point(points[k]),
+            spread_px2=(float(large[k]), float(small[k])),
+            eccentricity=float(eccentricity[k]),
+            missing=float(1 - measured[k] / n[k]),
+            unfilled=float(unfilled[k]),
+            dark=float(dark[k] / n[k]),
+            above=None if standing is None else float(standing[k]),
+            inside=None if wanted is None else float(wanted[k]),
+            contour=float(strength[k]),
+            cut=None if stance is None else _known(stance.cut[k]),
+            hides=None if stance is None else _known(stance.hides[k]),
+            lean_deg=None if stance is None else _known(stance.lean_deg[k]),
+            regions=regions.labels,
+            frame=frame,
+            plane=plane,
+        )
+        for k in range(regions.count)
+    ]
+
+
+def find_level(facts: RegionFacts, height: Heights, depth: DepthMap, rim_m: float) -> float | None:
+    """The median height of a region's pixels, None where less than 65 % of them lie within rim_m.
+
+    height (H, W) above the support, without meaning where depth (H, W) is missing.
+    """
+    y0, x0, y1, x1 = facts.box_px
+    own = (facts.regions[y0:y1, x0:x1] == facts.region) & (depth[y0:y1, x0:x1] > 0)
+    heights = height[y0:y1, x0:x1][own]
+    if heights.size == 0:
+        return None
+    level = float(np.median(heights))
+    return level if np.mean(np.abs(heights - level) <= rim_m) >= LEVEL_SHARE else None
+
+
+def measure_rim(facts: RegionFacts, beside: Mask) -> float:
+    """Pixels that go on beside a region, as a multiple of its own.
+
+    beside (H, W): as high as the region, and of no object; gaps of a few pixels are bridged.
+    """
+    y0, x0, y1, x1 = facts.box_px
+    own = facts.regions[y0:y1, x0:x1] == facts.region
+    both = beside.copy()
+    both[y0:y1, x0:x1] |= own
+    count, pieces = cv2.connectedComponents(cv2.dilate(both.view(np.uint8), np.ones((RIM_GAP_PX, RIM_GAP_PX))))
+    touching = np.bincount(pieces[y0:y1, x0:x1][own], minlength=count) > 0
+    return float(np.bincount(pieces[both], minlength=count)[touching].sum() / own.sum()) - 1
+
+
+def region_score(
+    contour: npt.NDArray[np.float64], measured_px2: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
+) -> npt.NDArray[np.float64]:
+    """How much speaks for each region (R,) being an object: contour times depth support, in [0, 1].
+
+    contour x (1 - exp(-measured / 3000 px)) x share above the support plane (1 where there is none); measured pixels
+    count as at 640x480. Larger surfaces with a closed contour, off the table, are more often whole objects.
+    """
+    score = contour * (1 - np.exp(-measured_px2 / SUPPORTED_PX2))
+    return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)
+
+
+def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
+    """What a border is measured by, (H, W) in [0, 1]: delta_bound, or the weights where the cost reads no boundary."""
+    return weight_contour(graph) if cues.edges is None else cues.edges.boundary
+
+
+def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
+    """A cue of borders (H, W) in [0, 1] from weights alone.
+
+    The larger of the right and lower edge of each pixel counts, as a share of their 95th percentile.
+    """
+    right, down = graph.weights[:2]
+    largest = np.where(np.isinf(right), np.float32(0), right)
+    np.maximum(largest, down, out=largest, where=np.isfinite(down))
+    strong = float(np.percentile(largest, 95))
+    return np.asarray(np.clip(largest / strong, 0, 1) if strong > 0 else largest, np.float32)
+
+
+def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+    """Mean of a cue (H, W) along the border of each region (R,); 0 for a region without neighbours."""
+    sums = np.zeros((regions.count, 2))
+    moments.sum_contours(regions.labels, contour, sums)
+    return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
+
+
+def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
+    """lambda1 >= lambda2 (px^2) and eccentricity of each region from its moments (R, 6), covariance divided by N."""
+    n, y, x, yy, yx, xx = sums.T
+    a, b, c = yy / n - (y / n) ** 2, yx / n - y * x / n**2, xx / n - (x / n) ** 2
+    middle, root = (a + c) / 2, np.hypot((a - c) / 2, b)
+    large, small = np.maximum(middle + root, 0), np.maximum(middle - root, 0)
+    ratio = np.divide(small, large, out=np.ones_like(large), where=large > 0)
+    return large, small, np.sqrt(1 - ratio)
+
+
+def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
+    """Measured pixels and sum of their X, Y, Z of each region (R, 4); without a camera only the count is right."""
+    sums = np.zeros((regions.count, 4))
+    moments.sum_depth(regions.labels, frame.depth, kernel_numbers(frame.camera), sums)
+    return sums
+
+
+def _share(regions: Regions, mask: Mask, of: npt.NDArray[np.generic]) -> npt.NDArray[np.float64]:
+    return np.asarray(regions.count_where(mask) / np.maximum(of, 1))
+
+
+def _known(value: np.float64) -> float | None:
+    return None if np.isnan(value) else float(value)
+
+
+def _mean_point(sums: npt.NDArray[np.float64]) -> tuple[float, float, float] | None:
+    if sums[0] == 0:
+        return None
+    x, y, z = (sums[1:] / sums[0]).tolist()
+    return x, y, z

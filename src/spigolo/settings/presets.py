@@ -1,0 +1,158 @@
+"""The presets: the paper's three, and OBJECTS for everything else.
+
+SHELF, TABLE and CLUTTER carry the numbers that the paper prints for its three data sets; what it does not print
+comes from the authors' release. OBJECTS is fitted to real frames of several sensors and versioned: OBJECTS_1 stays
+as it is, OBJECTS is the newest.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from spigolo.errors import ConfigError
+from spigolo.settings.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
+from spigolo.settings.config import (
+    BoundaryCost,
+    Config,
+    Depth,
+    Edges,
+    Inpainting,
+    Partition,
+    Rejection,
+    SaliencyCost,
+    Smoothing,
+)
+from spigolo.settings.parameters import parse_toml
+
+_RELEASE = Rejection(max_distance_m=1.8, max_lambda1_px2=3800.0, max_lambda2_px2=950.0, max_eccentricity=0.978)
+
+SHELF = Config(
+    name="SHELF",
+    cost=SaliencyCost(k_x=1.05, k_y=1.5, k_s=0.5),
+    partition=Partition(gamma=5.0),
+    rejection=Rejection(**{**_RELEASE.model_dump(), "max_missing": 0.3, "max_dark": 0.3}),
+)
+"""Rutgers APC: shelves, low light, large shadows (paper, section IV-A)."""
+
+TABLE = Config(
+    name="TABLE",
+    depth=Depth(inpainting=Inpainting()),
+    cost=BoundaryCost(k_x=7.5, k_b=0.66),
+    partition=Partition(gamma=0.0016),
+    rejection=_RELEASE,
+)
+"""RGB-D Scenes: table-tops seen with nearly full depth (paper, section IV-B)."""
+
+CLUTTER = Config(
+    name="CLUTTER",
+    depth=Depth(inpainting=Inpainting()),
+    cost=BoundaryCost(k_x=1.2, k_b=0.05),
+    partition=Partition(gamma=0.001),
+    rejection=_RELEASE,
+)
+"""Multiple instances among clutter (paper, section IV-C)."""
+
+OBJECTS_1 = Config(
+    name="OBJECTS_1",
+    depth=Depth(smoothing=Smoothing(max_radius_px=5, step_factor=7.5), inpainting=Inpainting(), noise_per_m=0.0028),
+    edges=Edges(
+        step_offset_px=5,
+        step_m=0.025,
+        contact_low_deg=35.0,
+        contact_high_deg=146.0,
+        blur_px=9,
+        depth_contours=DepthContours(step_m=0.018, step_per_m=0.0083, crease_offset_px=4, crease_high_deg=144.0),
+    ),
+    cost=BoundaryCost(k_x=2.0, k_b=0.66),
+    partition=Partition(gamma=0.0065),
+    rejection=Rejection(
+        support=Support(),
+        min_contour=0.65,
+        max_lambda1_px2=7000.0,
+        max_lambda2_px2=2400.0,
+        max_eccentricity=0.98,
+        max_missing=0.5,
+    ),
+)
+"""Fitted to real frames of several sensors (docs/objects.md)."""
+
+OBJECTS_2 = OBJECTS_1.replace(
+    name="OBJECTS_2",
+    partition={"connectivity": 4},
+    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
+    rejection={
+        "support": {"stacked_share": 0.5, "opaque": True},
+        "wall": Wall(),
+        "min_contour": 0.6,
+        "max_length_m": 0.4,
+        "max_width_m": 0.25,
+    },
+    edges={"depth_contours": {"holes_from": 0.4, "holes_min_contour": 0.75}},
+    lengths_grow=True,
+)
+"""OBJECTS_1 with the parts of an object joined, the table taken for the support rather than the floor or the front of a
+shelf, limits of size in metres, lengths in pixels that grow with the image, and no flooding through large holes."""
+
+OBJECTS = OBJECTS_2
+
+PRESETS = {
+    "OBJECTS": OBJECTS,
+    "OBJECTS_1": OBJECTS_1,
+    "OBJECTS_2": OBJECTS_2,
+    "SHELF": SHELF,
+    "TABLE": TABLE,
+    "CLUTTER": CLUTTER,
+}
+
+SUMMARIES = {
+    "OBJECTS": "your own data: the newest of OBJECTS_1, OBJECTS_2, ...",
+    "OBJECTS_1": "fitted to real frames of several sensors; depth contours and support plane",
+    "OBJECTS_2": "the same with parts of an object joined: cups, bowls, boxes that noise cut",
+    "SHELF": "the paper's Rutgers APC: shelves, low light, large shadows (first cost function)",
+    "TABLE": "the paper's RGB-D Scenes: table-tops, nearly full depth (second cost function)",
+    "CLUTTER": "the paper's multiple instances among clutter (second cost function)",
+}
+
+
+WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
+"""The tables of a file that holds a whole preset."""
+
+
+def preset(name: str | Path) -> Config:
+    """The preset of that name in any case, or the one in a TOML file.
+
+    A line `base = "TABLE"` in the file starts from that preset, so that the file holds only what differs; "none" then
+    switches a rule off. Without that line it holds all, as `to_toml` writes it.
+    Raises ConfigError for a name or key that is not known.
+    """
+    if str(name).upper() in PRESETS:
+        return PRESETS[str(name).upper()]
+    path = Path(name)
+    if path.suffix.lower() != ".toml":
+        raise ConfigError(f"unknown preset {str(name)!r}: expected one of {', '.join(PRESETS)} or a .toml file")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "it is no text"
+        raise ConfigError(f"expected a preset in {path}, but it cannot be read: {reason}") from None
+    try:
+        return _from_text(text, path)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from None
+
+
+def _from_text(text: str, path: Path) -> Config:
+    values = parse_toml(text)
+    values.setdefault("name", path.stem)
+    base = values.pop("base", None)
+    if base is None:
+        config = Config(**values)
+        if not values.keys() >= WHOLE:
+            raise ConfigError(
+                'expected the line base = "OBJECTS", or another preset to start from, first in a file that holds only'
+                " what differs"
+            )
+        return config
+    if str(base).upper() not in PRESETS:
+        raise ConfigError(f"unknown preset {str(base)!r} as base: expected one of {', '.join(PRESETS)}")
+    return PRESETS[str(base).upper()].replace(**values)

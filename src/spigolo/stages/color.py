@@ -1,0 +1,27 @@
+"""Colour as points whose distances are colour differences (eq. 4)."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames import frame
+from spigolo.kernels import color as kernel
+from spigolo.settings.config import Color
+
+Points = npt.NDArray[np.float32]
+
+
+def color_points(image: frame.Color, config: Color) -> Points:
+    """Points (3, H, W) of the HSV cone of an RGB image (H, W, 3), smoothed before the conversion.
+
+    The Euclidean distance of two points, clipped at 1, is eq. 4: hue wraps and grey has none without special cases.
+    Smoothing comes first because a mean of hues on both sides of 0 degrees means nothing.
+    """
+    rgb = image.astype(np.float32)
+    if config.sigma_px > 0:
+        rgb = np.asarray(cv2.GaussianBlur(rgb, (0, 0), config.sigma_px, borderType=cv2.BORDER_REPLICATE), np.float32)
+    points = np.empty((3, *image.shape[:2]), np.float32)
+    kernel.hsv_points(rgb, config.k_dv, config.k_ds, points)
+    return points

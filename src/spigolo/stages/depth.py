@@ -1,0 +1,179 @@
+"""Depth before it is compared: smoothing that knows shadows (eqs. 5-8) and in-painting of small gaps.
+
+The order is in-painting, then smoothing: a depth map with a grid of sampling holes has no window to average over
+before the holes are closed. Large shadows stay 0 in both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import DepthMap, Mask
+from spigolo.kernels import inpainting, smoothing
+from spigolo.settings.config import VGA_PX2, Depth, Inpainting, Smoothing
+
+Integral = npt.NDArray[np.float64]
+
+
+def prepare_depth(depth: DepthMap, config: Depth) -> DepthMap:
+    """D_s (H, W): the depth that all cues are taken from, in metres, 0 where it is still missing."""
+    if config.inpainting is not None:
+        depth = inpaint_small_gaps(depth, config.inpainting)
+    return depth if config.smoothing.mean == "none" else smooth(depth, config.smoothing)
+
+
+def missing_mask(depth: DepthMap) -> Mask:
+    """Eq. 6. B_D (H, W): True where depth is 0."""
+    return np.asarray(depth == 0)
+
+
+def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[np.int32], Mask]:
+    """S (H, W) of Holzer et al.: the smoothing radius of each pixel in pixels, and the depth-change map C (H, W).
+
+    Radii grow with the depth error alpha d^2 and shrink towards depth steps, missing pixels and the image border.
+    """
+    smooth_here = np.empty(depth.shape, np.uint8)
+    smoothing.mark_steps(depth, config.error_per_m, config.step_factor, smooth_here)
+    distance = _distance(smooth_here, int(np.ceil((config.max_radius_px + 1) * np.sqrt(2))))
+    radius = np.empty(depth.shape, np.int32)
+    smoothing.smoothing_radius(
+        depth, distance, config.error_per_m, config.radius_per_error_px_m, config.max_radius_px, radius
+    )
+    return radius, smooth_here == 0
+
+
+def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+    """Eq. 7. gamma_0 (H, W): pixels of `mask` in the window of each pixel."""
+    out = np.empty(mask.shape, np.int32)
+    smoothing.count_boxes(_count_integral(mask), radius, out)
+    return out
+
+
+def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
+    """Eqs. 5 and 8. Mean over each pixel's window, of its valid pixels or (`plain`) of all with missing ones as zeros.
+
+    Both read the window as the (2r+1)^2 pixels that the printed divisor counts. A missing pixel stays missing.
+    """
+    radius, steps = smoothing_area_map(depth, config)
+    if config.mean == "plain":
+        left_out = np.zeros(depth.shape, bool)
+    else:
+        left_out = steps | missing_mask(depth) if config.skip_steps else missing_mask(depth)
+    out = np.empty_like(depth)
+    counted = np.where(left_out, np.float32(0), depth)
+    smoothing.mean_boxes(depth, _integral(counted), _count_integral(left_out), radius, out)
+    return out
+
+
+def _integral(image: DepthMap) -> Integral:
+    """Integral image (H+1, W+1) in float64: in float32 a mean over a few pixels would be off by centimetres."""
+    return np.asarray(cv2.integral(image, sdepth=cv2.CV_64F), np.float64)
+
+
+def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
+    """Integral image (H+1, W+1) of a mask: how many of its pixels lie above and left."""
+    return np.asarray(cv2.integral(mask.view(np.uint8), sdepth=cv2.CV_32S), np.int32)
+
+
+def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
+    """Closes sampling holes, then fills the gaps that are small, away from the image border, and no shadow.
+
+    A gap whose rim spans a depth step gets the far value, as a shadow belongs to the background.
+    """
+    depth = depth.copy()
+    if config.sampling_holes:
+        _close(depth, np.flatnonzero(sampling_holes(missing_mask(depth))), 2, config)
+    gaps, scale = find_gaps(depth), depth.size / VGA_PX2
+    max_radius = config.max_radius_px * scale**0.5
+    radius = np.zeros(len(gaps), np.float32)
+    inpainting.widest(_distance(depth == 0, int(max_radius) + 2), gaps.runs, gaps.gap_of_run, radius)
+    small = (gaps.area_px <= config.max_area_px2 * scale) & (radius <= max_radius) & ~gaps.on_border & (gaps.far_m > 0)
+    step = gaps.far_m - gaps.near_m > np.maximum(config.step_m, config.step_share * gaps.near_m)
+    shadows, holes = (small & step)[gaps.gap_of_run], (small & ~step)[gaps.gap_of_run]
+    far_m = np.repeat(gaps.far_m[gaps.gap_of_run[shadows]], gaps.lengths[shadows])
+    depth.reshape(-1)[gaps.pixels(shadows)] = far_m
+    _close(depth, gaps.pixels(holes), int(np.ceil(radius[small & ~step].max(initial=0))), config)
+    return depth
+
+
+def sampling_holes(missing: Mask) -> Mask:
+    """Missing pixels (H, W) that no 3x3 window of missing pixels holds: holes of one or two pixels' width."""
+    wide = cv2.morphologyEx(missing.view(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    return np.asarray(missing & (wide == 0))
+
+
+def _close(depth: DepthMap, holes: npt.NDArray[np.int64], layers: int, config: Inpainting) -> None:
+    """Closes holes, given by the numbers of their pixels, from their rim inwards, one layer of pixels a time."""
+    values = np.empty(holes.size, np.float32)
+    for _ in range(layers):
+        inpainting.close_holes(depth, holes, config.step_m, config.step_share, values)
+
+
+def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.float32]:
+    """Distance (H, W) in pixels to the nearest zero of a mask, at most `cap`."""
+    out = np.empty(mask.shape, np.float32)
+    smoothing.distance_to_zero(mask.view(np.uint8), cap, np.empty(mask.shape, np.int16), out)
+    return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Gaps:
+    """The 8-connected components of missing pixels.
+
+    runs (N, 3): row, first column and last column + 1 of every run of missing pixels; gap_of_run (N,): its gap. Of each
+    gap: area_px, nearest near_m and farthest far_m valid depth of its rim (0 where the rim has none), on_border.
+    """
+
+    width: int
+    runs: npt.NDArray[np.int32]
+    gap_of_run: npt.NDArray[np.int32]
+    area_px: npt.NDArray[np.int64]
+    near_m: npt.NDArray[np.float32]
+    far_m: npt.NDArray[np.float32]
+    on_border: Mask
+
+    def __len__(self) -> int:
+        return self.area_px.size
+
+    @property
+    def lengths(self) -> npt.NDArray[np.int64]:
+        """Pixels of every run (N,)."""
+        return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
+
+    def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:
+        """Numbers y * width + x of the pixels of the wanted runs (N,), run by run."""
+        row, first, _ = self.runs[wanted].astype(np.int64).T
+        length = self.lengths[wanted]
+        before = np.cumsum(length) - length
+        return np.repeat(row * self.width + first - before, length) + np.arange(length.sum())
+
+
+def find_gaps(depth: DepthMap) -> Gaps:
+    """The gaps of a depth map (H, W)."""
+    height, width = depth.shape
+    runs = np.empty((height * (width // 2 + 1), 3), np.int32)
+    runs = runs[: inpainting.find_runs(depth, runs)]
+    gap_of_run, scratch = np.empty(len(runs), np.int32), np.empty(len(runs), np.int32)
+    count = inpainting.join_runs(runs, scratch, gap_of_run)
+    area, on_border = np.zeros(count, np.int64), np.zeros(count, np.uint8)
+    near, far = np.full(count, np.inf, np.float32), np.zeros(count, np.float32)
+    inpainting.measure_gaps(depth, runs, gap_of_run, area, near, far, on_border)
+    near[far == 0] = 0
+    return Gaps(width, runs, gap_of_run, area, near, far, on_border.view(bool))
+
+
+def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
+    """Share of the frame that lacks depth inside the working range.
+
+    Holes that touch the image border are left out (cropped away, or outside the depth camera's view), and holes whose
+    whole rim lies beyond `max_distance_m`.
+    """
+    gaps = find_gaps(depth)
+    counted = ~gaps.on_border & (gaps.far_m > 0)
+    if max_distance_m is not None:
+        counted &= gaps.near_m <= max_distance_m
+    return float(gaps.area_px[counted].sum() / depth.size)

@@ -1,0 +1,194 @@
+"""Partition of the graph into regions by internal difference (eqs. 2, 3)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Mask
+from spigolo.kernels import choosing, merging, moments, sorting
+from spigolo.kernels.workspace import Workspace
+from spigolo.settings.config import VGA_PX2, Partition
+from spigolo.stages.graph import OFFSETS, Graph
+
+SAMPLE_STEP = 97
+PIVOT_QUANTILES = (0.3, 0.6)
+"""Of the positive weights. Measured to be best: fewer rounds sort more, more rounds look at every edge once more."""
+MAX_DIGIT_BITS = 11
+MANY_WEIGHTLESS = 0.25
+"""With so many edges of weight 0 there are large regions from the start, which refuse early."""
+ONE, BOTH = 1, 2
+"""How many ends of an edge must carry a flag."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Regions:
+    """labels (H, W) int32: every pixel belongs to one of the regions 0..count-1, numbered by their first pixel."""
+
+    labels: npt.NDArray[np.int32]
+    count: int
+
+    @property
+    def vga_scale(self) -> float:
+        """What a pixel of this image counts at 640x480."""
+        return VGA_PX2 / self.labels.size
+
+    def count_where(self, mask: Mask) -> npt.NDArray[np.int64]:
+        """Pixels of each region (R,) where a mask (H, W) holds."""
+        counts = np.zeros(self.count, np.int64)
+        moments.count_marked(self.labels, mask.view(np.uint8), counts)
+        return counts
+
+    def spread(self, of_region: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
+        """A number of each region (R,) at each of its pixels (H, W)."""
+        out = np.empty_like(self.labels)
+        moments.spread(of_region, self.labels, out)
+        return out
+
+    def joined(self, root: npt.NDArray[np.int64]) -> Regions:
+        """Those of one root (R,), the first of its regions, as one region; numbered anew."""
+        kept, number = np.unique(root, return_inverse=True)
+        return Regions(self.spread(number.astype(np.int32)), kept.size)
+
+
+def partition(graph: Graph, config: Partition, workspace: Workspace | None = None) -> Regions:
+    """Merges pixels over their edges in the order of (float32 weight, edge number), then joins small regions.
+
+    I(R) of eq. 2 is the largest weight in the minimum spanning tree of R, as the cited algorithm computes it.
+    Weights must not be negative or NaN; edges of +inf are none.
+    """
+    planes, height, width = graph.weights.shape
+    workspace = Workspace() if workspace is None else workspace
+    offsets = np.array([dy * width + dx for dy, dx in OFFSETS[:planes]], np.int64)
+    edges = Edges(graph.weights, offsets, workspace)
+    gamma = config.gamma_shadows if graph.shadows and config.gamma_shadows is not None else config.gamma
+    forest = Forest(height * width, float(gamma), workspace)
+    forest.merge(edges)
+    forest.absorb_small(edges, config.min_size_px2 * height * width / VGA_PX2)
+    labels, count = forest.labels()
+    return Regions(labels.reshape(height, width), count)
+
+
+class Edges:
+    """The edges of a graph, and room to sort as many as there are pixels."""
+
+    def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64], workspace: Workspace) -> None:
+        self.weights = np.ascontiguousarray(weights).reshape(len(weights), -1)
+        self.offsets = offsets
+        self.steps = offsets.view(np.uint64)
+        self._workspace = workspace
+        self._room = self.weights.shape[1]
+        sample = self.weights.reshape(-1)[::SAMPLE_STEP]
+        self._sample = sample[np.isfinite(sample)]
+
+    def pivots(self) -> list[float]:
+        """Where the rounds of merging begin and end: two quantiles of a sample, so that each sorts what it needs."""
+        positive = np.sort(self._sample[self._sample > 0])
+        inner = [float(positive[int(q * positive.size)]) for q in PIVOT_QUANTILES] if positive.size else []
+        return [0.0, *sorted(set(inner)), np.inf]
+
+    def weightless_share(self) -> float:
+        """Share of the edges that weigh nothing."""
+        return float(np.mean(self._sample == 0)) if self._sample.size else 0.0
+
+    def sort(
+        self, low: float, high: float, forest: Forest, least: int, detours: bool = True
+    ) -> tuple[npt.NDArray[np.uint64], float]:
+        """The packed edges with `least` flagged ends or more from weight `low` to below `high`, in order.
+
+        Or, where there is no room for all, to below a weight that it returns beside them. detours: whether those are
+        among them that come last of a triangle or a square.
+        """
+        width = self.offsets[1]
+        while True:
+            edges = self._workspace.array("edges", self._room + 1, np.uint64)
+            count = choosing.collect(
+                self.weights, width, np.float32(low), np.float32(high), forest.parent, forest.flags, least,
+                self.offsets, detours, edges,
+            )  # fmt: skip
+            if count >= 0:
+                break
+            high = self._make_room(low, high)
+        if least == BOTH and low > 0:  # a small region is never final
+            count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
+        return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
+
+    def _make_room(self, low: float, high: float) -> float:
+        """A weight below `high` to stop at, halfway to `low`; where there is none, `high` and more memory."""
+        between = np.sort(self._sample[(self._sample > low) & (self._sample < high)])
+        if between.size:
+            return float(between[between.size // 2])
+        self._room *= 2
+        return high
+
+    def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
+        """As many stable passes as the weights' range asks for: heavier rounds span few powers of two."""
+        width = max(((int(edges.max()) >> merging.HALF_BITS) - base).bit_length(), 1)
+        passes = -(-width // MAX_DIGIT_BITS)
+        digit_bits = -(-width // passes)
+        starts = np.empty(1 << digit_bits, np.uint32)
+        spare = self._workspace.array("spare", self._room, np.uint64)[: edges.size]
+        for k in range(passes):
+            mask = np.uint64((1 << digit_bits) - 1)
+            sorting.scatter(edges, np.uint64(base), np.uint64(k * digit_bits), mask, starts, spare)
+            edges, spare = spare, edges
+        return edges
+
+
+class Forest:
+    """Disjoint-set forest over the pixels: every tree is a region."""
+
+    def __init__(self, pixels: int, gamma: float, workspace: Workspace) -> None:
+        self.gamma = gamma
+        self.parent = workspace.array("parent", pixels, np.uint32)
+        self.records = workspace.array("records", pixels, np.uint64)
+        self.flags = workspace.array("flags", pixels, np.uint8)
+        self._workspace = workspace
+
+    def merge(self, edges: Edges) -> None:
+        """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
+        merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
+        low, *pivots = edges.pivots()
+        if edges.weightless_share() < MANY_WEIGHTLESS:
+            low = self._merge_freely(edges, pivots[0])
+        for high in pivots:
+            while low < high:
+                choosing.flag_open(np.uint64(_bits(low)), self.parent, self.records, self.flags)
+                lightest, low = edges.sort(low, high, self, BOTH)
+                self._merge(lightest, edges, stop=False)
+
+    def _merge_freely(self, edges: Edges, high: float) -> float:
+        """Merges over the edges below `high` up to the first that is refused; returns up to which weight.
+
+        Until then whatever edges connect is one region, so that an edge whose ends lighter ones connect does nothing.
+        """
+        lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
+        done = self._merge(lightest, edges, stop=True)
+        return high if done == lightest.size else _weight(lightest[done])
+
+    def _merge(self, some: npt.NDArray[np.uint64], edges: Edges, stop: bool) -> int:
+        return int(merging.merge(some, edges.steps, self.gamma, stop, self.parent, self.records))
+
+    def absorb_small(self, edges: Edges, min_size: float) -> None:
+        """Joins regions below min_size pixels to the neighbour over their lightest edge."""
+        low = 0.0
+        while low < np.inf:
+            choosing.flag_small(min_size, self.parent, self.records, self.flags)
+            lightest, low = edges.sort(low, np.inf, self, ONE, detours=False)
+            merging.absorb_small(lightest, edges.steps, min_size, self.parent, self.records)
+
+    def labels(self) -> tuple[npt.NDArray[np.int32], int]:
+        """Region of each pixel (H W,), 0..R-1 by first pixel, and R."""
+        labels = np.empty(self.parent.size, np.int32)
+        number = self._workspace.array("edges", labels.size, np.uint32)  # the edges have done their work
+        return labels, int(merging.number_regions(self.parent, number, labels))
+
+
+def _bits(weight: float) -> int:
+    return int(np.float32(weight).view(np.uint32))
+
+
+def _weight(edge: np.uint64) -> float:
+    return float(np.uint32(edge >> np.uint64(merging.HALF_BITS)).view(np.float32))

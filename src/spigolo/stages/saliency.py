@@ -1,0 +1,51 @@
+"""Visual saliency and its power law (eq. 10).
+
+Montabone & Soto 2010: how much a pixel differs from the mean of square surrounds of several sizes, brighter and
+darker apart, from one integral image at full resolution.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Color
+from spigolo.kernels import saliency as kernel
+from spigolo.settings.config import Saliency
+
+Map = npt.NDArray[np.float32]
+
+SHARES = np.arange(256, dtype=np.float32) / np.float32(255)
+
+
+def fine_grained_saliency(image: Color, config: Saliency) -> Map:
+    """V_S (H, W) in [0, 1] of an RGB image, in steps of 1/255 as Montabone's own code has them; 0 on a plain image."""
+    return np.asarray(cv2.LUT(_levels(image, config), SHARES), np.float32)
+
+
+def _levels(image: Color, config: Saliency) -> npt.NDArray[np.uint8]:
+    """V_S (H, W) in 0..255."""
+    gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
+    for _ in range(2):
+        gray = cv2.GaussianBlur(gray, (3, 3), 0)
+    on, off = np.empty(gray.shape, np.int32), np.empty(gray.shape, np.int32)
+    kernel.center_surround(gray, cv2.integral(gray), np.asarray(config.surrounds_px, np.int64), on, off)
+    levels = np.empty(gray.shape, np.uint8)
+    kernel.join_levels(on, off, levels)
+    return levels
+
+
+def power_law(saliency: Map, power: float) -> Map:
+    """Eq. 10. Normalises a saliency map (H, W) to a maximum of 1 and raises it to `power`; 0 stays 0."""
+    largest = saliency.max(initial=0)
+    return np.asarray((saliency / largest) ** np.float32(power), np.float32) if largest > 0 else np.zeros_like(saliency)
+
+
+def saliency_cue(image: Color, config: Saliency) -> Map:
+    """The saliency of every pixel (H, W) in [0, 1], as the first cost function takes it."""
+    levels = _levels(image, config)
+    present = SHARES[: int(levels.max(initial=0)) + 1]
+    table = np.zeros_like(SHARES)
+    table[: present.size] = power_law(present, config.power)  # 256 powers in place of one a pixel
+    return np.asarray(cv2.LUT(levels, table), np.float32)

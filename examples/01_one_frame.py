@@ -15,7 +15,6 @@ import numpy as np
 
 import spigolo as sp
 from spigolo.frames.files import write_png
-from spigolo.view.overlay import overlay
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 
@@ -39,7 +38,7 @@ def main() -> None:
         box = o.oriented_box()
         print("" if box is None else "  box " + " x ".join(f"{side:.2f}" for side in box.size_m) + " m")
 
-    write_png(given.out / "01_objects.png", overlay(result, frame.color))
+    write_png(given.out / "01_objects.png", result.overlay())
     if len(result):
         best = result[0]  # objects come best score first
         np.savez_compressed(given.out / "01_points.npz", points_m=best.points_m(), mask=best.mask)

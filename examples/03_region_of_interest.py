@@ -15,7 +15,7 @@ import numpy as np
 
 import spigolo as sp
 from spigolo.frames.files import write_png
-from spigolo.view.overlay import overlay, tile
+from spigolo.view.overlay import tile
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 
@@ -47,7 +47,7 @@ def main() -> None:
         result = sp.segment(frame, roi=roi)
         outside = sum(r.reason is sp.Reason.OUTSIDE for r in result.rejected)
         print(f"{name:28s} {len(result):2d} objects, {outside:2d} regions outside")
-        pictures[name] = overlay(result, frame.color)
+        pictures[name] = result.overlay()
     write_png(given.out / "03_region_of_interest.png", tile(pictures, columns=2))
 
 

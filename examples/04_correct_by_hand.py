@@ -14,7 +14,7 @@ from pathlib import Path
 
 import spigolo as sp
 from spigolo.frames.files import write_png
-from spigolo.view.overlay import overlay, tile
+from spigolo.view.overlay import tile
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 BOWL, MUG = [(260, 170), (310, 183)], [(240, 428), (285, 420)]
@@ -48,7 +48,7 @@ def main() -> None:
     print(f"{len(first)} objects at first, {len(answer)} corrected, {len(kept)} with the table kept")
 
     pictures = {"as found": first, "corrected": answer, "table kept": kept}
-    drawn = {title: overlay(result, frame.color) for title, result in pictures.items()}
+    drawn = {title: result.overlay() for title, result in pictures.items()}
     write_png(given.out / "04_by_hand.png", tile(drawn, columns=3))
 
 

@@ -18,7 +18,7 @@ from spigolo.frames.files import write_bytes
 from spigolo.frames.frame import Color, DepthMap
 from spigolo.stages.depth import inpaint_small_gaps, smooth
 from spigolo.stages.edges import EdgeMaps, find_edges
-from spigolo.view.overlay import boundary_picture, depth_picture, draw_boxes, overlay, region_picture, tile
+from spigolo.view.overlay import boundary_picture, depth_picture, draw_boxes, region_picture, tile
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
@@ -54,7 +54,7 @@ def demo(frame: sp.Frame) -> Color:
         "colour": frame.color,
         "depth (black: missing)": depth_picture(frame.depth),
         "boundaries of objects": boundary_picture(run.cues),
-        f"{len(result)} objects with their boxes": draw_boxes(overlay(result, frame.color), result, frame.camera),
+        f"{len(result)} objects with their boxes": draw_boxes(result.overlay(), result, frame.camera),
     }
     picture = tile(pictures, columns=2)
     size = 1000, round(picture.shape[0] * 1000 / picture.shape[1])
@@ -162,9 +162,9 @@ def support_plane(frame: sp.Frame) -> Color:
     plane[found.support] = (0.6 * frame.color[found.support] + 0.4 * np.array(CONTACT)).astype(np.uint8)
     return tile(
         {
-            f"without: {len(without)} objects": overlay(without, frame.color),
+            f"without: {len(without)} objects": without.overlay(),
             "the plane (result.support)": plane,
-            f"with it: {len(found)} objects": overlay(found, frame.color),
+            f"with it: {len(found)} objects": found.overlay(),
         },
         columns=3,
     )

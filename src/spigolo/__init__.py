@@ -19,70 +19,53 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spigolo.errors import CameraError, ConfigError, FileError, FrameError, SpigoloError, UnitWarning
-    from spigolo.export.records import to_json
+    from spigolo import clock, errors, settings
+    from spigolo.errors import SpigoloError
     from spigolo.frames.files import read_camera, read_frame
     from spigolo.frames.frame import Camera, Frame
-    from spigolo.frames.intrinsics import as_camera, camera_from_mapping
+    from spigolo.frames.intrinsics import as_camera
     from spigolo.frames.registration import register_depth
     from spigolo.frames.roi import MetricBox
-    from spigolo.kernels.workspace import Workspace
     from spigolo.methods import METHODS, segment_around
     from spigolo.objects.boxes import OrientedBox
-    from spigolo.objects.facts import RegionFacts
     from spigolo.objects.segmentation import ObjectMask, RejectedRegion, Segmentation
     from spigolo.objects.verdicts import Reason
     from spigolo.pipeline import Trace, segment, segment_at, trace
-    from spigolo.settings.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
-    from spigolo.settings.config import (
-        AutoCost,
-        BoundaryCost,
-        Color,
-        Config,
-        Depth,
-        Edges,
-        Inpainting,
-        Partition,
-        Rejection,
-        Saliency,
-        SaliencyCost,
-        Smoothing,
-    )
-    from spigolo.settings.presets import CLUTTER, OBJECTS, OBJECTS_1, OBJECTS_2, PRESETS, SHELF, TABLE, preset
+    from spigolo.settings.config import Config
+    from spigolo.settings.presets import CLUTTER, OBJECTS, PRESETS, SHELF, TABLE, preset
     from spigolo.stream import Segmenter, warm_up
 
 __version__ = "0.1.0"
 
+_ROOMS = ("clock", "errors", "settings")
 _HOMES = {
-    "settings.additions": "Cap DepthContours Joining Smooth Support Vessel Wall",
-    "settings.config": "AutoCost BoundaryCost Color Config Depth Edges Inpainting Partition Rejection Saliency"
-    " SaliencyCost Smoothing",
-    "errors": "CameraError ConfigError FileError FrameError SpigoloError UnitWarning",
-    "frames.frame": "Camera Frame",
-    "export.records": "to_json",
-    "frames.intrinsics": "as_camera camera_from_mapping",
+    "errors": "SpigoloError",
     "frames.files": "read_camera read_frame",
-    "objects.boxes": "OrientedBox",
-    "objects.facts": "RegionFacts",
-    "methods": "METHODS segment_around",
-    "objects.segmentation": "ObjectMask RejectedRegion Segmentation",
+    "frames.frame": "Camera Frame",
+    "frames.intrinsics": "as_camera",
     "frames.registration": "register_depth",
-    "objects.verdicts": "Reason",
     "frames.roi": "MetricBox",
-    "stream": "Segmenter warm_up",
-    "kernels.workspace": "Workspace",
+    "methods": "METHODS segment_around",
+    "objects.boxes": "OrientedBox",
+    "objects.segmentation": "ObjectMask RejectedRegion Segmentation",
+    "objects.verdicts": "Reason",
     "pipeline": "Trace segment segment_at trace",
-    "settings.presets": "CLUTTER OBJECTS OBJECTS_1 OBJECTS_2 PRESETS SHELF TABLE preset",
+    "settings.config": "Config",
+    "settings.presets": "CLUTTER OBJECTS PRESETS SHELF TABLE preset",
+    "stream": "Segmenter warm_up",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
 
 __all__ = [  # noqa: PLE0604
     "__version__",
+    *_ROOMS,
     *_HOME_OF,
 ]
 
 
 def __getattr__(name: str) -> Any:
+    if name in _ROOMS:
+        return importlib.import_module(f"spigolo.{name}")
     if name not in _HOME_OF:
         raise AttributeError(f"module 'spigolo' has no attribute {name!r}")
     value = getattr(importlib.import_module(f"spigolo.{_HOME_OF[name]}"), name)

@@ -1,61 +1,91 @@
-"""The method on one page: frame, cues, graph, regions, objects."""
+"""The method on one page: frame, cues, graph, regions, objects. Each line names its equations, or is ours."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from spigolo.additions.contours import Contours, add_contours
 from spigolo.additions.joining import join_parts
+from spigolo.additions.support import Plane, find_support
 from spigolo.frames.frame import Frame, check_frame
 from spigolo.frames.roi import Roi, pixel_of
 from spigolo.kernels.workspace import Workspace
-from spigolo.objects.segmentation import ObjectMask, Segmentation, select_objects
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+from spigolo.objects.selection import select_objects, set_scene
 from spigolo.settings.config import Config, check_config
 from spigolo.settings.presets import OBJECTS
 from spigolo.stages.color import color_points
-from spigolo.stages.cues import Cues, gather_cues
+from spigolo.stages.cues import Cues, Weighing, choose_weighing, gather_cues
+from spigolo.stages.depth import prepare_depth
+from spigolo.stages.edges import EdgeMaps, find_edges
 from spigolo.stages.graph import Graph, weigh
 from spigolo.stages.regions import Regions, partition
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trace:
     """One run with every stage kept."""
 
     frame: Frame
+    """The input."""
     config: Config
+    """The parameters, as given."""
+    plane: Plane | None
+    """The support plane (ours). None without one."""
+    weighing: Weighing
+    """The cost function and gamma of this frame."""
+    edges: EdgeMaps | None
+    """The edge maps. None where the cost function does not read a boundary."""
+    contours: Contours | None
+    """Our contours of the depth map. None without additions or edge maps."""
     cues: Cues
+    """The cues of every pixel."""
     graph: Graph
+    """The weighed graph."""
     regions: Regions
+    """The regions, parts joined."""
     segmentation: Segmentation
+    """The answer."""
+
+    def __repr__(self) -> str:
+        return f"Trace({self.frame!r}, {self.regions.count} regions, {self.segmentation!r})"
 
 
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
-    """Segments a frame and keeps what each stage made. workspace: scratch kept between frames, one per thread."""
+    """Segment a frame and keep the result of each stage. workspace: scratch kept between frames, one per thread."""
     check_frame(frame)
     check_config(config)
-    sized = config.at_size(frame.shape)  # lengths in pixels, for this image
-    cues = gather_cues(frame, sized)  # eqs. 5-8, 10-21
+    sized = config.at_size(frame.shape)  # lengths and areas in pixels of this image
+    ours = sized.additions  # None: the paper's method alone
+    plane = find_support(frame.depth, frame.camera, ours.support) if ours else None  # ours
+    depth = prepare_depth(frame.depth, sized.depth)  # eqs. 5-8
+    weighing = choose_weighing(depth, sized)  # eq. 22 or 23
+    edges = find_edges(frame.color, depth, frame.camera, sized.edges) if weighing.reads_boundary else None  # eqs. 12-20
+    contours = add_contours(edges, depth, frame.camera, plane, ours) if ours and edges else None  # ours
+    lines = contours.lines if contours else edges.final if edges else None
+    cues = gather_cues(frame.color, depth, lines, weighing, sized)  # eqs. 10, 11, 21
     color = color_points(frame.color, sized.color)  # eq. 4
-    graph = weigh(cues, color, config.partition.connectivity, config.depth)  # eqs. 9, 22 or 23
-    del color  # three times as large as another cue, and not needed again
-    regions = partition(graph, config.partition, workspace)  # eqs. 2, 3
-    regions = join_parts(regions, cues, frame, sized)  # ours, off in the paper's presets
-    segmentation = select_objects(regions, graph, cues, frame, config, roi)  # section III-F
-    return Trace(frame, config, cues, graph, regions, segmentation)
+    graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # eqs. 9, 22 or 23
+    del color  # three times as large as another cue
+    regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # eqs. 2, 3
+    regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours
+    scene = set_scene(frame, cues, graph, plane, contours, config, roi)
+    segmentation = select_objects(regions, scene)  # section III-F, and ours
+    return Trace(frame, config, plane, weighing, edges, contours, cues, graph, regions, segmentation)
 
 
 def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:
-    """The objects of a frame.
+    """Find the objects of a frame.
 
-    frame: colour, depth and camera. config: a preset or a configuration of your own. roi: where objects are wanted: a
-    mask (H, W), a pixel box (y0, x0, y1, x1) or a MetricBox; regions outside are rejected.
+    frame: colour, depth and camera. config: a preset or your own configuration. roi: where objects are wanted: a mask
+    (H, W), a pixel box (y0, x0, y1, x1) or a MetricBox. Regions outside are rejected.
     Returns the label image, the objects with their 2-D and 3-D facts, and the rejected regions with their reasons.
     """
     return trace(frame, config, roi).segmentation
 
 
 def segment_at(frame: Frame, point: tuple[float, float], config: Config = OBJECTS) -> ObjectMask:
-    """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one.
+    """Find the object at a pixel (y, x), whatever rule its region breaks: a click says that there is one.
 
     Raises IndexError for a point outside the image.
     """

@@ -13,8 +13,9 @@ from spigolo.frames.roi import Roi
 from spigolo.kernels.workspace import Workspace
 from spigolo.objects.segmentation import Segmentation
 from spigolo.pipeline import trace
-from spigolo.settings.config import AutoCost, Config
+from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS, SHELF, TABLE
+from spigolo.stages.costs import possible_costs
 
 
 class Segmenter:
@@ -51,8 +52,7 @@ def warm_up(config: Config | None = None) -> None:
     frame = Frame(rng.integers(0, 255, (48, 64, 3), dtype=np.uint8), depth, Camera(60, 60, 31.5, 23.5, 64, 48))
     configs = (OBJECTS, SHELF, TABLE) if config is None else (config,)
     for one in configs:
-        costs = (one.cost.full, one.cost.shadows) if isinstance(one.cost, AutoCost) else (one.cost,)
-        for cost in costs:
+        for cost in possible_costs(one.cost):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 trace(frame, one.replace(cost=cost, partition={"gamma_shadows": None}))

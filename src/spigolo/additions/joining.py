@@ -22,10 +22,10 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.additions.support import Plane, above_mask
-from spigolo.frames.frame import Frame
+from spigolo.clock import stage
+from spigolo.frames.frame import Camera
 from spigolo.kernels import borders, moments
-from spigolo.settings.additions import Joining, Support
-from spigolo.settings.config import Config
+from spigolo.settings.additions import Additions, Joining, Support
 from spigolo.stages.cues import Cues
 from spigolo.stages.regions import Regions
 
@@ -57,11 +57,12 @@ class Border:
     boundary: float
 
 
-def join_parts(regions: Regions, cues: Cues, frame: Frame, config: Config) -> Regions:
-    """The regions with the parts of each object joined; as they are without `joining`, a camera or a support."""
-    if config.joining is None or cues.support is None or frame.camera is None or config.rejection.support is None:
+@stage("joining")
+def join_parts(regions: Regions, cues: Cues, plane: Plane | None, camera: Camera | None, config: Additions) -> Regions:
+    """Join the parts of each object. Without rules, a plane or a camera the regions stay as they are."""
+    if config.joining is None or config.support is None or plane is None or camera is None:
         return regions
-    parts = _Parts(regions, cues, frame, config.joining, config.rejection.support, cues.support)
+    parts = _Parts(regions, cues, plane, camera, config.joining, config.support)
     root = np.arange(regions.count)
     for border in parts.borders():
         if parts.is_vessel(border) or parts.is_cap(border) or parts.is_smooth(border):
@@ -81,16 +82,15 @@ class _Parts:
     """The regions of a frame and what the rules ask of them."""
 
     def __init__(
-        self, regions: Regions, cues: Cues, frame: Frame, config: Joining, support: Support, plane: Plane
+        self, regions: Regions, cues: Cues, plane: Plane, camera: Camera, config: Joining, support: Support
     ) -> None:
-        assert frame.camera is not None
         self.config, self.cues, self.labels = config, cues, regions.labels
-        self.height = plane.height_map_m(cues.depth, frame.camera)
+        self.height = plane.height_map_m(cues.depth, camera)
         sums, self.boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
         moments.sum_regions(regions.labels, sums, self.boxes)
         self.area = sums[:, 0]
         measured = regions.count_where(np.asarray(cues.depth > 0))
-        above = regions.count_where(above_mask(plane, cues.depth, frame.camera, support))
+        above = regions.count_where(above_mask(plane, cues.depth, camera, support))
         self.stands = (above >= config.min_above * measured) & (measured >= config.min_measured * self.area)
         self.stands &= self.area <= config.max_share * self.labels.size
         self.ids = np.flatnonzero(self.stands)
@@ -98,7 +98,7 @@ class _Parts:
             self.ids = np.sort(self.ids[np.argsort(-self.area[self.ids], kind="stable")[:MOST_PARTS]])
         self.number = np.full(regions.count, -1, np.int32)
         self.number[self.ids] = np.arange(self.ids.size)
-        self.focal_px = frame.camera.fx
+        self.focal_px = camera.fx
         self.hollowness = self._hollowness()
         self._tops: dict[int, float] = {}
 
@@ -106,8 +106,8 @@ class _Parts:
         """The borders between regions that stand, long enough and with enough depth."""
         count = self.ids.size
         sums = np.zeros((count, count, borders.SUMS))
-        edges = self.cues.edges
-        boundary = np.zeros(self.labels.shape, np.float32) if edges is None else edges.boundary
+        cue = self.cues.boundary
+        boundary = np.zeros(self.labels.shape, np.float32) if cue is None else cue
         borders.sum_borders(
             self.labels, self.number, self.cues.depth, boundary, self.config.reach_px, GAP_LIMIT_M, BEND_LIMIT_M, sums
         )

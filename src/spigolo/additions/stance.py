@@ -35,7 +35,7 @@ def measure_stance(regions: Regions, depth: DepthMap, camera: Camera, tall: Mask
     valid, high = regions.count_where(np.asarray(depth > 0)), regions.count_where(tall)
     asked = (high >= TALL_SHARE * valid) & (high > 0)
     sums = np.zeros((regions.count, borders.STEPS))
-    near = max(round(rule.reach_px * regions.vga_scale**-0.5), 1)
+    near = rule.reach_px
     deep, steps = round(REACH_INSIDE * near), (rule.step_m, rule.step_share)
     borders.sum_steps(regions.labels, depth, asked.view(np.uint8), near, deep, *steps, sums)
     pairs, known, back, edge = sums.T

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.clock import stage
 from spigolo.frames.frame import Camera, DepthMap, Mask
 from spigolo.kernels import planes as kernel
 from spigolo.settings.additions import Support
@@ -68,11 +69,14 @@ def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray
     return np.maximum(np.float32(config.min_height_m), np.float32(config.noise_per_m) * depth * depth)
 
 
-def find_support(depth: DepthMap, camera: Camera, config: Support) -> Plane | None:
-    """The plane with the most measured pixels; None where no plane has `min_share` of them.
+@stage("support plane")
+def find_support(depth: DepthMap, camera: Camera | None, config: Support | None) -> Plane | None:
+    """Find the plane with the most measured pixels. None without a rule, a camera, or a plane of `min_share` of them.
 
     RANSAC on a sample of the pixels, then least squares on what lies within the tolerance.
     """
+    if camera is None or config is None:
+        return None
     valid = np.flatnonzero(depth > 0)
     if valid.size < 3:
         return None

@@ -14,9 +14,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
-from spigolo.export import records as export
 from spigolo.frames import files as io
-from spigolo.view.overlay import overlay
 
 if TYPE_CHECKING:
     from spigolo.cli.inputs import FramePaths
@@ -35,9 +33,9 @@ def progress(frames: list[FramePaths], what: str) -> Iterable[FramePaths]:
 
 def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
     """labels.png, objects.json and overlay.png in the folder `out`; undistorted.png where a camera has distortion."""
-    picture = overlay(result, frame.color)
+    picture = result.overlay()
     io.write_png(out / "labels.png", result.labels.astype(np.uint16))
-    io.write_json(out / "objects.json", export.to_json(result))
+    io.write_json(out / "objects.json", result.to_dict())
     io.write_png(out / "overlay.png", picture)
     if frame.undistorted:
         io.write_png(out / "undistorted.png", frame.color)

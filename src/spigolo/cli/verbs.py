@@ -123,12 +123,12 @@ def _panels(run: Trace) -> Color:
     from spigolo.view import overlay as view
 
     frame, result = run.frame, run.segmentation
-    drawn = view.overlay(result, frame.color)
+    drawn = result.overlay()
     return view.tile(
         {
             "colour": frame.color,
             "depth (black: missing)": view.depth_picture(frame.depth),
-            "boundaries of objects": view.boundary_picture(run.cues),
+            "boundaries of objects": view.boundary_picture(run),
             f"{len(result)} objects with their boxes": view.draw_boxes(drawn, result, frame.camera),
         },
         columns=2,

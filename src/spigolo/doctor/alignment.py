@@ -15,15 +15,14 @@ import numpy.typing as npt
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.frames.frame import Color, DepthMap
 from spigolo.kernels.contours import fill_shadows
-from spigolo.settings.config import VGA_PX2
 
 ALIGNMENT = "alignment"
 
 SEARCH_PX = 24
 TOLERANCE_PX = 4
 """Edges compare depth from 5 pixels on either side: an offset up to this is harmless."""
-MIN_CONTOUR_PX = 500
-"""Fewer contour pixels, in an image of 640x480, are no evidence."""
+MIN_CONTOUR_SHARE = 500 / (640 * 480)
+"""Minimum share of contour pixels in the image. Fewer are no evidence."""
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
 """How much the gradient under the contours must stand out: from those around, in units of their mean, and from what
 other shifts score, in standard deviations. Else the best shift is one of many."""
@@ -74,7 +73,7 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
     """Finds depth that is shifted against colour, or mirrored. filled: depth with its small gaps in-painted."""
     contours = depth_contours(filled)
     count = count_contours(contours)
-    if count < MIN_CONTOUR_PX * filled.size / VGA_PX2:
+    if count < MIN_CONTOUR_SHARE * filled.size:
         return note(ALIGNMENT, f"alignment of depth and colour cannot be judged: {count} pixels of depth steps are few")
     gradients = color_gradients(color)
     fit = best_shift(contours, gradients)

@@ -9,7 +9,7 @@ from spigolo.doctor.findings import COST, Diagnosis, Finding, fine, note, warnin
 from spigolo.doctor.intrinsics import check_focal_length, check_intrinsics
 from spigolo.doctor.measured import check_missing, check_negative, check_unit
 from spigolo.frames.frame import Camera, DepthMap, Frame, check_frame
-from spigolo.settings.config import AutoCost, Inpainting
+from spigolo.settings.paper import AutoCost, Inpainting
 from spigolo.stages.depth import inpaint_small_gaps, missing_mask, missing_share
 
 CV2_WHEELS = (
@@ -31,7 +31,7 @@ def diagnose(frame: Frame) -> Diagnosis:
     """
     check_frame(frame)
     camera: Camera | None = frame.camera
-    filled = inpaint_small_gaps(frame.depth, Inpainting())
+    filled = inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape))
     findings = [check_wheels(), check_size(frame), check_negative(frame), *check_missing(frame.depth, filled)]
     if not (frame.depth > 0).any():
         return Diagnosis((*findings, note(COST, "no cost function is advised: there is no depth")))
@@ -73,7 +73,7 @@ def advise_cost(filled: DepthMap) -> Finding:
     elsewhere = float(missing_mask(filled).mean()) - inside
     where = f"{inside:.1%} of the frame lacks depth inside the working range"
     beside = f"; {elsewhere:.0%} in holes that reach the image border is not counted" if elsewhere > BORDER else ""
-    if auto.choose(inside) is auto.full:
+    if inside <= auto.max_missing:
         why = f"{where}, up to {auto.max_missing:.0%} counts as full depth"
         return fine(COST, f"second cost function (depth and boundaries): {why}{beside}")
     why = f"{where}, more than {auto.max_missing:.0%} counts as large shadows"

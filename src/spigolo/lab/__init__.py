@@ -1,1 +1,4 @@
-"""The laboratory: data sets, evaluation, experiments, fitting, benchmarks, rendered scenes. `segment` needs none of it."""
+"""The laboratory: data sets, evaluation, experiments, fitting, benchmarks, rendered scenes.
+
+Only the command line imports it: `segment` needs none of it.
+"""

@@ -20,7 +20,7 @@ from spigolo.kernels import potts
 from spigolo.methods.baseline import Baseline, Division, MethodConfig
 from spigolo.methods.domains import Planes, Spins, connected_areas, join_domains
 from spigolo.methods.features import color_features, feature_graph
-from spigolo.settings.parameters import NotNegative, Positive
+from spigolo.settings.parameters import Area_px2, NotNegative, Positive
 from spigolo.stages.graph import OFFSETS
 from spigolo.stages.regions import Regions
 
@@ -63,12 +63,12 @@ class AbramovConfig(MethodConfig):
     """Sweeps after that (the public re-implementation),"""
     last_temperature: Positive = 0.05
     """at this temperature (our choice)."""
-    piece_px2: NotNegative = 20000.0
+    piece_px2: Area_px2 = 20000.0
     """Regions smaller than this are joined with each other, the most attractive first: prints fall into pieces, which
     are more alike than the table around them (our addition; 0 leaves it out)."""
     piece_above: float = -2.0
     """Least mean interaction for that: below lies what depth steps part (our addition)."""
-    min_size_px2: NotNegative = 1500.0
+    min_size_px2: Area_px2 = 1500.0
     """Smaller regions are joined to the neighbour that attracts them most (our choice)."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 7
     """What is drawn at random depends on it: the same seed gives the same labels."""
@@ -121,8 +121,8 @@ class Abramov2012(Baseline[AbramovConfig]):
 
     def regions(self, spins: Spins, planes: Planes) -> Regions:
         """Connected pixels of equal spin, pieces and small ones joined."""
-        areas, config = connected_areas(spins), self.config
-        piece, least = config.piece_px2 / areas.vga_scale, config.min_size_px2 / areas.vga_scale
+        areas, config = connected_areas(spins), self.config.at_size(spins.shape)
+        piece, least = config.piece_px2, config.min_size_px2
 
         pieces = join_domains(areas, planes, lambda b: (np.maximum(*b.area) < piece) & (b.mean > config.piece_above))
         return join_domains(pieces, planes, lambda b: b.area[0] < least)

@@ -12,15 +12,19 @@ import numpy.typing as npt
 
 from spigolo.additions.support import find_support
 from spigolo.frames.frame import Frame, check_frame
-from spigolo.objects.segmentation import Evidence, Segmentation, judge_regions, warn_of_depth
-from spigolo.settings.config import Inpainting, Rejection
+from spigolo.objects.scene import Scene, find_above
+from spigolo.objects.segmentation import Segmentation
+from spigolo.objects.selection import select_objects
+from spigolo.settings.additions import Additions
+from spigolo.settings.paper import Inpainting, Rejection
 from spigolo.settings.parameters import Parameters
 from spigolo.settings.presets import OBJECTS_2
 from spigolo.stages.depth import inpaint_small_gaps
 from spigolo.stages.regions import Regions
 
-REJECTION = Rejection(**{**OBJECTS_2.rejection.model_dump(), "min_contour": None})
-"""The rules of OBJECTS_2 but for the one that asks for a boundary map, which no other method has."""
+_ADDED = OBJECTS_2.additions or Additions()
+RULES = Additions(support=_ADDED.support, rules=_ADDED.rules.replace(min_contour=None, min_contour_holes=None))
+"""The rules of OBJECTS_2 without the minimum contour: no other method has a boundary map."""
 
 C = TypeVar("C", bound="MethodConfig")
 B = TypeVar("B", bound="Baseline[Any]")
@@ -32,8 +36,10 @@ class MethodConfig(Parameters):
     Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) scale with the number of pixels.
     """
 
-    rejection: Rejection = REJECTION
-    """Which regions are no objects: the same rules for all methods, so that their regions are what is compared."""
+    rejection: Rejection = OBJECTS_2.rejection
+    """Rules of the paper that reject regions. All methods share them, so that their regions are compared."""
+    additions: Additions = RULES
+    """Support plane and rules of ours that reject regions, shared in the same way."""
 
 
 class Division(NamedTuple):
@@ -72,16 +78,18 @@ class Baseline(ABC, Generic[C]):
     def __call__(self, frame: Frame) -> Segmentation:
         """The objects of a frame."""
         check_frame(frame)
-        warn_of_depth(frame)
         regions, contour = self.divide(frame)
-        rules, camera = self.config.rejection, frame.camera
-        support = rules.support
-        evidence = Evidence(
-            depth=inpaint_small_gaps(frame.depth, Inpainting()),  # as OBJECTS has it when it counts what is missing
+        additions = self.config.additions.at_size(frame.shape)
+        plane = find_support(frame.depth, frame.camera, additions.support)
+        scene = Scene(
+            frame=frame,
+            depth=inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape)),  # as OBJECTS counts missing depth
             contour=contour,
-            plane=None if camera is None or support is None else find_support(frame.depth, camera, support),
-            rules=rules,
+            plane=plane,
+            rejection=self.config.rejection.at_size(frame.shape),
+            additions=additions,
             preset=self.name,
             digest=self.digest,
+            above=find_above(frame, plane, additions),
         )
-        return judge_regions(regions, frame, evidence)
+        return select_objects(regions, scene)

@@ -12,7 +12,6 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.frames.frame import Mask
-from spigolo.settings.config import Partition
 from spigolo.stages.graph import OFFSETS, Graph
 from spigolo.stages.regions import Regions, partition
 
@@ -28,7 +27,7 @@ def connected_areas(spins: Spins) -> Regions:
     for plane, offset in zip(weights, OFFSETS, strict=True):
         here, there = pair_ends(spins.shape, offset)
         plane[here][spins[here] == spins[there]] = 0
-    return partition(Graph(weights), Partition(gamma=0, min_size_px2=0))
+    return partition(Graph(weights), gamma=0)
 
 
 class Borders(NamedTuple):

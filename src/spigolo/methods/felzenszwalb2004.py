@@ -12,8 +12,7 @@ from spigolo.frames.frame import Frame
 from spigolo.methods.baseline import Baseline, Division, MethodConfig
 from spigolo.methods.features import color_features, feature_graph
 from spigolo.objects.facts import weight_contour
-from spigolo.settings.config import Partition
-from spigolo.settings.parameters import NotNegative
+from spigolo.settings.parameters import Area_px2, NotNegative
 from spigolo.stages.graph import Graph
 from spigolo.stages.regions import partition
 
@@ -31,7 +30,7 @@ class FelzenszwalbConfig(MethodConfig):
     on a grid, where they would add the same to all edges of a direction (our reading)."""
     connectivity: Literal[4, 8] = 8
     """Neighbours of a pixel (their paper)."""
-    min_size_px2: NotNegative = 1500.0
+    min_size_px2: Area_px2 = 1500.0
     """Smaller regions are joined to the neighbour over their lightest edge (found as k was)."""
 
 
@@ -50,9 +49,5 @@ class Felzenszwalb2004(Baseline[FelzenszwalbConfig]):
     def divide(self, frame: Frame) -> Division:
         """Regions by internal difference."""
         graph = self.graph(frame)
-        return Division(partition(graph, merging(self.config)), weight_contour(graph))
-
-
-def merging(config: FelzenszwalbConfig) -> Partition:
-    """How regions merge, as `regions.partition` asks for it."""
-    return Partition(gamma=config.k, connectivity=config.connectivity, min_size_px2=config.min_size_px2)
+        config = self.config.at_size(frame.shape)
+        return Division(partition(graph, config.k, config.min_size_px2), weight_contour(graph))

@@ -21,8 +21,7 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.methods.baseline import Baseline, Division
 from spigolo.methods.mishra2009 import FixationConfig, Points, contour_around, edge_map, innermost, inside, paint
 from spigolo.methods.ownership import Boundary, Floats, find_boundary
-from spigolo.settings.config import VGA_PX2
-from spigolo.settings.parameters import NotNegative, Positive, Share
+from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 
 HARDLY = 0.5
 """Half of what is asked of a contour is enough to look again."""
@@ -49,7 +48,7 @@ class SimpleConfig(FixationConfig):
     """Least share of the contour that is strong and owned by the inside, or a contact boundary."""
     max_iou: Share = 0.5
     """Of two objects that share more than this of their union the better founded one stays."""
-    min_area_px2: NotNegative = 500.0
+    min_area_px2: Area_px2 = 500.0
     """Smaller ones are none."""
     max_area: Share = 0.2
     """Larger shares of the frame are surfaces that objects stand on."""
@@ -71,8 +70,9 @@ class Mishra2012(Baseline[SimpleConfig]):
 
     def divide(self, frame: Frame) -> Division:
         """The rest of the frame and every simple object; where two overlap the better founded one has the pixels."""
-        boundary = find_boundary(frame.color, frame.depth, frame.camera, self.config)
-        found = find_simple(boundary, self.config)
+        config = self.config.at_size(frame.shape)
+        boundary = find_boundary(frame.color, frame.depth, frame.camera, config)
+        found = find_simple(boundary, config)
         return Division(paint([f.mask for f in reversed(found)], frame.shape), boundary.value)
 
 
@@ -141,7 +141,7 @@ class Judge:
         contour = contour_around(edges, point, config)
         mask = inside(contour, (shape[0], shape[1]))
         area = np.count_nonzero(mask)
-        if not config.min_area_px2 * mask.size / VGA_PX2 <= area <= config.max_area * mask.size:
+        if not config.min_area_px2 <= area <= config.max_area * mask.size:
             return None
         strong = self.share(contour, point)
         return Found(mask, strong) if strong >= HARDLY * config.min_strong else None

@@ -18,7 +18,7 @@ from spigolo.frames.frame import Camera, Color, DepthMap, Mask
 from spigolo.kernels import contours
 from spigolo.kernels import polar as kernel
 from spigolo.methods.baseline import MethodConfig
-from spigolo.settings.config import Edges
+from spigolo.settings.paper import EdgesConfig
 from spigolo.settings.parameters import Length_px, Positive, Share
 from spigolo.stages.edges import Gradient, scharr_canny
 
@@ -84,7 +84,7 @@ class Boundary:
 
 def find_boundary(image: Color, depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -> Boundary:
     """The boundary map of an image (H, W, 3) with its depth (H, W) in metres."""
-    canny, gx, gy = scharr_canny(image, Edges())
+    canny, gx, gy = scharr_canny(image, EdgesConfig())
     if not config.depth:
         return _by_contrast(canny, gx, gy)
     disparity = _disparity(depth, camera, config)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -20,15 +21,18 @@ LEAST_POINTS = 10
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OrientedBox:
-    """A box in the camera's frame.
-
-    center_m (3,); size_m (3,) along its own axes, longest first; R_camera_box (3, 3), whose columns are those axes,
-    right-handed.
-    """
+    """A box in the camera's frame."""
 
     center_m: Vectors
+    """Centre (3,) in metres."""
     size_m: Vectors
+    """Size (3,) along its own axes in metres, longest first."""
     R_camera_box: Vectors
+    """Rotation (3, 3) whose columns are its axes in the camera's frame, right-handed."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return its numbers by name, ready for json.dumps."""
+        return {name: getattr(self, name).tolist() for name in ("center_m", "size_m", "R_camera_box")}
 
     def corners_m(self) -> Vectors:
         """Its corners (8, 3) in the camera's frame."""

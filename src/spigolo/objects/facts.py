@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, fields
 from typing import Any
 
 import cv2
@@ -30,47 +30,62 @@ LEVEL_SHARE = 0.65
 """Least share of a level region's pixels near its median height."""
 RIM_GAP_PX = 7
 """Pieces of a rim up to so many pixels apart go on in each other, whatever the image's size."""
-SUPPORTED_PX2 = 3000.0
-"""Measured pixels, at 640x480, at which a score has risen to 63 % of what the rest allows (our choice)."""
+SUPPORTED_SHARE = 3000 / (640 * 480)
+"""Share of the image with measured pixels at which a score reaches 63 % of its limit (our choice)."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class RegionFacts:
-    """What is known of one region.
-
-    region: its number in `trace.regions`. score: how much speaks for an object, in [0, 1] (`region_score`).
-    box_px: (y0, x0, y1, x1), the last two exclusive. centroid_px: (y, x). centroid_m: mean (X, Y, Z) of its measured
-    points, None without any or without intrinsics. spread_px2: the eigenvalues (lambda1, lambda2) of the covariance of
-    its pixel coordinates. eccentricity: sqrt(1 - lambda2 / lambda1). missing: share of its pixels without measured
-    depth. unfilled: share still without depth after in-painting. dark: share in the first three of 32 brightness bins.
-    above: share of its measured pixels that stand above the support plane, None where there is no plane. inside: share
-    in the region of interest, None where none is given. contour: strength of its contour in [0, 1], the mean of
-    `contour_cue` along its border. cut: share of its contour on the image border; hides: share beyond which depth
-    steps back; lean_deg: angle of its mean surface normal to the line of sight; None where no rule asks, and for a
-    region that is not tall or, the last two, has too little depth (`Wall`). plane: the support, if there is
-    one.
-    """
+    """The facts of one region, measured in the image and in space."""
 
     region: int
+    """Number of the region in `trace.regions`."""
     score: float
+    """Evidence for an object, in [0, 1] (`region_score`)."""
     area_px: int
+    """Number of its pixels."""
     box_px: tuple[int, int, int, int]
+    """Bounding box (y0, x0, y1, x1) in pixels, the last two exclusive."""
     centroid_px: tuple[float, float]
+    """Centroid (y, x) in pixels."""
     centroid_m: tuple[float, float, float] | None
+    """Mean (X, Y, Z) of its measured points in metres. None without any, or without intrinsics."""
     spread_px2: tuple[float, float]
+    """Eigenvalues (lambda1, lambda2) of the covariance of its pixel coordinates, px^2."""
     eccentricity: float
+    """sqrt(1 - lambda2 / lambda1), in [0, 1]. 0 is round, 1 is a line."""
     missing: float
+    """Share of its pixels without measured depth."""
     unfilled: float
+    """Share of its pixels without depth after in-painting."""
     dark: float
+    """Share of its pixels in the three darkest of 32 brightness bins."""
     above: float | None
+    """Share of its measured pixels above the support plane. None without a plane."""
     inside: float | None
+    """Share of its pixels inside the region of interest. None without one."""
     contour: float
+    """Mean boundary along its border, in [0, 1]."""
     cut: float | None
+    """Share of its contour on the image border. None if walls are not checked or the region is low."""
     hides: float | None
+    """Share of its contour beyond which depth steps back. None as for `cut`, or with too little depth."""
     lean_deg: float | None
-    regions: Labels = field(repr=False)
-    frame: Frame = field(repr=False)
-    plane: Plane | None = field(repr=False)
+    """Angle of its mean surface normal to the line of sight, degrees. None as for `hides`."""
+    regions: Labels
+    """Region numbers (H, W) of the whole frame."""
+    frame: Frame
+    """The frame."""
+    plane: Plane | None
+    """The support plane, if there is one."""
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self._summary()})"
+
+    def _summary(self) -> str:
+        y0, x0, y1, x1 = self.box_px
+        place = "" if self.centroid_m is None else f" at {self.centroid_m[2]:.2f} m"
+        return f"{self.area_px} px in ({y0}, {x0}, {y1}, {x1}){place}, score {self.score:.2f}"
 
     @property
     def mask(self) -> Mask:
@@ -95,6 +110,11 @@ class RegionFacts:
         length, width = (float(np.sqrt(SPREAD_OF_SQUARE * spread)) * pixel_m for spread in self.spread_px2)
         return length, width
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the measured facts by name, ready for json.dumps."""
+        facts = {name: getattr(self, name) for name in MEASURED}
+        return {name: list(fact) if isinstance(fact, tuple) else fact for name, fact in facts.items()}
+
     def points_m(self) -> npt.NDArray[np.float32]:
         """Its measured points (N, 3) in the camera's frame, in raster order; never in-painted depth.
 
@@ -113,6 +133,10 @@ class RegionFacts:
         if camera is None:
             return None
         return fit_box(self.mask, self.frame.depth, camera, None if self.plane is None else self.plane.normal)
+
+
+MEASURED = tuple(f.name for f in fields(RegionFacts) if f.name not in ("regions", "frame", "plane"))
+"""Names of the facts that `RegionFacts.to_dict` returns."""
 
 
 def measure_regions(
@@ -142,7 +166,7 @@ def measure_regions(
     strength = contour_strength(regions, contour)
     standing = None if above is None else _share(regions, above, measured)
     wanted = None if inside is None else _share(regions, inside[0] & inside[1], regions.count_where(inside[1]))
-    score = region_score(strength, measured * regions.vga_scale, standing)
+    score = region_score(strength, measured / regions.labels.size, standing)
     unfilled = regions.count_where(missing_mask(depth)) / n
     return [
         RegionFacts(
@@ -200,20 +224,21 @@ def measure_rim(facts: RegionFacts, beside: Mask) -> float:
 
 
 def region_score(
-    contour: npt.NDArray[np.float64], measured_px2: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
+    contour: npt.NDArray[np.float64], measured: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
 ) -> npt.NDArray[np.float64]:
-    """How much speaks for each region (R,) being an object: contour times depth support, in [0, 1].
+    """Score each region (R,) as an object, in [0, 1]: contour times depth support.
 
-    contour x (1 - exp(-measured / 3000 px)) x share above the support plane (1 where there is none); measured pixels
-    count as at 640x480. Larger surfaces with a closed contour, off the table, are more often whole objects.
+    contour x (1 - exp(-measured / 0.98 %)) x share above the support plane (1 without a plane). measured: the region's
+    measured pixels as a share of the image. Larger surfaces with a closed contour, off the table, are more often whole
+    objects.
     """
-    score = contour * (1 - np.exp(-measured_px2 / SUPPORTED_PX2))
+    score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """What a border is measured by, (H, W) in [0, 1]: delta_bound, or the weights where the cost reads no boundary."""
-    return weight_contour(graph) if cues.edges is None else cues.edges.boundary
+    """Return the map (H, W) in [0, 1] that borders are measured by: the boundary map, or without one the weights."""
+    return weight_contour(graph) if cues.boundary is None else cues.boundary
 
 
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:

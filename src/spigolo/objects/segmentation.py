@@ -1,119 +1,122 @@
-"""From regions to objects: the answer, and corrections of it by hand."""
+"""The answer: objects and rejected regions, and corrections of it by hand."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions.stance import Stance, measure_stance
-from spigolo.additions.support import Plane, above_mask, support_mask
-from spigolo.errors import SpigoloError, UnitWarning, warn
+from spigolo.errors import SpigoloError
 from spigolo.frames.camera import shortened
-from spigolo.frames.frame import DepthMap, Frame, Mask
-from spigolo.frames.roi import Roi, pixel_of, roi_mask
-from spigolo.objects.facts import (
-    Labels,
-    RegionFacts,
-    contour_cue,
-    measure_regions,
-)
-from spigolo.objects.verdicts import Reason, Verdict, judge, reject_rims
-from spigolo.settings.config import Config, Rejection
-from spigolo.stages.cues import Cues
-from spigolo.stages.graph import Graph
+from spigolo.frames.frame import Color, Mask
+from spigolo.frames.roi import pixel_of
+from spigolo.objects.drawing import draw_numbers, draw_objects
+from spigolo.objects.facts import MEASURED, Labels, RegionFacts
+from spigolo.objects.scene import Scene
+from spigolo.objects.verdicts import Reason, Verdict
 from spigolo.stages.regions import Regions
 
-NEAREST_M, FARTHEST_M = 0.03, 50.0
-"""No RGB-D camera sees so near or so far."""
-SAMPLED = 8
-FACTS = tuple(RegionFacts.__dataclass_fields__)
+FACTS = tuple(f.name for f in dataclasses.fields(RegionFacts))
+CROP_MARGIN = 0.15
+"""Margin of an object's picture, as a share of its box."""
 _facts = attrgetter(*FACTS)
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class ObjectMask(RegionFacts):
-    """An object. label: its number in `Segmentation.labels`."""
+    """One object: its mask, its facts and its number."""
 
     label: int
+    """Number of the object in `Segmentation.labels`, from 1."""
+
+    def _summary(self) -> str:
+        return f"{self.label}: {RegionFacts._summary(self)}"
+
+    def _repr_png_(self) -> bytes:
+        """Return the object cut out of its frame as a PNG, for notebooks."""
+        picture = draw_objects(self.frame.color, {self.label: self.mask})
+        y0, x0, y1, x1 = self.box_px
+        dy, dx = round(CROP_MARGIN * (y1 - y0)) + 1, round(CROP_MARGIN * (x1 - x0)) + 1
+        return _png(picture[max(y0 - dy, 0) : y1 + dy, max(x0 - dx, 0) : x1 + dx])
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class RejectedRegion(RegionFacts):
-    """A region that is no object. reason: the first rule it breaks; why: the same with the numbers."""
+    """A region that is not an object."""
 
     reason: Reason
+    """The first rule that it breaks."""
     why: str
+    """The same with the numbers."""
+
+    def _summary(self) -> str:
+        return f"{self.why}; {RegionFacts._summary(self)}"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Evidence:
-    """What regions are judged by, whatever method made them.
-
-    depth: (H, W) metres, in-painted where that is wanted; what is 0 there counts as missing. contour: (H, W) in [0, 1],
-    how strong a border is. plane: the support, None where there is none. rules: what is rejected. preset, digest: of
-    the parameters that the regions come from. left_out: cues that could not be had for want of intrinsics.
-    """
-
-    depth: DepthMap
-    contour: npt.NDArray[np.float32]
-    plane: Plane | None
-    rules: Rejection
-    preset: str
-    digest: str
-    left_out: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Scene:
-    """What an answer was made from, kept for corrections by hand."""
-
-    regions: Regions
-    frame: Frame
-    evidence: Evidence
-    above: Mask | None
-    inside: tuple[Mask, Mask] | None
-
-    def measure(self, regions: Regions) -> list[RegionFacts]:
-        """The facts of these regions."""
-        e = self.evidence
-        stance = self._stance(regions)
-        return measure_regions(regions, e.depth, self.frame, e.contour, self.above, self.inside, stance, e.plane)
-
-    def _stance(self, regions: Regions) -> Stance | None:
-        plane, camera, rules = self.evidence.plane, self.frame.camera, self.evidence.rules
-        if rules.wall is None or rules.support is None or camera is None:
-            return None
-        depth = self.evidence.depth
-        if plane is None:  # nothing to be tall above: every region is asked
-            return measure_stance(regions, depth, camera, np.asarray(depth > 0), rules.wall)
-        high = rules.support.model_copy(update={"min_height_m": rules.wall.min_height_m})
-        return measure_stance(regions, depth, camera, above_mask(plane, depth, camera, high), rules.wall)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Segmentation:
-    """The answer. Iterating, indexing and len() go over the objects, best score first; np.asarray() gives the labels.
-
-    labels: (H, W) int32, 0 = background, 1..N = objects. rejected: all other regions with their reasons.
-    support: (H, W) bool, background pixels on the plane that objects stand on; None where none was looked for or found.
-    left_out: what could not be done for want of intrinsics. preset, digest: name of the configuration and a hash of its
-    values.
-    """
+    """The answer. Iterating, indexing and len() use the objects, best score first. np.asarray() gives the labels."""
 
     labels: Labels
+    """Label image (H, W) int32: 0 = background, 1..N = objects."""
     objects: tuple[ObjectMask, ...]
+    """The objects, best score first."""
     rejected: tuple[RejectedRegion, ...]
+    """All other regions, each with its reason."""
     support: Mask | None
+    """Background pixels (H, W) on the support plane. None if there is no plane."""
     left_out: tuple[str, ...]
+    """Results that need intrinsics and were left out."""
     preset: str
+    """Name of the parameters."""
     digest: str
-    scene: Scene = field(repr=False)
+    """Hash of their values."""
+    regions: Regions
+    """All regions of the frame."""
+    scene: Scene
+    """The evidence that they were judged by."""
+
+    def __repr__(self) -> str:
+        height, width = self.labels.shape
+        found = f"{len(self)} object{'' if len(self) == 1 else 's'}, {len(self.rejected)} rejected"
+        return f"Segmentation({found}, {width}x{height}, {self.preset} {self.digest})"
+
+    def _repr_png_(self) -> bytes:
+        """Return the overlay as a PNG, for notebooks."""
+        return _png(self.overlay())
+
+    def overlay(self) -> Color:
+        """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered."""
+        masks = {o.label: o.mask for o in self}
+        picture = draw_objects(self.scene.frame.color, masks)
+        draw_numbers(picture, masks)
+        return picture
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all but the pixels, ready for json.dumps: objects by label, rejected regions with their reasons.
+
+        Names are those of `RegionFacts`. Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x).
+        """
+        return {
+            "preset": self.preset,
+            "digest": self.digest,
+            "image_size_px": list(self.labels.shape),
+            "left_out": list(self.left_out),
+            "objects": [{"label": o.label, **o.to_dict(), "oriented_box": _box(o)} for o in self],
+            "rejected": [{"reason": r.reason.value, "why": r.why, **r.to_dict()} for r in self.rejected],
+        }
+
+    def table(self) -> dict[str, list[Any]]:
+        """Return the facts of the objects as columns, one row for each object: `pandas.DataFrame(result.table())`."""
+        rows = [{"label": o.label, **o.to_dict()} for o in self]
+        names = ["label", *MEASURED]
+        return {name: [row[name] for row in rows] for name in names}
 
     def __iter__(self) -> Iterator[ObjectMask]:
         return iter(self.objects)
@@ -132,7 +135,7 @@ class Segmentation:
 
     def at(self, point: tuple[float, float]) -> ObjectMask | RejectedRegion:
         """The object or rejected region at a pixel (y, x). Raises IndexError outside the image."""
-        region = int(self.scene.regions.labels[pixel_of(point, self.scene.frame.shape)])
+        region = int(self.regions.labels[pixel_of(point, self.scene.frame.shape)])
         everything: tuple[ObjectMask | RejectedRegion, ...] = (*self.objects, *self.rejected)
         return next(r for r in everything if r.region == region)
 
@@ -163,16 +166,16 @@ class Segmentation:
         if a.region == b.region:
             return self.keep(a)
         first, second = sorted((a.region, b.region))
-        root = np.arange(self.scene.regions.count)
+        root = np.arange(self.regions.count)
         root[second] = first
-        regions = self.scene.regions.joined(root)
+        regions = self.regions.joined(root)
         verdicts = self._verdicts()
         verdicts[first] = None
         del verdicts[second]
-        return assemble(dataclasses.replace(self.scene, regions=regions), self.scene.measure(regions), verdicts)
+        return assemble(self.scene, regions, self.scene.measure(regions), verdicts)
 
     def _check_own(self, *regions: RegionFacts) -> None:
-        own = self.scene.regions.labels
+        own = self.regions.labels
         for region in regions:
             if not isinstance(region, RegionFacts):
                 raise SpigoloError(
@@ -188,76 +191,21 @@ class Segmentation:
     def _with(self, region: RegionFacts, verdict: Verdict | None) -> Segmentation:
         verdicts = self._verdicts()
         verdicts[region.region] = verdict
-        return assemble(self.scene, sorted((*self.objects, *self.rejected), key=lambda r: r.region), verdicts)
+        return assemble(
+            self.scene, self.regions, sorted((*self.objects, *self.rejected), key=lambda r: r.region), verdicts
+        )
 
     def _verdicts(self) -> list[Verdict | None]:
-        verdicts: list[Verdict | None] = [None] * self.scene.regions.count
+        verdicts: list[Verdict | None] = [None] * self.regions.count
         for r in self.rejected:
             verdicts[r.region] = (r.reason, r.why)
         return verdicts
 
 
-def select_objects(
-    regions: Regions, graph: Graph, cues: Cues, frame: Frame, config: Config, roi: Roi | None = None
+def assemble(
+    scene: Scene, regions: Regions, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]
 ) -> Segmentation:
-    """Measures every region and sorts it into objects and rejected regions.
-
-    Pixel limits are those of a 640x480 image and grow with its area. roi: regions outside are rejected.
-    """
-    evidence = Evidence(
-        depth=cues.depth,
-        contour=contour_cue(cues, graph),
-        plane=cues.support,
-        rules=_rules(config, cues),
-        preset=config.name,
-        digest=config.digest,
-        left_out=("contact boundary",) if frame.camera is None and cues.edges is not None else (),
-    )
-    warn_of_depth(frame)
-    return judge_regions(regions, frame, evidence, roi)
-
-
-def _rules(config: Config, cues: Cues) -> Rejection:
-    """What is rejected in this frame."""
-    added = config.edges.depth_contours
-    if added is None or added.holes_min_contour is None or cues.edges is None or not cues.edges.holes:
-        return config.rejection
-    return config.rejection.model_copy(update={"min_contour": added.holes_min_contour})
-
-
-def judge_regions(regions: Regions, frame: Frame, evidence: Evidence, roi: Roi | None = None) -> Segmentation:
-    """The answer from the regions of any method: each measured, and an object or rejected with a reason."""
-    plane, rules = evidence.plane, evidence.rules
-    above = None
-    if plane is not None and rules.support is not None and frame.camera is not None:
-        above = above_mask(plane, frame.depth, frame.camera, rules.support)
-    scene = Scene(regions, frame, evidence, above, None if roi is None else roi_mask(roi, frame))
-    facts = scene.measure(regions)
-    if frame.depth.any():
-        verdicts = [judge(f, rules, 1 / regions.vga_scale) for f in facts]
-        if rules.wall is not None and plane is not None and frame.camera is not None:
-            height = plane.height_map_m(evidence.depth, frame.camera)
-            verdicts = reject_rims(facts, verdicts, regions, evidence.depth, height, rules.wall)
-        return assemble(scene, facts, verdicts)
-    return assemble(scene, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
-
-
-def warn_of_depth(frame: Frame) -> None:
-    """Warns of depth that leaves nothing to be found, as far as a few thousand pixels tell."""
-    if not frame.depth.any():
-        warn("the frame has no depth at all, so nothing in it is an object")
-        return
-    few = frame.depth[::SAMPLED, ::SAMPLED]
-    median = float(np.median(few[few > 0])) if few.any() else 0.0
-    if median > FARTHEST_M:
-        warn(f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", UnitWarning)
-    if 0 < median < NEAREST_M:
-        told = f"the median depth is {1000 * median:.2g} mm"
-        warn(f"{told}: is depth_scale applied twice? Floating-point depth is in metres already", UnitWarning)
-
-
-def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]) -> Segmentation:
-    """The answer from the facts of every region, by number, and what was found against it."""
+    """Return the answer from the facts of every region, by number, and its verdict (None: an object)."""
     accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
     objects = tuple(ObjectMask(label=k, **_fields(f)) for k, f in enumerate(accepted, start=1))
     rejected = tuple(
@@ -265,35 +213,31 @@ def assemble(scene: Scene, facts: Sequence[RegionFacts], verdicts: Sequence[Verd
         for f, v in zip(facts, verdicts, strict=True)
         if v is not None
     )
-    label_of = np.zeros(scene.regions.count, np.int32)
+    label_of = np.zeros(regions.count, np.int32)
     for o in objects:
         label_of[o.region] = o.label
-    labels = scene.regions.spread(label_of)
+    labels = regions.spread(label_of)
     return Segmentation(
         labels=labels,
         objects=objects,
         rejected=rejected,
-        support=_support(scene, labels),
-        left_out=_left_out(scene),
-        preset=scene.evidence.preset,
-        digest=scene.evidence.digest,
+        support=scene.on_support(labels),
+        left_out=scene.all_left_out(),
+        preset=scene.preset,
+        digest=scene.digest,
+        regions=regions,
         scene=scene,
     )
 
 
-def _support(scene: Scene, labels: Labels) -> Mask | None:
-    plane, rule, frame = scene.evidence.plane, scene.evidence.rules.support, scene.frame
-    if plane is None or rule is None or frame.camera is None:
-        return None
-    return np.asarray(support_mask(plane, frame.depth, frame.camera, rule) & (labels == 0))
-
-
-def _left_out(scene: Scene) -> tuple[str, ...]:
-    if scene.frame.camera is not None:
-        return ()
-    support = ("support plane",) if scene.evidence.rules.support is not None else ()
-    return (*scene.evidence.left_out, *support, "reach", "points, centroids and boxes in metres")
+def _box(o: ObjectMask) -> dict[str, Any] | None:
+    box = o.oriented_box()
+    return None if box is None else box.to_dict()
 
 
 def _fields(facts: RegionFacts) -> dict[str, Any]:
     return dict(zip(FACTS, _facts(facts), strict=True))
+
+
+def _png(picture: Color) -> bytes:
+    return cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))[1].tobytes()

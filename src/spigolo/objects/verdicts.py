@@ -10,8 +10,8 @@ import numpy as np
 from spigolo.frames.frame import DepthMap
 from spigolo.frames.roi import LEAST_INSIDE
 from spigolo.objects.facts import Heights, RegionFacts, find_level, measure_rim
-from spigolo.settings.additions import Wall
-from spigolo.settings.config import Rejection
+from spigolo.settings.additions import Rules, Support, Wall
+from spigolo.settings.paper import Rejection
 from spigolo.stages.regions import Regions
 
 
@@ -35,12 +35,18 @@ class Reason(str, Enum):
 Verdict = tuple[Reason, str]
 
 
-def judge(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | None:
-    """The first rule that a region breaks, with its numbers in a sentence, or None.
+def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
+    """Return the first rule that a region breaks, and a sentence with its numbers. None: it breaks none.
 
-    area_scale: pixels of the image as a multiple of 640x480.
+    paper: the rules of section III-F. ours: our own. Both are sized for the image.
     """
-    return _judge_place(facts, rules) or _judge_shape(facts, rules, area_scale) or _judge_pixels(facts, rules)
+    return (
+        _judge_place(facts, support)
+        or _judge_stance(facts, ours)
+        or _above(Reason.OUT_OF_REACH, facts.distance_m, paper.max_distance_m, "centroid at {:.2f} m, limit {:.2f} m")
+        or _judge_shape(facts, paper, ours)
+        or _judge_pixels(facts, paper)
+    )
 
 
 def reject_rims(
@@ -64,17 +70,22 @@ def reject_rims(
     return changed
 
 
-def _judge_place(facts: RegionFacts, rules: Rejection) -> Verdict | None:
-    """Where it is and how it stands: wanted there, above the support, no wall, in a contour, within reach."""
+def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
+    """Judge the place: in the region of interest, and above the support."""
     if facts.inside is not None and facts.inside < LEAST_INSIDE:
         return Reason.OUTSIDE, f"outside the region of interest: {facts.inside:.0%} of it inside"
-    if rules.support is not None and facts.above is not None and facts.above < rules.support.min_above:
-        return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {rules.support.min_above:.0%}"
+    if support is not None and facts.above is not None and facts.above < support.min_above:
+        return Reason.SUPPORT, f"support: {facts.above:.0%} stands above the plane, least {support.min_above:.0%}"
+    return None
+
+
+def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
+    """Judge the stance: not a wall, and within a contour (ours)."""
     if rules.wall is not None and (why := _lacks_stance(facts, rules.wall)):
         return Reason.WALL, why
     if rules.min_contour is not None and facts.contour < rules.min_contour:
         return Reason.WEAK_CONTOUR, f"weak contour: mean boundary {facts.contour:.2f}, least {rules.min_contour:.2f}"
-    return _above(Reason.OUT_OF_REACH, facts.distance_m, rules.max_distance_m, "centroid at {:.2f} m, limit {:.2f} m")
+    return None
 
 
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
@@ -91,21 +102,18 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     return None
 
 
-def _judge_shape(facts: RegionFacts, rules: Rejection, area_scale: float) -> Verdict | None:
-    """Its extent, in metres where that is asked for and known, else in the image, and its eccentricity."""
+def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
+    """Judge the extent, in metres where there is such a limit and intrinsics, else in pixels, and the eccentricity."""
     large, small = facts.spread_px2
     length, width = facts.size_m or (None, None)
-    max_large, max_small = _scaled(rules.max_lambda1_px2, area_scale), _scaled(rules.max_lambda2_px2, area_scale)
-    if length is not None and rules.max_length_m is not None:
-        max_large = None
-    if width is not None and rules.max_width_m is not None:
-        max_small = None
+    max_large = None if length is not None and ours.max_length_m is not None else paper.max_lambda1_px2
+    max_small = None if width is not None and ours.max_width_m is not None else paper.max_lambda2_px2
     return (
         _above(Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2, limit {:.0f} px2")
-        or _above(Reason.TOO_LONG, length, rules.max_length_m, "{:.2f} m, limit {:.2f} m")
+        or _above(Reason.TOO_LONG, length, ours.max_length_m, "{:.2f} m, limit {:.2f} m")
         or _above(Reason.TOO_WIDE, small, max_small, "lambda2 {:.0f} px2, limit {:.0f} px2")
-        or _above(Reason.TOO_WIDE, width, rules.max_width_m, "{:.2f} m, limit {:.2f} m")
-        or _above(Reason.TOO_THIN, facts.eccentricity, rules.max_eccentricity, "eccentricity {:.3f}, limit {:.3f}")
+        or _above(Reason.TOO_WIDE, width, ours.max_width_m, "{:.2f} m, limit {:.2f} m")
+        or _above(Reason.TOO_THIN, facts.eccentricity, paper.max_eccentricity, "eccentricity {:.3f}, limit {:.3f}")
     )
 
 
@@ -121,7 +129,3 @@ def _above(reason: Reason, value: float | None, limit: float | None, form: str) 
     if value is None or limit is None or value <= limit:
         return None
     return reason, f"{reason.value}: {form.format(value, limit)}"
-
-
-def _scaled(limit: float | None, scale: float) -> float | None:
-    return None if limit is None else limit * scale

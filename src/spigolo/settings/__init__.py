@@ -1,1 +1,46 @@
 """The numbers of the method: one frozen model for each stage with unit, range and origin, and the presets."""
+
+from __future__ import annotations
+
+from spigolo.settings.additions import Additions, Cap, DepthContours, Joining, Rules, Smooth, Support, Vessel, Wall
+from spigolo.settings.config import Config
+from spigolo.settings.paper import (
+    AutoCost,
+    BoundaryCost,
+    ColorConfig,
+    DepthConfig,
+    EdgesConfig,
+    Inpainting,
+    Partition,
+    Rejection,
+    SaliencyConfig,
+    SaliencyCost,
+    Smoothing,
+)
+from spigolo.settings.parameters import Parameters, Settings
+
+__all__ = [
+    "Additions",
+    "AutoCost",
+    "BoundaryCost",
+    "Cap",
+    "ColorConfig",
+    "Config",
+    "DepthConfig",
+    "DepthContours",
+    "EdgesConfig",
+    "Inpainting",
+    "Joining",
+    "Parameters",
+    "Partition",
+    "Rejection",
+    "Rules",
+    "SaliencyConfig",
+    "SaliencyCost",
+    "Settings",
+    "Smooth",
+    "Smoothing",
+    "Support",
+    "Vessel",
+    "Wall",
+]

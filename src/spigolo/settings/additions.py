@@ -1,172 +1,216 @@
-"""The numbers of what is not in the paper, one frozen model for each addition; all are off in the paper's presets.
+"""The numbers of our additions to the paper. `Config.additions` is None in the paper's presets.
 
-Lengths in pixels are those of a 640x480 image; they grow with the image where `Config.lengths_grow` is set.
+Lengths in pixels are those of a 640x480 image. They grow with the image where `Additions.lengths_grow` is set.
 """
 
 from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from spigolo.settings.parameters import Grows, Length_px, NotNegative, Offset_px, Positive, Share, Stage
+from spigolo.settings.parameters import Angle_deg, Grows, Length_px, NotNegative, Offset_px, Positive, Settings, Share
 
 
-class DepthContours(Stage):
-    """Boundaries found in the depth map alone and joined to the final map (our addition, not in the paper).
+class Support(Settings):
+    """The support plane: the largest plane of the frame, and the test which pixels stand above it."""
 
-    Shadows are filled with the farther side of their row for this purpose only, so that the contour of an object
-    stands where its shadow begins, and does not depend on a colour edge.
+    min_height_m: Positive = 0.008
+    """Minimum height above the plane, m. Lower pixels belong to the plane."""
+    noise_per_m: NotNegative = 0.0056
+    """The same per squared distance, 1/m: twice the depth error. The larger of both limits holds."""
+    min_above: Share = 0.6
+    """Minimum share of a region's measured pixels that stand above the plane."""
+    min_share: Share = 0.15
+    """Minimum share of the measured pixels that lie on a support plane."""
+    contour: bool = True
+    """Add the outline of all that stands above the plane to the boundary map."""
+    stacked_share: Positive | None = None
+    """Minimum size of a plane above and parallel to the largest one, as a share of that one's pixels, to be taken
+    instead: the table rather than the floor. None takes the largest plane."""
+    opaque: bool = False
+    """Skip planes that surround points below them, such as the front of a shelf, for the next largest plane. In frames
+    without much of their depth, also skip planes with more points below than on them."""
+
+
+class DepthContours(Settings):
+    """Contours: depth steps and concave creases of the depth map alone, added to the boundary map.
+
+    For this purpose a shadow gets the depth of its farther side, so that the contour of an object lies where its
+    shadow begins.
     """
 
     max_shadow_px: Length_px = 60
-    """Widest shadow that is filled so."""
+    """Widest shadow that gets the depth of its farther side, px."""
     step_offset_px: Offset_px = 2
-    """Where depth is compared on both sides of a pixel."""
+    """Offset of the depth samples on both sides of a pixel, px."""
     step_m: NotNegative = 0.015
-    """Least bend of the depth that makes a step."""
+    """Minimum bend of the depth that makes a step, m. Larger values give fewer contours."""
     step_per_m: NotNegative = 0.012
-    """The same per squared distance, 1/m, so that noise far away makes no step; the larger of both holds."""
+    """The same per squared distance, 1/m, so that noise far away makes no step. The larger of both limits holds."""
     crease_offset_px: Offset_px = 5
-    """Where the three points of a concave crease are sampled."""
-    crease_low_deg: Annotated[float, Field(ge=0, le=180)] = 30.0
-    """Smallest angle of a crease."""
-    crease_high_deg: Annotated[float, Field(ge=0, le=180)] = 140.0
-    """Largest angle of a crease; 0 looks for no creases."""
+    """Offset of the three points of a concave crease, px."""
+    crease_low_deg: Angle_deg = 30.0
+    """Smallest angle of a crease, degrees."""
+    crease_high_deg: Angle_deg = 140.0
+    """Largest angle of a crease, degrees. Larger values give more contours. 0 finds no creases."""
     holes_from: Share | None = None
-    """Share of the frame without depth from which on the borders of what is missing are boundaries too, and all
-    colour edges in it, as wide as those, so that regions do not flood through. None takes none."""
-    holes_min_contour: Share | None = None
-    """What takes the place of `Rejection.min_contour` in such frames, where hardly a region is without contours."""
+    """Minimum share of missing depth from which hole outlines and the image edges inside holes are contours too, so
+    that regions do not leak through holes. None: off."""
 
 
-class Support(Stage):
-    """The largest plane of the frame, and what stands on it (our addition, not in the paper)."""
+class Vessel(Settings):
+    """The wall and the inside of a cup, bowl or pot.
 
-    min_height_m: Positive = 0.008
-    """What rises less above the plane belongs to it."""
-    noise_per_m: NotNegative = 0.0056
-    """The same per squared distance, 1/m: twice the depth error; the larger of both holds."""
-    min_above: Share = 0.6
-    """Least share of a region's measured pixels that must stand above the plane."""
-    min_share: Share = 0.15
-    """A plane with a smaller share of the measured pixels supports nothing."""
-    contour: bool = True
-    """Join the border of what stands above the plane to the final map, where the cost reads that."""
-    stacked_share: Positive | None = None
-    """Take the largest plane that lies above the largest one and along it, if it has at least this share of that one's
-    pixels: the table in place of the floor below it. None takes the largest."""
-    opaque: bool = False
-    """Leave out planes that surround what lies below them, as the front of a shelf or a heap of things does, for the
-    next largest: a table hides the floor. In frames that lack much of their depth also those below which more lies
-    than on them. Where all do so, the largest stays."""
-
-
-class Wall(Stage):
-    """Walls and rims of bins and shelves, which stand as tall as objects do (our addition, not in the paper)."""
-
-    min_hides: Share = 0.15
-    """Least share of a region's contour beyond which depth steps back; the image border hides nothing."""
-    min_hides_cut: NotNegative = 0.7
-    """More is asked of regions that the image cuts off: plus this times the share of their contour on its border.
-    Where half of it lies there, none can hide enough."""
-    min_height_m: Positive = 0.06
-    """Regions less than 5 % of which stand so high above the support are not asked: low objects hide little. Without a
-    support all are asked."""
-    min_measured: Share = 0.4
-    """Nor are those of whose contour a smaller share has depth on both sides."""
-    reach_px: Annotated[int, Field(ge=1, le=100)] = 4
-    """Where depth is compared on both sides of the contour; grows with the image."""
-    step_m: NotNegative = 0.012
-    """Least step back, beyond what the region's own slope there explains,"""
-    step_share: Share = 0.006
-    """plus this share of the distance."""
-    max_lean_deg: Annotated[float, Field(ge=0, le=180)] = 48.0
-    """Largest angle between a region's mean normal and the line of sight. The faces of a whole object look towards the
-    camera on average, three faces of a box at a corner straight at it; the side of a compartment is seen at a slant."""
-    leaning_deg: Annotated[float, Field(ge=0, le=180)] = 40.0
-    """Beyond this angle already more is asked:"""
-    min_hides_leaning: Share = 0.35
-    """an object that leans so far stands free, the side of a compartment goes over into its back."""
-    max_cut_ratio: Annotated[float, Field(ge=1)] = 3.5
-    """Largest length over width of a region that the image cuts off: longer ones are rails, rims or legs."""
-    rim_m: Positive = 0.01
-    """A level region, 65 % of which lie within this of its median height above the support, may be part of a rim;"""
-    max_rim: NotNegative = 1.5
-    """it is one if at that height there lie more than so many times its pixels that belong to no object."""
-
-
-class Vessel(Stage):
-    """Wall and inside of a cup, bowl or pot. Hollowness: depth of a region's middle behind its chords along image rows,
-    as a share of their length; positive where it curves away from the camera.
+    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of their length. It is
+    positive where the region curves away from the camera.
     """
 
     min_behind_m: Positive = 0.02
-    """Least mean depth step from the wall to the inside."""
+    """Minimum mean depth step from the wall to the inside, m."""
     max_hollow_front: float = -0.1
-    """Largest hollowness of the wall, which bulges."""
+    """Maximum hollowness of the wall, which bulges."""
     min_hollow_back: float = -0.11
-    """Least hollowness of the inside, which looks flat where its back alone is seen or depth is missing."""
+    """Minimum hollowness of the inside, which looks flat if only its back is seen or depth is missing."""
     min_contrast: float = 0.15
-    """Least difference of both."""
+    """Minimum difference of both hollownesses."""
     top_m: NotNegative = 0.008
-    """Both end at one height above the support, within this,"""
+    """Maximum height difference of both tops above the support, m."""
     top_share: Share = 0.1
-    """or within this share of it."""
+    """The same as a share of the height. The larger of both limits holds."""
     min_solidity: Share = 0.87
-    """Least share of their convex hull that both fill together."""
+    """Minimum solidity: the share of their convex hull that both regions fill together."""
     sure_hollow_back: float = -0.01
-    """An inside at least so hollow,"""
+    """Hollowness above which a region is certainly an inside."""
     sure_contrast: float = 0.25
-    """and by so much more than the wall, is one beyond doubt:"""
+    """Minimum difference in hollowness to the wall for the same."""
     sure_solidity: Share = 0.75
-    """then this share is enough."""
+    """Minimum solidity once both hold."""
 
 
-class Cap(Stage):
+class Cap(Settings):
     """The upper face of an object, or the inside of a cup that the camera saw filled."""
 
     max_gap_m: Positive = 0.025
-    """Largest mean depth step between both."""
+    """Maximum mean depth step between both regions, m."""
     max_bend_m: float = 0.006
-    """Largest mean depth of the border behind the chord of its sides: more is the valley between two objects."""
+    """Maximum mean depth of the border behind the chord of its sides, m. A larger one is a valley between two
+    objects."""
     top_share: Share = 0.2
-    """Both end at one height above the support, within this share of it."""
+    """Maximum difference of both tops as a share of their height above the support."""
     min_solidity: Share = 0.9
-    """Least share of their convex hull that both fill together."""
+    """Minimum solidity: the share of their convex hull that both regions fill together."""
 
 
-class Smooth(Stage):
-    """A surface that goes on, flat or convex, where noise looked like a contour."""
+class Smooth(Settings):
+    """A flat or convex surface that noise cut in two."""
 
     max_gap_m: Positive = 0.025
-    """Largest mean depth step across the border."""
+    """Maximum mean depth step across the border, m."""
     max_bend_m: float = 0.0015
-    """Largest mean depth of the border behind the chord of its sides: more is a valley between two objects."""
+    """Maximum mean depth of the border behind the chord of its sides, m. A larger one is a valley between two
+    objects."""
     max_boundary: Share = 0.75
-    """Largest mean boundary along the border."""
+    """Maximum mean boundary along the border."""
 
 
-class Joining(Stage):
-    """Which regions are parts of one object (our addition, not in the paper). None leaves a rule out."""
+class Joining(Settings):
+    """Rules that join the parts of one object. None switches a rule off."""
 
     vessel: Vessel | None = None
-    """The wall of a cup, bowl or pot with its inside."""
+    """Join the wall of a cup, bowl or pot with its inside."""
     cap: Cap | None = None
-    """An upper face with what lies below it."""
+    """Join an upper face with the region below it."""
     smooth: Smooth | None = None
-    """A surface that goes on across the border."""
+    """Join regions whose surface continues across their border."""
     enclosed: Share | None = None
-    """Least share of its surroundings that belongs to one object for a region on the plane to be part of it."""
+    """Minimum share of a region's surroundings that belongs to one object for a region on the plane to join it."""
     reach_px: Offset_px = 4
-    """Where both sides of a border are sampled."""
+    """Offset of the samples on both sides of a border, px."""
     margin_px: Annotated[int, Field(ge=0, le=100), Grows()] = 3
-    """How far inside a region the ends of its chords are taken: depth at a contour is a mixture."""
+    """Distance of a chord's ends from the region's outline, px, where depth mixes object and background."""
     min_border_px: Annotated[int, Field(ge=1), Grows()] = 12
-    """Shorter borders say nothing."""
+    """Minimum length of a border, px. Shorter borders are not tested."""
     min_measured: Share = 0.5
-    """Least share of a border, and of a region, with depth."""
+    """Minimum share of a border, and of a region, with depth."""
     min_above: Share = 0.5
-    """Least share of a region's measured pixels above the support for it to stand there."""
+    """Minimum share of a region's measured pixels above the support for it to be a part."""
     max_share: Share = 0.25
-    """Regions with a larger share of the image are no parts."""
+    """Maximum share of the image that a part may have."""
+
+
+class Wall(Settings):
+    """Rules against walls and rims of bins and shelves, which stand as tall as objects do."""
+
+    min_hides: Share = 0.15
+    """Minimum share of a region's contour beyond which depth steps back. The image border hides nothing."""
+    min_hides_cut: NotNegative = 0.7
+    """Increase of that minimum for regions that the image cuts off, times the share of their contour on its border."""
+    min_height_m: Positive = 0.06
+    """Height above the support, m, that 5 % of a region must reach to be tested. Low objects hide little. Without a
+    support every region is tested."""
+    min_measured: Share = 0.4
+    """Minimum share of a region's contour with depth on both sides for it to be tested."""
+    reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
+    """Offset of the depth samples on both sides of the contour, px. It always grows with the image."""
+    step_m: NotNegative = 0.012
+    """Minimum step back, m, beyond the region's own slope there. It adds to `step_share`."""
+    step_share: Share = 0.006
+    """The same as a share of the distance."""
+    max_lean_deg: Angle_deg = 48.0
+    """Maximum angle between a region's mean normal and the line of sight, degrees. The faces of a whole object look
+    towards the camera on average. The side of a compartment is seen at a slant."""
+    leaning_deg: Angle_deg = 40.0
+    """Angle beyond which a region leans, degrees, so that `min_hides_leaning` replaces `min_hides`."""
+    min_hides_leaning: Share = 0.35
+    """Minimum share of a leaning region's contour beyond which depth steps back. A leaning object stands free."""
+    max_cut_ratio: Annotated[float, Field(ge=1)] = 3.5
+    """Maximum length over width of a region that the image cuts off. Longer ones are rails, rims or legs."""
+    rim_m: Positive = 0.01
+    """Half the height range, m, that holds 65 % of a level region. Such a region may be part of a rim."""
+    max_rim: NotNegative = 1.5
+    """Maximum number of background pixels at that height, as a multiple of the region's own. A region with more is
+    part of a rim."""
+
+
+class Rules(Settings):
+    """Our rules that reject regions, next to those of the paper. None switches a rule off."""
+
+    wall: Wall | None = None
+    """Reject tall regions that hide nothing, lean away or lie in a rim. Needs a support."""
+    min_contour: Share | None = None
+    """Minimum mean boundary along a region's border. A cost without boundary map uses the weights."""
+    min_contour_holes: Share | None = None
+    """The same in frames whose holes have contours (`DepthContours.holes_from`), where hardly a region lacks them.
+    None: `min_contour` holds there too."""
+    max_length_m: Positive | None = None
+    """Maximum length, m, of a rectangle with the region's spread at its distance. It replaces the limit of the larger
+    eigenvalue where intrinsics are known."""
+    max_width_m: Positive | None = None
+    """Maximum width of that rectangle, m. It replaces the limit of the smaller eigenvalue."""
+
+
+class Additions(Settings):
+    """Our additions to the paper. Each is off by default."""
+
+    support: Support | None = None
+    """Find the support plane. Regions that do not stand above it are no objects."""
+    contours: DepthContours | None = None
+    """Add depth steps and creases to the boundary map, where the cost reads it."""
+    joining: Joining | None = None
+    """Join the parts of an object that the partition cut. Needs a support."""
+    rules: Rules = Rules()
+    """Reject more regions than the paper does."""
+    noise_per_m: NotNegative = 0.0
+    """Depth difference per squared distance, 1/m, up to which eq. 9 counts none. Depth comes in steps, whose borders
+    would otherwise stay in a large region of equal depths."""
+    line_px: Offset_px = 1
+    """Width of the lines of E_F before they are blurred, px. 1 is eq. 20."""
+    lengths_grow: bool = False
+    """Let lengths in pixels grow with the image, so that twice the resolution shows the same edges, twice as wide."""
+
+    @model_validator(mode="after")
+    def _has_support(self) -> Additions:
+        if self.joining is not None and self.support is None:
+            raise ValueError("joining needs additions.support: its rules test what stands on the plane")
+        return self

@@ -1,10 +1,11 @@
-"""What all parameters share, ours and the other methods': frozen, checked, one sentence where they are wrong."""
+"""The base of all parameter models: frozen, checked, with a one-line message for a wrong value."""
 
 from __future__ import annotations
 
 import difflib
 import hashlib
 import json
+import math
 import sys
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
@@ -20,19 +21,19 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-Share = Annotated[float, Field(ge=0, le=1)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+VGA_PX = 640 * 480
+"""Pixels of the image that all lengths and areas in pixels are given for."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grows:
-    """Marks a length in pixels that is given for a 640x480 image. odd: it stays odd."""
+    """Marks a length in pixels of a 640x480 image. odd: the length stays odd. always: see `Settings.at_size`."""
 
     odd: bool = False
+    always: bool = False
 
     def times(self, length: float, factor: float) -> float:
-        """The length in an image so many times larger; whole numbers stay whole and are 1 at least, unless 0."""
+        """Return the length in an image `factor` times larger; whole numbers stay whole and are 0 or at least 1."""
         if isinstance(length, float):
             return length * factor
         if length == 0:
@@ -42,15 +43,25 @@ class Grows:
         return max(round(length * factor), 1)
 
 
+@dataclass(frozen=True, slots=True)
+class GrowsAsArea:
+    """Marks an area in square pixels of a 640x480 image."""
+
+
+Share = Annotated[float, Field(ge=0, le=1)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Angle_deg = Annotated[float, Field(ge=0, le=180)]
+Area_px2 = Annotated[float, Field(ge=0, allow_inf_nan=False), GrowsAsArea()]
+MaxArea_px2 = Annotated[Positive | None, GrowsAsArea()]
 Length_px = Annotated[int, Field(ge=0, le=1000), Grows()]
 Offset_px = Annotated[int, Field(ge=1, le=100), Grows()]
 
-P = TypeVar("P", bound="Parameters")
-S = TypeVar("S", bound="Stage")
+S = TypeVar("S", bound="Settings")
 
 
-class Stage(BaseModel):
-    """Parameters of one stage. Raises ConfigError with a sentence for what is unknown or out of range."""
+class Settings(BaseModel):
+    """Parameters of one stage. Frozen: `replace` returns a changed copy. Raises ConfigError for a wrong value."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
@@ -63,7 +74,7 @@ class Stage(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
-        """The word "none" is None for what may be None: preset files and flags have no other."""
+        """Read the word "none" as None where a field may be None: preset files and flags have no other word for it."""
         if not isinstance(values, Mapping):
             return values
         optional = {name for name, field in cls.model_fields.items() if type(None) in get_args(field.annotation)}
@@ -72,31 +83,8 @@ class Stage(BaseModel):
             for key, value in values.items()
         }
 
-    def grown(self: S, factor: float) -> S:
-        """A copy whose lengths in pixels, those of its stages too, are so many times longer."""
-        values: dict[str, Any] = {}
-        for name, field in type(self).model_fields.items():
-            value = getattr(self, name)
-            if isinstance(value, Stage):
-                values[name] = value.grown(factor)
-            for mark in field.metadata:
-                if isinstance(mark, Grows):
-                    several = isinstance(value, tuple)
-                    values[name] = tuple(mark.times(v, factor) for v in value) if several else mark.times(value, factor)
-        return self.model_copy(update=values)
-
-
-class Parameters(Stage):
-    """All parameters of a method. Frozen: `replace` gives a changed copy."""
-
-    @property
-    def digest(self) -> str:
-        """Eight hexadecimal digits that change with any value but the name."""
-        values = json.dumps(self.model_dump(mode="json", exclude={"name"}), sort_keys=True)
-        return hashlib.sha256(values.encode()).hexdigest()[:8]
-
-    def replace(self: P, **changes: Any) -> P:
-        """A validated copy. Names may be dotted: `replace(**{"partition.gamma": 0.004})`.
+    def replace(self: S, **changes: Any) -> S:
+        """Return a validated copy. Names may be dotted: `replace(**{"partition.gamma": 0.004})`.
 
         A mapping changes only the fields it names: `replace(partition={"gamma": 0.004})`.
         """
@@ -106,9 +94,41 @@ class Parameters(Stage):
             _merge(values, {stage: _nest(rest, _plain(value))})
         return type(self)(**values)
 
+    def at_size(self: S, shape: tuple[int, int], lengths: bool = False) -> S:
+        """Return a copy for images (H, W). Call it once: what has grown would grow again.
+
+        Areas grow with the pixels of the image, and so do lengths that are marked `always`. The other lengths grow
+        with `lengths` only: all images of the paper have 640x480 pixels.
+        """
+        return self._grown(shape[0] * shape[1] / VGA_PX, lengths)
+
+    def _grown(self: S, area: float, lengths: bool) -> S:
+        values: dict[str, Any] = {}
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if isinstance(value, Settings):
+                values[name] = value._grown(area, lengths)
+            for mark in field.metadata:
+                if isinstance(mark, GrowsAsArea) and value is not None:
+                    values[name] = value * area
+                if isinstance(mark, Grows) and (lengths or mark.always):
+                    several, factor = isinstance(value, tuple), math.sqrt(area)
+                    values[name] = tuple(mark.times(v, factor) for v in value) if several else mark.times(value, factor)
+        return self.model_copy(update=values)
+
+
+class Parameters(Settings):
+    """All parameters of a method."""
+
+    @property
+    def digest(self) -> str:
+        """Eight hexadecimal digits that change with every value except the name."""
+        values = json.dumps(self.model_dump(mode="json", exclude={"name"}), sort_keys=True)
+        return hashlib.sha256(values.encode()).hexdigest()[:8]
+
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """The tables of a TOML text. Raises ConfigError with the line where it is none."""
+    """Return the tables of a TOML text. Raises ConfigError with the line of the mistake."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -126,7 +146,7 @@ def _nest(dotted: str, value: Any) -> Any:
 
 
 def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Changes `values` in place, mapping by mapping; another `kind` of cost starts afresh."""
+    """Change `values` in place, mapping by mapping. Another `kind` of cost replaces the whole mapping."""
     for key, new in changes.items():
         old = values.get(key)
         if isinstance(old, dict) and isinstance(new, Mapping) and new.get("kind", old.get("kind")) == old.get("kind"):
@@ -137,12 +157,11 @@ def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
 
 def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
     first = error.errors()[0]
-    # the kind of a cost stands in the location like a field: it is none of the user's
-    kinds = ("saliency", "boundary", "auto")
     inner = first.get("ctx", {}).get("error")
     if isinstance(inner, ConfigError):
         return str(inner)
-    where = ".".join(str(part) for i, part in enumerate(first["loc"]) if i == 0 or part not in kinds)
+    # pydantic puts the kind of a cost into the location as if it were a field
+    where = ".".join(str(part) for i, part in enumerate(first["loc"]) if i == 0 or str(part) not in _kinds(model))
     if first["type"] == "extra_forbidden":
         wrong = str(first["loc"][-1])
         paths = {path.rpartition(".")[2]: path for path in sorted(_paths(model), key=lambda p: -p.count("."))}
@@ -154,10 +173,24 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
     return f"{where + ': ' if where else ''}{message}{got} (in {model.__name__})"
 
 
+def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
+    """Yield the models that an annotation names, those of unions too."""
+    for part in (annotation, *getattr(annotation, "__args__", ())):
+        if isinstance(part, type) and issubclass(part, BaseModel):
+            yield part
+        elif part is not annotation:
+            yield from _parts(part)
+
+
+def _kinds(model: type[BaseModel]) -> set[str]:
+    """Return the values of the field `kind` in a model and its parts."""
+    kinds = {str(model.model_fields["kind"].default)} if "kind" in model.model_fields else set()
+    return kinds.union(*(_kinds(part) for f in model.model_fields.values() for part in _parts(f.annotation)))
+
+
 def _paths(model: type[BaseModel]) -> Iterator[str]:
-    """The dotted names of a model's fields and of those of its stages."""
+    """Yield the dotted names of a model's fields and of those of its stages."""
     for name, field in model.model_fields.items():
         yield name
-        for part in (field.annotation, *getattr(field.annotation, "__args__", ())):
-            if isinstance(part, type) and issubclass(part, BaseModel):
-                yield from (f"{name}.{path}" for path in _paths(part))
+        for part in _parts(field.annotation):
+            yield from (f"{name}.{path}" for path in _paths(part))

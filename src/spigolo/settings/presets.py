@@ -1,8 +1,8 @@
-"""The presets: the paper's three, and OBJECTS for everything else.
+"""The presets: the paper's three, and OBJECTS for all other data.
 
-SHELF, TABLE and CLUTTER carry the numbers that the paper prints for its three data sets; what it does not print
-comes from the authors' release. OBJECTS is fitted to real frames of several sensors and versioned: OBJECTS_1 stays
-as it is, OBJECTS is the newest.
+SHELF, TABLE and CLUTTER carry the numbers that the paper prints for its three data sets. The authors' release has
+those that it does not print. OBJECTS adds our additions and is fitted to real frames of several sensors. It is
+versioned: OBJECTS_1 stays as it is, and OBJECTS is the newest.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from spigolo.errors import ConfigError
-from spigolo.settings.additions import Cap, DepthContours, Joining, Smooth, Support, Vessel, Wall
-from spigolo.settings.config import (
+from spigolo.settings.additions import Additions, Cap, DepthContours, Joining, Rules, Smooth, Support, Vessel, Wall
+from spigolo.settings.config import Config
+from spigolo.settings.paper import (
     BoundaryCost,
-    Config,
-    Depth,
-    Edges,
+    DepthConfig,
+    EdgesConfig,
     Inpainting,
     Partition,
     Rejection,
@@ -30,48 +30,40 @@ SHELF = Config(
     name="SHELF",
     cost=SaliencyCost(k_x=1.05, k_y=1.5, k_s=0.5),
     partition=Partition(gamma=5.0),
-    rejection=Rejection(**{**_RELEASE.model_dump(), "max_missing": 0.3, "max_dark": 0.3}),
+    rejection=_RELEASE.replace(max_missing=0.3, max_dark=0.3),
 )
 """Rutgers APC: shelves, low light, large shadows (paper, section IV-A)."""
 
 TABLE = Config(
     name="TABLE",
-    depth=Depth(inpainting=Inpainting()),
+    depth=DepthConfig(inpainting=Inpainting()),
     cost=BoundaryCost(k_x=7.5, k_b=0.66),
     partition=Partition(gamma=0.0016),
     rejection=_RELEASE,
 )
-"""RGB-D Scenes: table-tops seen with nearly full depth (paper, section IV-B)."""
+"""RGB-D Scenes: table-tops with nearly full depth (paper, section IV-B)."""
 
 CLUTTER = Config(
     name="CLUTTER",
-    depth=Depth(inpainting=Inpainting()),
+    depth=DepthConfig(inpainting=Inpainting()),
     cost=BoundaryCost(k_x=1.2, k_b=0.05),
     partition=Partition(gamma=0.001),
     rejection=_RELEASE,
 )
-"""Multiple instances among clutter (paper, section IV-C)."""
+"""Multiple instances in clutter (paper, section IV-C)."""
 
 OBJECTS_1 = Config(
     name="OBJECTS_1",
-    depth=Depth(smoothing=Smoothing(max_radius_px=5, step_factor=7.5), inpainting=Inpainting(), noise_per_m=0.0028),
-    edges=Edges(
-        step_offset_px=5,
-        step_m=0.025,
-        contact_low_deg=35.0,
-        contact_high_deg=146.0,
-        blur_px=9,
-        depth_contours=DepthContours(step_m=0.018, step_per_m=0.0083, crease_offset_px=4, crease_high_deg=144.0),
-    ),
+    depth=DepthConfig(smoothing=Smoothing(max_radius_px=5, step_factor=7.5), inpainting=Inpainting()),
+    edges=EdgesConfig(step_offset_px=5, step_m=0.025, contact_low_deg=35.0, contact_high_deg=146.0, blur_px=9),
     cost=BoundaryCost(k_x=2.0, k_b=0.66),
     partition=Partition(gamma=0.0065),
-    rejection=Rejection(
+    rejection=Rejection(max_lambda1_px2=7000.0, max_lambda2_px2=2400.0, max_eccentricity=0.98, max_missing=0.5),
+    additions=Additions(
         support=Support(),
-        min_contour=0.65,
-        max_lambda1_px2=7000.0,
-        max_lambda2_px2=2400.0,
-        max_eccentricity=0.98,
-        max_missing=0.5,
+        contours=DepthContours(step_m=0.018, step_per_m=0.0083, crease_offset_px=4, crease_high_deg=144.0),
+        rules=Rules(min_contour=0.65),
+        noise_per_m=0.0028,
     ),
 )
 """Fitted to real frames of several sensors (docs/objects.md)."""
@@ -79,19 +71,16 @@ OBJECTS_1 = Config(
 OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
     partition={"connectivity": 4},
-    joining=Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
-    rejection={
+    additions={
         "support": {"stacked_share": 0.5, "opaque": True},
-        "wall": Wall(),
-        "min_contour": 0.6,
-        "max_length_m": 0.4,
-        "max_width_m": 0.25,
+        "contours": {"holes_from": 0.4},
+        "joining": Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
+        "rules": Rules(wall=Wall(), min_contour=0.6, min_contour_holes=0.75, max_length_m=0.4, max_width_m=0.25),
+        "lengths_grow": True,
     },
-    edges={"depth_contours": {"holes_from": 0.4, "holes_min_contour": 0.75}},
-    lengths_grow=True,
 )
-"""OBJECTS_1 with the parts of an object joined, the table taken for the support rather than the floor or the front of a
-shelf, limits of size in metres, lengths in pixels that grow with the image, and no flooding through large holes."""
+"""OBJECTS_1 with the parts of an object joined, the table rather than the floor or the front of a shelf as support,
+limits of size in metres, lengths in pixels that grow with the image, and no leaks through large holes."""
 
 OBJECTS = OBJECTS_2
 

@@ -6,14 +6,16 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.clock import stage
 from spigolo.frames import frame
 from spigolo.kernels import color as kernel
-from spigolo.settings.config import Color
+from spigolo.settings.paper import ColorConfig
 
 Points = npt.NDArray[np.float32]
 
 
-def color_points(image: frame.Color, config: Color) -> Points:
+@stage("colour")
+def color_points(image: frame.Color, config: ColorConfig) -> Points:
     """Points (3, H, W) of the HSV cone of an RGB image (H, W, 3), smoothed before the conversion.
 
     The Euclidean distance of two points, clipped at 1, is eq. 4: hue wraps and grey has none without special cases.

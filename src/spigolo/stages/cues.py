@@ -1,6 +1,6 @@
-"""The cues of every pixel beside its colour: depth, and saliency or boundary (eqs. 11, 21).
+"""The cues of every pixel next to its colour: depth, and saliency or boundary (eqs. 11, 21).
 
-The cost function decides what is needed: the first one reads saliency, the second one the boundary.
+The cost function decides which cues are computed: the first one reads saliency, the second one the boundary.
 """
 
 from __future__ import annotations
@@ -10,67 +10,75 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions.support import Plane, find_support, foot_contour
-from spigolo.frames.frame import DepthMap, Frame
-from spigolo.settings.config import AutoCost, BoundaryCost, Config, SaliencyCost
-from spigolo.stages.depth import missing_share, prepare_depth
-from spigolo.stages.edges import EdgeMaps, find_edges
+from spigolo.clock import stage
+from spigolo.frames.frame import Color, DepthMap, Mask
+from spigolo.settings.config import Config
+from spigolo.settings.paper import AutoCost
+from spigolo.stages.costs import PixelCost, choose_cost, reads
+from spigolo.stages.depth import missing_share
+from spigolo.stages.edges import boundary_cue
 from spigolo.stages.saliency import saliency_cue
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cues:
-    """What the graph is weighed by; every map is (H, W).
+class Weighing:
+    """How a frame is weighed."""
 
-    depth: D_s in metres, 0 where missing. missing: share of the frame without depth inside the working range, None
-    where no AutoCost asks. cost: the function this frame is weighed by, AutoCost resolved. saliency: for SaliencyCost,
-    else None. edges: for BoundaryCost, else None. support: the plane that objects stand on, where the rejection asks
-    for it and there is one.
-    """
+    cost: PixelCost
+    """The cost function, AutoCost resolved."""
+    missing: float | None
+    """Share of the frame without depth within the working range. None without AutoCost."""
+    gamma: float
+    """Threshold of eq. 3 that goes with the cost function."""
+
+    @property
+    def reads_boundary(self) -> bool:
+        """Whether the cost function reads the boundary map."""
+        return reads(self.cost, "boundary")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cues:
+    """The cues that the graph is weighed by."""
 
     depth: DepthMap
-    missing: float | None
-    cost: SaliencyCost | BoundaryCost
+    """D_s (H, W) float32: smoothed depth in metres, 0 where missing."""
     saliency: npt.NDArray[np.float32] | None
-    edges: EdgeMaps | None
-    support: Plane | None = None
+    """Power-law saliency (H, W) in [0, 1]. None where the cost function does not read it."""
+    boundary: npt.NDArray[np.float32] | None
+    """Boundary map (H, W) in [0, 1]. None where the cost function does not read it."""
 
     @property
     def delta_sal(self) -> npt.NDArray[np.float32]:
-        """Eq. 11. delta_sal of each pixel: the power-law saliency there."""
+        """Eq. 11. delta_sal (H, W): the power-law saliency of each pixel."""
         assert self.saliency is not None
         return self.saliency
 
     @property
     def delta_bound(self) -> npt.NDArray[np.float32]:
-        """Eq. 21. delta_bound of each pixel: the final boundary map there, soft or thin."""
-        assert self.edges is not None
-        return self.edges.boundary
+        """Eq. 21. delta_bound (H, W): the boundary map at each pixel."""
+        assert self.boundary is not None
+        return self.boundary
 
 
-def gather_cues(frame: Frame, config: Config) -> Cues:
-    """All cues that the frame's cost function reads."""
-    depth = prepare_depth(frame.depth, config.depth)
-    missing, cost = None, config.cost
-    if isinstance(cost, AutoCost):
-        missing = missing_share(depth, config.rejection.max_distance_m)
-        cost = cost.choose(missing)
-    rule = config.rejection.support
-    camera = frame.camera
-    support = None if rule is None or camera is None else find_support(frame.depth, camera, rule)
+def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
+    """Choose the cost function of a frame with prepared depth (H, W), and gamma with it (section III-E)."""
+    missing = missing_share(depth, config.rejection.max_distance_m) if isinstance(config.cost, AutoCost) else None
+    cost, gamma = choose_cost(config.cost, missing), config.partition.gamma
+    if config.partition.gamma_shadows is not None and not reads(cost, "boundary"):
+        gamma = config.partition.gamma_shadows
+    return Weighing(cost, missing, gamma)
+
+
+@stage("cues")
+def gather_cues(image: Color, depth: DepthMap, lines: Mask | None, weighing: Weighing, config: Config) -> Cues:
+    """Compute the cues that the cost function of a frame reads.
+
+    image: (H, W, 3) RGB. depth: (H, W) prepared, in metres. lines: (H, W), the lines of E_F, for a cost function that
+    reads the boundary.
+    """
     return Cues(
         depth=depth,
-        missing=missing,
-        cost=cost,
-        support=support,
-        saliency=saliency_cue(frame.color, config.saliency) if isinstance(cost, SaliencyCost) else None,
-        edges=_edges(frame, depth, support, config) if isinstance(cost, BoundaryCost) else None,
+        saliency=saliency_cue(image, config.saliency) if reads(weighing.cost, "saliency") else None,
+        boundary=None if lines is None else boundary_cue(lines, config.edges),
     )
-
-
-def _edges(frame: Frame, depth: DepthMap, support: Plane | None, config: Config) -> EdgeMaps:
-    rule = config.rejection.support
-    foot = None
-    if support is not None and rule is not None and rule.contour and frame.camera is not None:
-        foot = foot_contour(support, depth, frame.camera, rule)
-    return find_edges(frame.color, depth, frame.camera, config.edges, foot)

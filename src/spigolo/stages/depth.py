@@ -12,14 +12,16 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.clock import stage
 from spigolo.frames.frame import DepthMap, Mask
 from spigolo.kernels import inpainting, smoothing
-from spigolo.settings.config import VGA_PX2, Depth, Inpainting, Smoothing
+from spigolo.settings.paper import DepthConfig, Inpainting, Smoothing
 
 Integral = npt.NDArray[np.float64]
 
 
-def prepare_depth(depth: DepthMap, config: Depth) -> DepthMap:
+@stage("depth")
+def prepare_depth(depth: DepthMap, config: DepthConfig) -> DepthMap:
     """D_s (H, W): the depth that all cues are taken from, in metres, 0 where it is still missing."""
     if config.inpainting is not None:
         depth = inpaint_small_gaps(depth, config.inpainting)
@@ -53,6 +55,7 @@ def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.i
     return out
 
 
+@stage("depth: smoothing")
 def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
     """Eqs. 5 and 8. Mean over each pixel's window, of its valid pixels or (`plain`) of all with missing ones as zeros.
 
@@ -79,19 +82,20 @@ def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
     return np.asarray(cv2.integral(mask.view(np.uint8), sdepth=cv2.CV_32S), np.int32)
 
 
+@stage("depth: in-painting")
 def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
     """Closes sampling holes, then fills the gaps that are small, away from the image border, and no shadow.
 
-    A gap whose rim spans a depth step gets the far value, as a shadow belongs to the background.
+    config: sized for the image (`Settings.at_size`). A gap whose rim spans a depth step gets the far value, as a shadow
+    belongs to the background.
     """
     depth = depth.copy()
     if config.sampling_holes:
         _close(depth, np.flatnonzero(sampling_holes(missing_mask(depth))), 2, config)
-    gaps, scale = find_gaps(depth), depth.size / VGA_PX2
-    max_radius = config.max_radius_px * scale**0.5
+    gaps, max_radius = find_gaps(depth), config.max_radius_px
     radius = np.zeros(len(gaps), np.float32)
     inpainting.widest(_distance(depth == 0, int(max_radius) + 2), gaps.runs, gaps.gap_of_run, radius)
-    small = (gaps.area_px <= config.max_area_px2 * scale) & (radius <= max_radius) & ~gaps.on_border & (gaps.far_m > 0)
+    small = (gaps.area_px <= config.max_area_px2) & (radius <= max_radius) & ~gaps.on_border & (gaps.far_m > 0)
     step = gaps.far_m - gaps.near_m > np.maximum(config.step_m, config.step_share * gaps.near_m)
     shadows, holes = (small & step)[gaps.gap_of_run], (small & ~step)[gaps.gap_of_run]
     far_m = np.repeat(gaps.far_m[gaps.gap_of_run[shadows]], gaps.lengths[shadows])

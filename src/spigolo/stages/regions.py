@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.clock import stage
 from spigolo.frames.frame import Mask
 from spigolo.kernels import choosing, merging, moments, sorting
 from spigolo.kernels.workspace import Workspace
-from spigolo.settings.config import VGA_PX2, Partition
 from spigolo.stages.graph import OFFSETS, Graph
 
 SAMPLE_STEP = 97
@@ -30,11 +30,6 @@ class Regions:
     labels: npt.NDArray[np.int32]
     count: int
 
-    @property
-    def vga_scale(self) -> float:
-        """What a pixel of this image counts at 640x480."""
-        return VGA_PX2 / self.labels.size
-
     def count_where(self, mask: Mask) -> npt.NDArray[np.int64]:
         """Pixels of each region (R,) where a mask (H, W) holds."""
         counts = np.zeros(self.count, np.int64)
@@ -53,25 +48,26 @@ class Regions:
         return Regions(self.spread(number.astype(np.int32)), kept.size)
 
 
-def partition(graph: Graph, config: Partition, workspace: Workspace | None = None) -> Regions:
+@stage("partition")
+def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: Workspace | None = None) -> Regions:
     """Merges pixels over their edges in the order of (float32 weight, edge number), then joins small regions.
 
+    gamma: threshold of eq. 3. min_size_px: smaller regions join a neighbour, in pixels of this image.
     I(R) of eq. 2 is the largest weight in the minimum spanning tree of R, as the cited algorithm computes it.
     Weights must not be negative or NaN; edges of +inf are none.
     """
     planes, height, width = graph.weights.shape
     workspace = Workspace() if workspace is None else workspace
     offsets = np.array([dy * width + dx for dy, dx in OFFSETS[:planes]], np.int64)
-    edges = Edges(graph.weights, offsets, workspace)
-    gamma = config.gamma_shadows if graph.shadows and config.gamma_shadows is not None else config.gamma
+    edges = SortedEdges(graph.weights, offsets, workspace)
     forest = Forest(height * width, float(gamma), workspace)
     forest.merge(edges)
-    forest.absorb_small(edges, config.min_size_px2 * height * width / VGA_PX2)
+    forest.absorb_small(edges, min_size_px)
     labels, count = forest.labels()
     return Regions(labels.reshape(height, width), count)
 
 
-class Edges:
+class SortedEdges:
     """The edges of a graph, and room to sort as many as there are pixels."""
 
     def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64], workspace: Workspace) -> None:
@@ -147,7 +143,7 @@ class Forest:
         self.flags = workspace.array("flags", pixels, np.uint8)
         self._workspace = workspace
 
-    def merge(self, edges: Edges) -> None:
+    def merge(self, edges: SortedEdges) -> None:
         """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
         merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
         low, *pivots = edges.pivots()
@@ -159,7 +155,7 @@ class Forest:
                 lightest, low = edges.sort(low, high, self, BOTH)
                 self._merge(lightest, edges, stop=False)
 
-    def _merge_freely(self, edges: Edges, high: float) -> float:
+    def _merge_freely(self, edges: SortedEdges, high: float) -> float:
         """Merges over the edges below `high` up to the first that is refused; returns up to which weight.
 
         Until then whatever edges connect is one region, so that an edge whose ends lighter ones connect does nothing.
@@ -168,10 +164,10 @@ class Forest:
         done = self._merge(lightest, edges, stop=True)
         return high if done == lightest.size else _weight(lightest[done])
 
-    def _merge(self, some: npt.NDArray[np.uint64], edges: Edges, stop: bool) -> int:
+    def _merge(self, some: npt.NDArray[np.uint64], edges: SortedEdges, stop: bool) -> int:
         return int(merging.merge(some, edges.steps, self.gamma, stop, self.parent, self.records))
 
-    def absorb_small(self, edges: Edges, min_size: float) -> None:
+    def absorb_small(self, edges: SortedEdges, min_size: float) -> None:
         """Joins regions below min_size pixels to the neighbour over their lightest edge."""
         low = 0.0
         while low < np.inf:

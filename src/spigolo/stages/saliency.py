@@ -10,21 +10,22 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.clock import stage
 from spigolo.frames.frame import Color
 from spigolo.kernels import saliency as kernel
-from spigolo.settings.config import Saliency
+from spigolo.settings.paper import SaliencyConfig
 
 Map = npt.NDArray[np.float32]
 
 SHARES = np.arange(256, dtype=np.float32) / np.float32(255)
 
 
-def fine_grained_saliency(image: Color, config: Saliency) -> Map:
+def fine_grained_saliency(image: Color, config: SaliencyConfig) -> Map:
     """V_S (H, W) in [0, 1] of an RGB image, in steps of 1/255 as Montabone's own code has them; 0 on a plain image."""
     return np.asarray(cv2.LUT(_levels(image, config), SHARES), np.float32)
 
 
-def _levels(image: Color, config: Saliency) -> npt.NDArray[np.uint8]:
+def _levels(image: Color, config: SaliencyConfig) -> npt.NDArray[np.uint8]:
     """V_S (H, W) in 0..255."""
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     for _ in range(2):
@@ -42,7 +43,8 @@ def power_law(saliency: Map, power: float) -> Map:
     return np.asarray((saliency / largest) ** np.float32(power), np.float32) if largest > 0 else np.zeros_like(saliency)
 
 
-def saliency_cue(image: Color, config: Saliency) -> Map:
+@stage("saliency")
+def saliency_cue(image: Color, config: SaliencyConfig) -> Map:
     """The saliency of every pixel (H, W) in [0, 1], as the first cost function takes it."""
     levels = _levels(image, config)
     present = SHARES[: int(levels.max(initial=0)) + 1]

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from spigolo.frames.frame import Color
-from spigolo.view.overlay import FONT, INK
+from spigolo.objects.drawing import FONT, INK
 
 WIDTH, HEIGHT, FINER = 1120, 720, 3
 """Size in pixels; drawn this much finer and shrunk, which makes smooth lines and letters."""

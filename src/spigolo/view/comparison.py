@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from spigolo.frames.frame import Color, Frame
 from spigolo.objects.segmentation import Segmentation
-from spigolo.view.overlay import overlay, region_picture, tile
+from spigolo.view.overlay import region_picture, tile
 
 
 def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], ours: str) -> Color:
@@ -17,7 +17,7 @@ def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], 
     pictures = {"colour": frame.color}
     for name, (answer, seconds) in answers.items():
         objects, time = len(answer), f"{1e3 * seconds:.0f} ms" if seconds < 1 else f"{seconds:.1f} s"
-        pictures[f"{name}: {objects} objects, {time}"] = region_picture(answer.scene.regions.labels)
+        pictures[f"{name}: {objects} objects, {time}"] = region_picture(answer.regions.labels)
     result = answers[ours][0]
-    pictures[f"{ours}: its {len(result)} objects"] = overlay(result, frame.color)
+    pictures[f"{ours}: its {len(result)} objects"] = result.overlay()
     return tile(pictures, columns=4 if len(pictures) > 6 else 3)

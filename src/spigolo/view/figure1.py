@@ -7,9 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.frames.frame import Color
+from spigolo.objects.drawing import palette
 from spigolo.pipeline import Trace
 from spigolo.stages.color import color_points
-from spigolo.view.overlay import depth_picture, overlay, palette, region_picture, tile
+from spigolo.view.overlay import depth_picture, region_picture, tile
 
 Array = npt.NDArray[np.generic]
 
@@ -24,7 +25,7 @@ def figure1(trace: Trace) -> Color:
             "(c) smoothed and in-painted depth": depth_picture(trace.cues.depth),
             "(d) graph weights": weight_picture(trace.graph.weights),
             f"(e) {trace.regions.count} regions": region_picture(trace.regions.labels),
-            f"(f) {len(result)} objects": overlay(result, frame.color),
+            f"(f) {len(result)} objects": result.overlay(),
             "(g) the objects": cut_out(result.labels, frame.color),
         },
         columns=4,
@@ -63,17 +64,16 @@ def stages(trace: Trace) -> dict[str, Array]:
     }
     if cues.saliency is not None:
         arrays["saliency"] = cues.saliency
-    if cues.edges is not None:
-        edges = cues.edges
+    if trace.edges is not None:
         arrays |= {
-            "canny": edges.canny,
-            "depth_boundary": edges.depth_boundary,
-            "contact_boundary": edges.contact_boundary,
-            "final_boundary": edges.final,
-            "boundary": edges.boundary,
+            "canny": trace.edges.canny,
+            "depth_boundary": trace.edges.depth_boundary,
+            "contact_boundary": trace.edges.contact_boundary,
+            "final_boundary": trace.edges.final,
+            "boundary": cues.delta_bound,
         }
-        if edges.contours is not None:
-            arrays["depth_contours"] = edges.contours
+    if trace.contours is not None and trace.contours.contours is not None:
+        arrays["depth_contours"] = trace.contours.contours
     if trace.segmentation.support is not None:
         arrays["support"] = trace.segmentation.support
     return arrays

@@ -18,7 +18,7 @@ from spigolo.settings.presets import OBJECTS, SHELF, TABLE
 from spigolo.stages.depth import missing_mask, prepare_depth, smooth
 from spigolo.stages.edges import EdgeMaps, find_edges
 from spigolo.stages.saliency import fine_grained_saliency, power_law
-from spigolo.view.overlay import depth_picture, overlay, tile
+from spigolo.view.overlay import depth_picture, tile
 
 Window = tuple[int, int, int, int]
 """(y0, x0, y1, x1), the last two exclusive."""
@@ -40,8 +40,8 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")
     config = config.at_size(frame.shape)
-    original = smooth(frame.depth, config.depth.smoothing.model_copy(update={"mean": "plain"}))
-    modified = smooth(frame.depth, config.depth.smoothing.model_copy(update={"mean": "valid"}))
+    original = smooth(frame.depth, config.depth.smoothing.replace(mean="plain"))
+    modified = smooth(frame.depth, config.depth.smoothing.replace(mean="valid"))
     spot = _detail(np.abs(original - modified), frame.shape)
     wide = _around(spot, 2.0, frame.shape)
     pictures: dict[str, Color] = {}
@@ -71,7 +71,7 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
     The objects are those with the most Canny edges that are no boundary: prints and curved surfaces.
     """
     config = config.at_size(frame.shape)
-    with_internal = config.edges.model_copy(update={"sign_rule": "none"})
+    with_internal = config.edges.replace(sign_rule="none")
     depth = prepare_depth(frame.depth, config.depth)
     internal = find_edges(frame.color, depth, frame.camera, with_internal)
     edges = find_edges(frame.color, depth, frame.camera, config.edges)
@@ -89,8 +89,7 @@ def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
     """Segmented objects highlighted, a picture for each frame, by name. All frames have the size of the first."""
     shape = next(iter(results.values()))[0].shape
     pictures = {
-        f"{name}: {len(result)} objects": _enlarge(overlay(result, frame.color), shape)
-        for name, (frame, result) in results.items()
+        f"{name}: {len(result)} objects": _enlarge(result.overlay(), shape) for name, (frame, result) in results.items()
     }
     return tile(pictures, columns=min(len(pictures), 3))
 

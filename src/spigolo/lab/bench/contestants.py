@@ -15,11 +15,10 @@ from spigolo.lab.bench.peers import Peers
 from spigolo.lab.bench.textbook import sort_and_merge
 from spigolo.lab.bench.timing import Run, Sample, timed
 from spigolo.methods import METHODS
+from spigolo.pipeline import trace
 from spigolo.settings.config import Config
 from spigolo.settings.presets import PRESETS, SHELF
-from spigolo.stages.color import color_points
-from spigolo.stages.cues import gather_cues
-from spigolo.stages.graph import Graph, weigh
+from spigolo.stages.graph import Graph
 from spigolo.stages.regions import partition
 from spigolo.stages.saliency import fine_grained_saliency
 from spigolo.stream import Segmenter
@@ -66,9 +65,8 @@ def mergings(frame: Frame) -> dict[str, Run]:
     """Merging alone on the same weights, ours and the textbook's. Raises SpigoloError where their regions differ."""
     runs: dict[str, Run] = {}
     for name in MERGED:
-        config = CONFIGS[name].replace(partition={"min_size_px2": 0}).at_size(frame.shape)
-        color = color_points(frame.color, config.color)
-        graph = weigh(gather_cues(frame, config), color, config.partition.connectivity, config.depth)
+        config = CONFIGS[name]
+        graph = trace(frame, config).graph
         check_merging(graph, config)
         runs[merging_name(name)] = _merging(graph, config)
         runs[textbook_name(name)] = _textbook(graph, config)
@@ -87,7 +85,7 @@ def textbook_name(config: str) -> str:
 
 def check_merging(graph: Graph, config: Config) -> None:
     """Raises SpigoloError where our regions of a graph, small ones kept, are not the textbook's."""
-    ours = partition(graph, config.partition).labels
+    ours = partition(graph, config.partition.gamma).labels
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):
         differ = np.count_nonzero(ours != textbook)
@@ -122,7 +120,7 @@ def _on(method: Callable[[Frame], object], frame: Frame) -> Run:
 
 def _merging(graph: Graph, config: Config) -> Run:
     workspace = Workspace()
-    return timed(lambda: partition(graph, config.partition, workspace))
+    return timed(lambda: partition(graph, config.partition.gamma, workspace=workspace))
 
 
 def _textbook(graph: Graph, config: Config) -> Run:

@@ -122,11 +122,11 @@ def stage_table(report: Report) -> Table:
     """CPU time by stage, and of the cues by part."""
     names = list(report.stages)
     rows = []
-    for stage in (STAGES[0], *PARTS, *STAGES[1:]):
+    for stage in (s for whole in STAGES for s in (whole, *(part for part, of in PARTS.items() if of == whole))):
         taken = [report.stages[name].get(stage) for name in names]
-        label = f"  of these: {stage}" if stage in PARTS else stage
+        label = f"  of these: {stage.removeprefix(f'{PARTS[stage]}: ')}" if stage in PARTS else stage
         rows.append((label, *("-" if t is None else _ms(summarise(t).cpu_ms) for t in taken)))
-    sums = [sum(summarise(report.stages[name][stage]).cpu_ms for stage in STAGES) for name in names]
+    sums = [sum(summarise(t).cpu_ms for stage, t in report.stages[name].items() if stage in STAGES) for name in names]
     return Table("Time by stage", ("CPU ms, median", *names), [*rows, ("sum of stages", *map(_ms, sums))])
 
 

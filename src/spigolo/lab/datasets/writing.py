@@ -1,4 +1,4 @@
-"""Rendered stand-ins written in the layouts of real sets, which `spigolo.lab.datasets` reads back as it does the originals.
+"""Rendered stand-ins in the layouts of real sets. `spigolo.lab.datasets` reads them as it reads the originals.
 
 Each file is written at once, what describes a scene after its frames. `rendered.json` in the folder says that no frame
 is a photograph; `camera.json` beside it holds the camera, where the layout has no place for it. The name of each

@@ -19,7 +19,7 @@ from spigolo.lab.experiments.methods import remake
 from spigolo.lab.experiments.page import Picture
 from spigolo.methods import Method
 from spigolo.objects.segmentation import Segmentation
-from spigolo.view.overlay import overlay, tile
+from spigolo.view.overlay import tile
 from spigolo.view.truth import truth_picture
 
 WORST = 10
@@ -84,7 +84,7 @@ def _side_by_side(color: Color, result: Segmentation, truth: Truth, score: RowSc
     found = {label for label, iou in zip(labels, score.best_iou, strict=True) if iou > FOUND_SHARE}
     true = truth_picture(color, truth.labels, found, truth.ignore)
     pair = {
-        f"predicted: {len(result)}": _scaled(overlay(result, color)),
+        f"predicted: {len(result)}": _scaled(result.overlay()),
         f"labelled: {len(labels)}, green = found": _scaled(true),
     }
     return tile(pair, columns=2)

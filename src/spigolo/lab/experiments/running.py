@@ -225,7 +225,7 @@ def _do(task: Task) -> Row:
 
 
 def _score(truth: Truth, result: Segmentation) -> RowScore:
-    return score_row(truth.labels, result.labels, result.scene.regions.labels + 1, truth.ignore, truth.names)
+    return score_row(truth.labels, result.labels, result.regions.labels + 1, truth.ignore, truth.names)
 
 
 def _readable_truth(frame: Entry) -> Truth | None:

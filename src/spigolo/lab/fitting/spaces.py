@@ -12,7 +12,9 @@ from typing import Any
 
 from spigolo.errors import ConfigError
 from spigolo.methods import METHODS, Method, Toscana2016
-from spigolo.settings.config import BoundaryCost, Config, SaliencyCost
+from spigolo.settings.additions import Additions
+from spigolo.settings.config import Config
+from spigolo.settings.paper import BoundaryCost, SaliencyCost
 
 Setting = dict[str, Any]
 """Dotted names and values, as `replace` of a method takes them."""
@@ -44,11 +46,11 @@ class Switch:
 
 Space = Mapping[str, Range | Choice | Switch]
 
-SUPPORT, CONTOURS, JOINING = "rejection.support", "edges.depth_contours", "joining"
+SUPPORT, CONTOURS, JOINING = "additions.support", "additions.contours", "additions.joining"
 
 REJECTED: Space = {
-    "rejection.support.min_height_m": Range(0.006, 0.012),
-    "rejection.support.stacked_share": Range(0.3, 0.8),
+    "additions.support.min_height_m": Range(0.006, 0.012),
+    "additions.support.stacked_share": Range(0.3, 0.8),
     "rejection.max_eccentricity": Range(0.975, 0.99),
 }
 """Which regions are no objects: the same for every method."""
@@ -58,8 +60,8 @@ IN_PIXELS: Space = {
     "rejection.max_lambda2_px2": Range(1000.0, 4000.0, log=True),
 }
 IN_METRES: Space = {
-    "rejection.max_length_m": Range(0.3, 0.6),
-    "rejection.max_width_m": Range(0.18, 0.4),
+    "additions.rules.max_length_m": Range(0.3, 0.6),
+    "additions.rules.max_width_m": Range(0.18, 0.4),
 }
 """Which of them depends on what the start has."""
 
@@ -73,7 +75,7 @@ ADDED: Space = {
 DEPTH: Space = {
     "depth.smoothing.max_radius_px": Range(4, 8),
     "depth.smoothing.step_factor": Range(6.0, 18.0, log=True),
-    "depth.noise_per_m": Choice((0.0, 0.0028)),
+    "additions.noise_per_m": Choice((0.0, 0.0028)),
     "partition.connectivity": Choice((4, 8)),
 }
 
@@ -85,7 +87,7 @@ BOUNDARIES: Space = {
     f"{CONTOURS}.step_per_m": Range(0.006, 0.012),
     f"{CONTOURS}.crease_offset_px": Range(4, 6),
     f"{CONTOURS}.crease_high_deg": Range(138.0, 150.0),
-    "rejection.min_contour": Range(0.3, 0.7),
+    "additions.rules.min_contour": Range(0.3, 0.7),
 }
 
 JOINED: Space = {
@@ -149,9 +151,10 @@ def space_of(method: Method) -> Space:
 
 
 def _ours(config: Config) -> Space:
-    there = {SUPPORT: config.rejection.support, CONTOURS: config.edges.depth_contours, JOINING: config.joining}
+    ours = config.additions or Additions()
+    there = {SUPPORT: ours.support, CONTOURS: ours.contours, JOINING: ours.joining}
     added = {name: switch for name, switch in ADDED.items() if there[name] is None}
-    sizes = IN_PIXELS if config.rejection.max_length_m is None else IN_METRES
+    sizes = IN_PIXELS if ours.rules.max_length_m is None else IN_METRES
     space: Space = {**added, **DEPTH, **JOINED, **REJECTED, **sizes}
     match config.cost:
         case BoundaryCost(k_b=k_b):

@@ -1,1 +1,0 @@
-"""The answer in the formats of other programs."""

@@ -1,0 +1,60 @@
+"""Objects drawn over the colour image."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Mapping
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Color, Mask
+
+GOLDEN_RATIO = 0.618034
+FONT = cv2.FONT_HERSHEY_SIMPLEX
+WHITE, INK = (255, 255, 255), (20, 20, 20)
+
+Tint = npt.NDArray[np.uint8]
+
+
+def palette(count: int) -> npt.NDArray[np.uint8]:
+    """Return colours (count, 3) RGB that differ well from their neighbours in number."""
+    hues = [(0.02 + k * GOLDEN_RATIO) % 1.0 for k in range(count)]
+    colors = [colorsys.hsv_to_rgb(h, 0.75 if k % 2 else 0.9, 1.0 if k % 2 else 0.92) for k, h in enumerate(hues)]
+    return np.round(np.array(colors, np.float64).reshape(-1, 3) * 255).astype(np.uint8)
+
+
+def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
+    """Draw masks (H, W) by number over an image (H, W, 3): background dimmed, each object tinted and outlined."""
+    picture = (color * np.float32(0.45)).astype(np.uint8)
+    tints = palette(max(masks, default=0))
+    for number, mask in masks.items():
+        tint = tints[number - 1]
+        picture[mask] = (0.6 * color[mask] + 0.4 * tint).astype(np.uint8)
+        outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        cv2.drawContours(picture, outlines, -1, tint.tolist(), max(1, round(2 * _scale(color))), cv2.LINE_AA)
+    return picture
+
+
+def draw_numbers(picture: Color, masks: Mapping[int, Mask]) -> None:
+    """Write each number into its mask, in place."""
+    tints = palette(max(masks, default=0))
+    for number, mask in masks.items():
+        _draw_number(picture, number, mask, tints[number - 1], _scale(picture))
+
+
+def _scale(picture: Color) -> float:
+    return float(max(picture.shape[0] / 480, 0.5))
+
+
+def _draw_number(picture: Color, number: int, mask: Mask, tint: Tint, scale: float) -> None:
+    """Write a number in a disc at the innermost pixel, which lies on the object even if its centroid does not."""
+    inside = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)
+    y, x = np.unravel_index(int(inside.argmax()), inside.shape)
+    center = int(x) - 1, int(y) - 1
+    text, size = str(number), 0.45 * scale
+    (width, height), _ = cv2.getTextSize(text, FONT, size, 1)
+    cv2.circle(picture, center, round(11 * scale), tint.tolist(), -1, cv2.LINE_AA)
+    cv2.circle(picture, center, round(11 * scale), WHITE, 1, cv2.LINE_AA)
+    cv2.putText(picture, text, (center[0] - width // 2, center[1] + height // 2), FONT, size, INK, 1, cv2.LINE_AA)

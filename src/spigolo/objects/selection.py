@@ -1,0 +1,89 @@
+"""From regions to objects: every region is measured and judged (section III-F)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.additions.contours import Contours
+from spigolo.additions.support import Plane
+from spigolo.clock import stage
+from spigolo.errors import UnitWarning, warn
+from spigolo.frames.frame import Frame
+from spigolo.frames.roi import Roi
+from spigolo.objects.facts import contour_cue
+from spigolo.objects.scene import Scene, find_above, find_inside
+from spigolo.objects.segmentation import Segmentation, assemble
+from spigolo.objects.verdicts import Reason, judge, reject_rims
+from spigolo.settings.additions import Additions
+from spigolo.settings.config import Config
+from spigolo.stages.cues import Cues
+from spigolo.stages.graph import Graph
+from spigolo.stages.regions import Regions
+
+NEAREST_M, FARTHEST_M = 0.03, 50.0
+"""Depths out of this range are out of the range of every RGB-D camera."""
+SAMPLED = 8
+
+
+@stage("scene")
+def set_scene(
+    frame: Frame,
+    cues: Cues,
+    graph: Graph,
+    plane: Plane | None,
+    contours: Contours | None,
+    config: Config,
+    roi: Roi | None = None,
+) -> Scene:
+    """Gather the evidence that the regions of a frame are judged by. roi: regions outside are rejected."""
+    sized = config.at_size(frame.shape)
+    return Scene(
+        frame=frame,
+        depth=cues.depth,
+        contour=contour_cue(cues, graph),
+        plane=plane,
+        rejection=sized.rejection,
+        additions=_for_holes(sized.additions, contours),
+        preset=config.name,
+        digest=config.digest,
+        left_out=("contact boundary",) if frame.camera is None and cues.boundary is not None else (),
+        above=find_above(frame, plane, sized.additions),
+        inside=find_inside(frame, roi),
+    )
+
+
+def _for_holes(additions: Additions | None, contours: Contours | None) -> Additions | None:
+    """Return the additions with the minimum contour of frames whose holes have contours, where these have."""
+    if additions is None or contours is None or not contours.in_holes or additions.rules.min_contour_holes is None:
+        return additions
+    rules = additions.rules.model_copy(update={"min_contour": additions.rules.min_contour_holes})
+    return additions.model_copy(update={"rules": rules})
+
+
+@stage("objects")
+def select_objects(regions: Regions, scene: Scene) -> Segmentation:
+    """Measure the regions of any method, and return each as an object or with the reason for its rejection."""
+    warn_of_depth(scene.frame)
+    facts = scene.measure(regions)
+    if not scene.frame.depth.any():
+        return assemble(scene, regions, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
+    verdicts = [judge(f, scene.rejection, scene.rules, scene.support) for f in facts]
+    wall, plane, camera = scene.rules.wall, scene.plane, scene.frame.camera
+    if wall is not None and plane is not None and camera is not None:
+        height = plane.height_map_m(scene.depth, camera)
+        verdicts = reject_rims(facts, verdicts, regions, scene.depth, height, wall)
+    return assemble(scene, regions, facts, verdicts)
+
+
+def warn_of_depth(frame: Frame) -> None:
+    """Warn of depth in which nothing can be found, as far as a few thousand pixels show."""
+    if not frame.depth.any():
+        warn("the frame has no depth at all, so nothing in it is an object")
+        return
+    few = frame.depth[::SAMPLED, ::SAMPLED]
+    median = float(np.median(few[few > 0])) if few.any() else 0.0
+    if median > FARTHEST_M:
+        warn(f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", UnitWarning)
+    if 0 < median < NEAREST_M:
+        found = f"the median depth is {1000 * median:.2g} mm"
+        warn(f"{found}: is depth_scale applied twice? Floating-point depth is in metres already", UnitWarning)

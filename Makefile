@@ -32,10 +32,10 @@ oldest: $(OLDEST)/.installed  ## tests of the core with the oldest versions that
 
 long: $(VENV)/.developing  ## what takes too long for every change: full fuzzing, a soak, whole tables
 	$(BIN)/python -m pytest $(FUZZED:%=tests/test_%.py) --hypothesis-profile=long
-	$(BIN)/python scripts/soak.py
-	$(BIN)/python scripts/empty_scenes.py
-	$(BIN)/python scripts/measure_robustness.py
-	$(BIN)/python scripts/measure_robustness.py --shelves 24
+	$(BIN)/python -m spigolo.lab.studies.soak
+	$(BIN)/python -m spigolo.lab.studies.emptiness
+	$(BIN)/python -m spigolo.lab.studies.robustness
+	$(BIN)/python -m spigolo.lab.studies.robustness --shelves 24
 	$(MAKE) table-1 table-2 table-3
 
 format: $(VENV)/.developing  ## put the source in its form
@@ -46,13 +46,13 @@ docs: $(VENV)/.documenting  ## build the site from docs/ into site/
 	$(BIN)/zensical build --clean --strict
 
 table-1: $(VENV)/.developing  ## the paper's Table I from rendered stand-ins: spigolo-paper/table-1/
-	$(BIN)/python scripts/paper_tables.py 1
+	$(BIN)/python -m spigolo.lab.studies.paper_tables 1
 
 table-2: $(VENV)/.developing  ## Table II
-	$(BIN)/python scripts/paper_tables.py 2
+	$(BIN)/python -m spigolo.lab.studies.paper_tables 2
 
 table-3: $(VENV)/.developing  ## Table III
-	$(BIN)/python scripts/paper_tables.py 3
+	$(BIN)/python -m spigolo.lab.studies.paper_tables 3
 
 clean:  ## remove the environments
 	rm -rf $(VENV) $(ORACLE) $(OLDEST)

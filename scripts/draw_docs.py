@@ -16,6 +16,7 @@ import numpy.typing as npt
 import spigolo as sp
 from spigolo.frames.files import write_bytes
 from spigolo.frames.frame import Color, DepthMap
+from spigolo.settings import EdgesConfig, Inpainting, Smoothing
 from spigolo.stages.depth import inpaint_small_gaps, smooth
 from spigolo.stages.edges import EdgeMaps, find_edges
 from spigolo.view.overlay import boundary_picture, depth_picture, draw_boxes, region_picture, tile
@@ -32,6 +33,9 @@ LEFT_HALF = (100, 92, 320, 352)
 CEREAL_TO_CAN = (60, 85, 265, 355)
 BOXES = (150, 380, 310, 570)
 BOXES_ON_THEIR_SIDE = (65, 105, 225, 280)
+
+NOISE_PER_M = 0.0028
+"""The noise floor of OBJECTS, 1/m."""
 
 GROUND, CANNY, STEP, CONTACT = (30, 30, 30), (110, 110, 110), (255, 150, 30), (60, 220, 90)
 
@@ -53,7 +57,7 @@ def demo(frame: sp.Frame) -> Color:
     pictures = {
         "colour": frame.color,
         "depth (black: missing)": depth_picture(frame.depth),
-        "boundaries of objects": boundary_picture(run.cues),
+        "boundaries of objects": boundary_picture(run),
         f"{len(result)} objects with their boxes": draw_boxes(result.overlay(), result, frame.camera),
     }
     picture = tile(pictures, columns=2)
@@ -63,7 +67,7 @@ def demo(frame: sp.Frame) -> Color:
 
 def mean_of_windows(frame: sp.Frame) -> Color:
     """Eq. 5 against eq. 8 at a shadow."""
-    plain, valid = smooth(frame.depth, sp.Smoothing(mean="plain")), smooth(frame.depth, sp.Smoothing())
+    plain, valid = (smooth(frame.depth, Smoothing(mean=mean)) for mean in ("plain", "valid"))
     depths = {"measured": frame.depth, "plain mean (eq. 5)": plain, "mean of valid pixels (eq. 8)": valid}
     pictures = {title: zoom(grey(depth), BOX_CORNER, 4) for title, depth in depths.items()}
     pictures["colour"] = zoom(frame.color, BOX_CORNER, 4)
@@ -74,16 +78,15 @@ def mean_of_windows(frame: sp.Frame) -> Color:
 
 def sign_of_step(frame: sp.Frame) -> Color:
     """Eq. 13 with the absolute and with the signed difference."""
-    return edge_choice(
-        frame, BOXES, {"absolute step": sp.Edges(), "signed step (as printed)": sp.Edges(signed_step=True)}
-    )
+    choices = {"absolute step": EdgesConfig(), "signed step (as printed)": EdgesConfig(signed_step=True)}
+    return edge_choice(frame, BOXES, choices)
 
 
 def missing_samples(frame: sp.Frame) -> Color:
     """Eq. 13 where a sample is missing."""
     choices = {
-        "missing samples: no evidence": sp.Edges(),
-        "missing samples: a boundary": sp.Edges(missing_is_boundary=True),
+        "missing samples: no evidence": EdgesConfig(),
+        "missing samples: a boundary": EdgesConfig(missing_is_boundary=True),
     }
     return edge_choice(frame, CEREAL, choices)
 
@@ -94,15 +97,15 @@ def sign_rule(frame: sp.Frame) -> Color:
     camera = sp.Camera(525, 525, (width - 1) / 2, (height - 1) / 2, width, height)
     turned = sp.Frame(np.rot90(frame.color), np.rot90(frame.depth), camera)
     choices = {
-        'sign_rule = "tangent"': sp.Edges(),
-        'sign_rule = "x" (as printed)': sp.Edges(sign_rule="x"),
+        'sign_rule = "tangent"': EdgesConfig(),
+        'sign_rule = "x" (as printed)': EdgesConfig(sign_rule="x"),
     }
     return edge_choice(turned, BOXES_ON_THEIR_SIDE, choices)
 
 
 def texture_edges(frame: sp.Frame) -> Color:
     """Canny's edges and what eq. 20 leaves of them."""
-    edges = edge_maps(frame, sp.Edges())
+    edges = edge_maps(frame, EdgesConfig())
     canny = np.where(edges.canny[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
     final = np.where(edges.final[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
     pictures = {
@@ -131,7 +134,7 @@ def larger_end(frame: sp.Frame) -> Color:
     """
     pictures = {}
     for ends, title in (("max", "larger of both ends"), ("i", "first end, as printed")):
-        run = sp.trace(frame, sp.OBJECTS_1.replace(**{"edges.boundary": "thin", "cost.ends": ends}))
+        run = sp.trace(frame, sp.PRESETS["OBJECTS_1"].replace(**{"edges.boundary": "thin", "cost.ends": ends}))
         pictures[f"{title}: {run.regions.count} regions"] = region_picture(run.regions.labels)[40:420]
     return tile(pictures, columns=2)
 
@@ -141,22 +144,22 @@ def depth_contours(frame: sp.Frame) -> Color:
 
     Nor is anything joined, as joining asks what stands on the plane.
     """
-    with_them = sp.OBJECTS.replace(joining=None, **{"rejection.support": None})
+    with_them = sp.OBJECTS.replace(additions={"joining": None, "support": None})
     pictures = {}
     for title, config in {
-        "without": with_them.replace(**{"edges.depth_contours": None}),
+        "without": with_them.replace(**{"additions.contours": None}),
         "with depth contours": with_them,
     }.items():
         run = sp.trace(frame, config)
-        pictures[f"{title}: boundaries"] = zoom(boundary_picture(run.cues), LEFT_HALF, 2)
+        pictures[f"{title}: boundaries"] = zoom(boundary_picture(run), LEFT_HALF, 2)
         pictures[f"{title}: regions"] = zoom(region_picture(run.regions.labels), LEFT_HALF, 2)
     return tile(pictures, columns=2)
 
 
 def support_plane(frame: sp.Frame) -> Color:
     """Objects with and without the support plane, and the plane; of a preset that has no rule for walls."""
-    found = sp.segment(frame, sp.OBJECTS_1)
-    without = sp.segment(frame, sp.OBJECTS_1.replace(**{"rejection.support": None}))
+    found = sp.segment(frame, sp.PRESETS["OBJECTS_1"])
+    without = sp.segment(frame, sp.PRESETS["OBJECTS_1"].replace(**{"additions.support": None}))
     plane = (frame.color * np.float32(0.45)).astype(np.uint8)
     assert found.support is not None
     plane[found.support] = (0.6 * frame.color[found.support] + 0.4 * np.array(CONTACT)).astype(np.uint8)
@@ -174,15 +177,15 @@ def noise_floor(frame: sp.Frame) -> Color:
     """Regions with and without the noise floor of eq. 9."""
     pictures = {}
     for title, config in {
-        "noise_per_m = 0": sp.OBJECTS.replace(**{"depth.noise_per_m": 0.0}),
-        f"noise_per_m = {sp.OBJECTS.depth.noise_per_m}": sp.OBJECTS,
+        "noise_per_m = 0": sp.OBJECTS.replace(additions={"noise_per_m": 0.0}),
+        f"noise_per_m = {NOISE_PER_M}": sp.OBJECTS.replace(additions={"noise_per_m": NOISE_PER_M}),
     }.items():
         regions = sp.trace(frame, config).regions
         pictures[f"{title}: {regions.count} regions"] = region_picture(regions.labels)
     return tile(pictures, columns=2)
 
 
-def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, sp.Edges]) -> Color:
+def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, EdgesConfig]) -> Color:
     """The colour image and the boundaries of two settings, enlarged."""
     pictures = {"colour": zoom(frame.color, window, 3)}
     for title, config in choices.items():
@@ -190,9 +193,9 @@ def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, sp.Edges]) -
     return tile(pictures, columns=3)
 
 
-def edge_maps(frame: sp.Frame, config: sp.Edges) -> EdgeMaps:
+def edge_maps(frame: sp.Frame, config: EdgesConfig) -> EdgeMaps:
     """The paper's edges on in-painted and smoothed depth, as TABLE has them."""
-    depth = smooth(inpaint_small_gaps(frame.depth, sp.Inpainting()), sp.Smoothing())
+    depth = smooth(inpaint_small_gaps(frame.depth, Inpainting()), Smoothing())
     return find_edges(frame.color, depth, frame.camera, config)
 
 

@@ -19,21 +19,37 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from spigolo import clock, errors, settings
-    from spigolo.errors import SpigoloError
-    from spigolo.frames.files import read_camera, read_frame
-    from spigolo.frames.frame import Camera, Frame
-    from spigolo.frames.intrinsics import as_camera
-    from spigolo.frames.registration import register_depth
-    from spigolo.frames.roi import MetricBox
-    from spigolo.methods import METHODS, segment_around
-    from spigolo.objects.boxes import OrientedBox
-    from spigolo.objects.segmentation import ObjectMask, RejectedRegion, Segmentation
-    from spigolo.objects.verdicts import Reason
-    from spigolo.pipeline import Trace, segment, segment_at, trace
-    from spigolo.settings.config import Config
-    from spigolo.settings.presets import CLUTTER, OBJECTS, PRESETS, SHELF, TABLE, preset
-    from spigolo.stream import Segmenter, warm_up
+    from spigolo import clock as clock
+    from spigolo import errors as errors
+    from spigolo import settings as settings
+    from spigolo.errors import SpigoloError as SpigoloError
+    from spigolo.frames.files import read_camera as read_camera
+    from spigolo.frames.files import read_frame as read_frame
+    from spigolo.frames.frame import Camera as Camera
+    from spigolo.frames.frame import Frame as Frame
+    from spigolo.frames.intrinsics import as_camera as as_camera
+    from spigolo.frames.registration import register_depth as register_depth
+    from spigolo.frames.roi import MetricBox as MetricBox
+    from spigolo.methods import METHODS as METHODS
+    from spigolo.methods import segment_around as segment_around
+    from spigolo.objects.boxes import OrientedBox as OrientedBox
+    from spigolo.objects.segmentation import ObjectMask as ObjectMask
+    from spigolo.objects.segmentation import RejectedRegion as RejectedRegion
+    from spigolo.objects.segmentation import Segmentation as Segmentation
+    from spigolo.objects.verdicts import Reason as Reason
+    from spigolo.pipeline import Trace as Trace
+    from spigolo.pipeline import segment as segment
+    from spigolo.pipeline import segment_at as segment_at
+    from spigolo.pipeline import trace as trace
+    from spigolo.settings.config import Config as Config
+    from spigolo.settings.presets import CLUTTER as CLUTTER
+    from spigolo.settings.presets import OBJECTS as OBJECTS
+    from spigolo.settings.presets import PRESETS as PRESETS
+    from spigolo.settings.presets import SHELF as SHELF
+    from spigolo.settings.presets import TABLE as TABLE
+    from spigolo.settings.presets import preset as preset
+    from spigolo.stream import Segmenter as Segmenter
+    from spigolo.stream import warm_up as warm_up
 
 __version__ = "0.1.0"
 

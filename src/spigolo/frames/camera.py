@@ -37,21 +37,24 @@ NOMINAL = {
 FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Camera:
-    """Pinhole intrinsics in pixels, of the colour image that depth is registered to.
-
-    fx, fy: focal lengths; cx, cy: principal point; width, height: image size; distortion: OpenCV's coefficients
-    (k1 k2 p1 p2 k3 ..., 4, 5, 8, 12 or 14 of them), () for none; nothing but zeros is none. Raises CameraError.
-    """
+    """Pinhole intrinsics in pixels, of the colour image that depth is registered to. Raises CameraError."""
 
     fx: float
+    """Focal length in x, px."""
     fy: float
+    """Focal length in y, px."""
     cx: float
+    """Principal point in x, px. The first pixel's centre is 0."""
     cy: float
+    """Principal point in y, px."""
     width: int
+    """Image width, px."""
     height: int
+    """Image height, px."""
     distortion: tuple[float, ...] = ()
+    """OpenCV's coefficients k1 k2 p1 p2 k3 ... (4, 5, 8, 12 or 14 of them). () without distortion."""
 
     def __post_init__(self) -> None:
         for name in ("fx", "fy", "cx", "cy"):  # whole numbers would be another type to the kernels
@@ -68,6 +71,11 @@ class Camera:
             )
         if self.width < 1 or self.height < 1:
             raise CameraError(f"expected an image size of at least 1x1, got {self.width}x{self.height}")
+
+    def __repr__(self) -> str:
+        bent = f", distortion {self.distortion}" if self.distortion else ""
+        place = f"fx={self.fx:g}, fy={self.fy:g}, cx={self.cx:g}, cy={self.cy:g}"
+        return f"Camera({place}, width={self.width}, height={self.height}{bent})"
 
     @classmethod
     def from_matrix(cls, K: Any, width: int, height: int, distortion: Sequence[float] = ()) -> Camera:

@@ -29,25 +29,31 @@ NEAREST_M, FARTHEST_M = 1e-6, 1e8
 """No camera measures what is nearer or farther; squares of such depths would leave float32."""
 
 
-@dataclass(frozen=True, slots=True, eq=False, init=False)
+@dataclass(frozen=True, slots=True, eq=False, init=False, repr=False)
 class Frame:
-    """One colour image with its registered depth; owns contiguous copies of both.
+    """One colour image with its registered depth. A frame owns contiguous copies of both.
 
-    color (H, W, 3) uint8 RGB. depth (H, W): floating-point metres, or integers with `depth_scale` metres per unit,
-    which may be a field of a camera's mapping; 0, NaN, infinite, negative and masked depth is missing, and is 0 here.
-    camera: any form that `as_camera` takes, None where the intrinsics are not known; images of a camera with distortion
-    are undistorted here, once, and `camera` is then the one without: answers fit `color`, and not the image given
-    (`undistorted` says so). negative_depth: how many pixels were negative. Raises FrameError where they do not fit
-    together or have more than `max_pixels`, CameraError where the camera cannot be.
+    color: (H, W, 3) uint8 RGB. depth: (H, W), floating-point metres, or integers with `depth_scale` metres per unit,
+    which may be a field of a camera's mapping. 0, NaN, infinite, negative and masked depth is missing. camera: any form
+    that `as_camera` takes, or None without intrinsics. Images of a camera with distortion are undistorted here, once.
+    Raises FrameError where they do not fit together or have more than `max_pixels`, and CameraError for an impossible
+    camera.
     """
 
     color: Color
+    """Colour image (H, W, 3) uint8 RGB."""
     depth: DepthMap
+    """Depth map (H, W) float32 in metres, 0 where missing."""
     camera: Camera | None
+    """Intrinsics of both images, without distortion. None if they are not known."""
     name: str = ""
+    """Name of the frame, for messages and files."""
     stamp_ns: int | None = None
+    """Time of capture, ns. None if it is not known."""
     negative_depth: int = field(init=False, default=0)
+    """Number of pixels whose depth was negative and counts as missing."""
     undistorted: bool = field(init=False, default=False)
+    """Whether the images were undistorted: results fit `color`, not the image given."""
 
     def __init__(
         self,
@@ -79,8 +85,16 @@ class Frame:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(H, W)."""
+        """Size (H, W) of both images."""
         return self.depth.shape[0], self.depth.shape[1]
+
+    def __repr__(self) -> str:
+        valid = self.depth[self.depth > 0]
+        reach = f"depth {valid.min():.2f} to {valid.max():.2f} m" if valid.size else "no depth"
+        name = f"{self.name!r}, " if self.name else ""
+        camera = "no camera" if self.camera is None else f"fx {self.camera.fx:.1f} px"
+        missing = 1 - valid.size / self.depth.size
+        return f"Frame({name}{self.shape[1]}x{self.shape[0]}, {reach}, {missing:.0%} missing, {camera})"
 
 
 def _own_scale(camera: Mapping[str, Any]) -> float | None:

@@ -1,18 +1,22 @@
 """The one place that knows the compiler: `kernel` compiles on first call and keeps the result on disk.
 
-The cache folder carries a hash of all kernels' source, since numba does not notice that a called function changed.
-Where nothing can be written the kernels are compiled in each process.
+Each kernel module has a cache folder of its own. Its name carries a hash of the module's source and of the kernel
+modules that it imports, because numba does not notice a changed callee. An edit recompiles what it can change.
 """
 
 from __future__ import annotations
 
+import ast
+import contextlib
 import functools
 import hashlib
+import importlib.util
 import logging
 import os
+import pkgutil
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, cast
 
@@ -22,48 +26,81 @@ from numba.core import cgutils, types
 from numba.core.caching import FunctionCache, _CacheLocator
 from numba.extending import intrinsic
 
+from spigolo import __version__
 
-def _source_hash() -> str:
-    digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+PACKAGE = __name__.rpartition(".")[0]
+ADVICE = "set SPIGOLO_CACHE_DIR to a folder that can be written"
 
 
 def _cache_folder() -> Path | None:
-    """A folder that the user can write, or None."""
-    own = os.environ.get("SPIGOLO_CACHE_DIR") or os.environ.get("NUMBA_CACHE_DIR")
-    base = own or os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    folder = Path(base) / "spigolo" / f"kernels-{SOURCE_HASH}"
-    try:
+    """Return the folder that holds the compiled kernels. None without a home, or where it cannot be made."""
+    own = os.environ.get("SPIGOLO_CACHE_DIR") or os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
+    home = os.path.expanduser("~")
+    if own is None and home == "~":  # a user without a home: the name would be taken as it is
+        return None
+    folder = Path(own or os.path.join(home, ".cache")) / "spigolo" / "kernels"
+    with contextlib.suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
+    return folder if folder.is_dir() else None
+
+
+def _can_write(folder: Path | None) -> bool:
+    try:
         with tempfile.TemporaryFile(dir=folder):
-            return folder
+            return folder is not None
     except OSError:
-        pass
-    warnings.warn(
-        f"spigolo cannot keep its compiled kernels in {folder} and compiles them in each process;"
-        " set SPIGOLO_CACHE_DIR to one that can be written",
-        stacklevel=2,
-    )
-    return None
+        return False
 
 
-SOURCE_HASH = _source_hash()
 CACHE_FOLDER = _cache_folder()
+CAN_WRITE = _can_write(CACHE_FOLDER)
+
+
+@functools.cache
+def module_key(name: str) -> str:
+    """Return 16 hexadecimal digits that change with a kernel module, those that it imports, and the versions."""
+    digest = hashlib.sha256(f"{numba.__version__} {__version__}".encode())
+    content, imported = _content(name)
+    digest.update(content)
+    for other in sorted(imported):
+        digest.update(module_key(other).encode())
+    return digest.hexdigest()[:16]
+
+
+def _content(name: str) -> tuple[bytes, Iterable[str]]:
+    """Return the content of a kernel module, and the kernel modules that its own key must follow.
+
+    A frozen application has no sources: there every module follows all others, by their bytecode.
+    """
+    spec = importlib.util.find_spec(f"{PACKAGE}.{name}")
+    try:
+        content = Path(spec.origin).read_bytes() if spec is not None and spec.origin is not None else b""
+    except OSError:  # packed into an archive: the version alone tells
+        return b"", ()
+    if spec is not None and str(spec.origin).endswith(".py"):
+        nodes = (node for node in ast.walk(ast.parse(content)) if isinstance(node, ast.ImportFrom))
+        modules = (str(node.module) for node in nodes)
+        return content, {m.removeprefix(f"{PACKAGE}.") for m in modules if m.startswith(f"{PACKAGE}.")}
+    folder = os.path.dirname(str(spec.origin)) if spec is not None else ""
+    others = sorted(m.name for m in pkgutil.iter_modules([folder]))
+    pieces = (importlib.util.find_spec(f"{PACKAGE}.{m}") for m in others)
+    return b"".join(Path(str(piece.origin)).read_bytes() for piece in pieces if piece is not None), ()
 
 
 class _Locator(_CacheLocator):
-    """Tells numba where the files go and that the hash stands for all of the source."""
+    """Tells numba the folder of a kernel's module. The folder's name stands for all of the source."""
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         self._line = py_func.__code__.co_firstlineno
+        module = py_func.__module__.rpartition(".")[2]
+        self._key = module_key(module)
+        self._path = str(CACHE_FOLDER) if CACHE_FOLDER is None else str(CACHE_FOLDER / f"{module}-{self._key}")
 
     def get_cache_path(self) -> str:
-        return str(CACHE_FOLDER)
+        return self._path
 
     def get_source_stamp(self) -> str:
-        return SOURCE_HASH
+        return self._key
 
     def get_disambiguator(self) -> str:
         return str(self._line)
@@ -82,20 +119,39 @@ class _Cache(FunctionCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         found = super().load_overload(sig, target_context)
-        if found is None:
+        if found is None and CAN_WRITE:
             _announce()
         return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        if CAN_WRITE:
+            super().save_overload(sig, data)
+        else:
+            _warn()
 
 
 @functools.cache
 def _announce() -> None:
-    """Says once in a process that this is the first run on a machine."""
+    """Say once in a process that this is the first run on a machine."""
     if CACHE_FOLDER is not None and not any(CACHE_FOLDER.iterdir()):
         logging.getLogger("spigolo").warning("compiling the kernels, once on this machine: about 20 s")
 
 
+@functools.cache
+def _warn() -> None:
+    """Warn once in a process that compiled kernels are not kept."""
+    where = f" in {CACHE_FOLDER}" if CACHE_FOLDER is not None else ""
+    warnings.warn(
+        f"spigolo cannot keep its compiled kernels{where} and compiles them in each process; {ADVICE}", stacklevel=2
+    )
+
+
+if CACHE_FOLDER is None:
+    _warn()
+
+
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compiles `function` on first call, without the GIL and without threads of its own."""
+    """Compile `function` on first call, without the GIL and without threads of its own."""
     compiled = numba.njit(nogil=True, error_model="numpy")(function)
     if CACHE_FOLDER is not None and not numba.config.DISABLE_JIT:
         compiled._cache = _Cache(function)
@@ -103,13 +159,13 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A formula that is compiled into its callers; the equations of the paper stand in these."""
+    """Compile a formula into its callers. The equations of the paper are such formulas."""
     return cast(Callable[..., Any], numba.njit(nogil=True, error_model="numpy", inline="always")(function))
 
 
 @intrinsic
 def prefetch(typing_context, array, index):
-    """Asks for the memory of array[index] ahead of its use; changes nothing else."""
+    """Fetch the memory of array[index] ahead of its use. Nothing else changes."""
 
     def generate(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data

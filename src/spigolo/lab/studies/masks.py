@@ -1,4 +1,4 @@
-"""Do models drawn at the truth poses give the exact masks of rendered frames? `python scripts/measure_masks.py`.
+"""Do models drawn at the truth poses give the exact masks of rendered frames? `python -m spigolo.lab.studies.masks`.
 
 In the depth that a perfect camera would have measured, of which a model may lie 2 mm behind: that tests poses and
 models alone. And by BOP's rule of 15 mm in the depth of the simulated camera, as readers of data sets do. The last

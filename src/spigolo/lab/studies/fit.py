@@ -1,4 +1,4 @@
-"""How far `spigolo fit` gets from TABLE towards OBJECTS on frames left out: `python scripts/measure_fit.py`.
+"""How far `spigolo fit` gets from TABLE towards OBJECTS on frames left out: `python -m spigolo.lab.studies.fit`.
 
 For each seed the frames of `osd-mosd` are cut in two halves at random; settings drawn with that seed are chosen on one
 half and scored on the other, both ways. Frames: SPIGOLO_DATA, or ../shared/data. Trials are kept in --out.
@@ -7,15 +7,13 @@ half and scored on the other, both ways. Frames: SPIGOLO_DATA, or ../shared/data
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 
 import spigolo as sp
 from spigolo.lab.evaluation import Row, pool
 from spigolo.lab.experiments import Toscana2016, evaluate, find_labelled_frames
 from spigolo.lab.fitting import hold_out, search
-
-DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "frames"
+from spigolo.lab.studies import FRAMES
 
 
 def main() -> None:
@@ -25,7 +23,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("measured-fit"))
     given = parser.parse_args()
-    frames = find_labelled_frames([DATA / "osd-mosd"])
+    frames = find_labelled_frames([FRAMES / "osd-mosd"])
     goal = overlap(evaluate(frames, [Toscana2016(sp.OBJECTS)], given.out / "objects.jsonl", given.jobs))
     for seed in given.seeds:
         out = given.out / f"table-{seed}.jsonl"

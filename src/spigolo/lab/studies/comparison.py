@@ -1,10 +1,10 @@
 """All methods at equal chances: each fitted by the same search, scored on frames that had no say in its parameters.
 
-    python scripts/compare_methods.py search --trials 30
-    python scripts/compare_methods.py table
-    python scripts/compare_methods.py depth
-    python scripts/compare_methods.py points
-    python scripts/compare_methods.py pictures --out pictures
+    python -m spigolo.lab.studies.comparison search --trials 30
+    python -m spigolo.lab.studies.comparison table
+    python -m spigolo.lab.studies.comparison depth
+    python -m spigolo.lab.studies.comparison points
+    python -m spigolo.lab.studies.comparison pictures --out pictures
 
 `search` keeps trials in --out, the same number for every method, on the same fully labelled frames, and packs them into
 docs/data/trials-METHOD.jsonl.gz. `table` reads these files, and times the fitted methods in turn, frame by frame.
@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import argparse
 import gzip
-import os
 import time
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -34,12 +33,11 @@ from spigolo.lab.experiments import Method, find_labelled_frames
 from spigolo.lab.experiments.running import Task, Worker
 from spigolo.lab.fitting import Search, apply, best_trial, hold_out, read_search, search
 from spigolo.lab.fitting.trials import Trial
+from spigolo.lab.studies import FRAMES
 from spigolo.methods.mishra2009 import innermost
 from spigolo.view.comparison import comparison
 
-ROOT = Path(__file__).resolve().parents[1]
-LOG = ROOT / "docs" / "data"
-DATA = Path(os.environ.get("SPIGOLO_DATA", ROOT.parent / "shared" / "data")) / "frames"
+LOG = Path("docs/data")
 SETS = ("osd-mosd", "hand-uoc")
 """Every object of them is labelled."""
 SEED, FOLDS, EVERY = 0, 5, 5
@@ -54,7 +52,7 @@ OFF: dict[str, dict[str, Any]] = {
 
 
 def frames() -> list[Entry]:
-    return find_labelled_frames([DATA / name for name in SETS])
+    return find_labelled_frames([FRAMES / name for name in SETS])
 
 
 def log(name: str) -> Path:
@@ -172,7 +170,7 @@ def fixate() -> None:
     """An object is apart if it touches no other when dilated by 5 px."""
     for data_set in SETS:
         found: list[tuple[bool, float]] = []
-        for folder in find_labelled_frames([DATA / data_set]):
+        for folder in find_labelled_frames([FRAMES / data_set]):
             frame, truth = folder.read_both()
             masks = [truth.labels == k for k in np.unique(truth.labels) if k] if truth is not None else []
             for mask in masks:

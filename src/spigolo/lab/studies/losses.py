@@ -1,4 +1,4 @@
-"""What became of labelled objects with a preset: `python scripts/measure_losses.py FOLDER PRESET [--gammas 0.05 5]`.
+"""Counts the fates of labelled objects with a preset: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
 By kind: covered by a returned object by more than 70 %, as the paper's tables count; one region with its surroundings;
 split; rejected otherwise. Then the depth that exact masks lack and the rules of the preset that they break. With
@@ -17,7 +17,7 @@ import numpy.typing as npt
 import spigolo as sp
 from spigolo.lab.datasets import guess
 from spigolo.lab.synthetic.household import kind_of
-from spigolo.objects.segmentation import judge_regions
+from spigolo.objects.selection import select_objects
 from spigolo.stages.regions import Regions
 
 Labels = npt.NDArray[np.int32]
@@ -86,8 +86,7 @@ def best_iou(mask: npt.NDArray[np.bool_], regions: Labels) -> float:
 
 def breaks_a_rule(mask: npt.NDArray[np.bool_], trace: sp.Trace) -> bool:
     """Whether the exact mask, were it a region, would be rejected."""
-    evidence = trace.segmentation.scene.evidence
-    judged = judge_regions(Regions(mask.astype(np.int32), 2), trace.frame, evidence)
+    judged = select_objects(Regions(mask.astype(np.int32), 2), trace.segmentation.scene)
     return any(region.region == 1 for region in judged.rejected)
 
 

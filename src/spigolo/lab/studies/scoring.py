@@ -1,4 +1,4 @@
-"""How long scoring a frame takes beside segmenting it: `python scripts/measure_scoring.py FRAMES --presets TABLE`.
+"""How long scoring a frame takes beside segmenting it: `python -m spigolo.lab.studies.scoring FRAMES --presets TABLE`.
 
 CPU time with one thread; each frame is segmented and scored in turn, once to warm up and then in rounds. Ratios are
 taken within each round.
@@ -44,7 +44,7 @@ def times(segmenter: sp.Segmenter, frame: sp.Frame, truth: Truth | None, rounds:
         begin = time.process_time()
         result = segmenter(frame)
         done = time.process_time()
-        score_row(truth.labels, result.labels, result.scene.regions.labels + 1, truth.ignore, truth.names)
+        score_row(truth.labels, result.labels, result.regions.labels + 1, truth.ignore, truth.names)
         answer.append((done - begin, time.process_time() - done))
     return answer[1:]
 

@@ -1,6 +1,6 @@
 """What presets make of real frames that are changed as another camera or room would change them.
 
-`python scripts/measure_robustness.py`, a few minutes: overlap F where all objects are labelled, and the share of
+`python -m spigolo.lab.studies.robustness`, a few minutes: overlap F where all objects are labelled, and the share of
 labelled objects with a segment of IoU above 0.7, of hand-uoc and of the five sets of single objects and clutter.
 `--shelves 24`: of so many rendered shelves in place of them, in which two thirds of the depth are missing; the rules
 were made while looking at those of seeds 413 and 977. Frames: SPIGOLO_DATA, or ../shared/data.
@@ -9,7 +9,6 @@ were made while looking at those of seeds 413 and 977. Frames: SPIGOLO_DATA, or 
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
@@ -21,21 +20,21 @@ import numpy as np
 
 import spigolo as sp
 from spigolo.lab.evaluation import FrameScore, score_frame, summarise
+from spigolo.lab.studies import FRAMES
 
-DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).parents[2] / "shared" / "data")) / "frames"
 FULL = "hand-uoc"
 OTHERS = ("6dof-graspnet", "cleargrasp-opaque", "dexnet-single", "hand-misc", "ycbv")
 IGNORE = 255
 CONFIGS = {
     "`OBJECTS`": sp.OBJECTS,
-    "lengths as they are": sp.OBJECTS.replace(lengths_grow=False),
-    "`OBJECTS_1`": sp.OBJECTS_1,
+    "lengths as they are": sp.OBJECTS.replace(**{"additions.lengths_grow": False}),
+    "`OBJECTS_1`": sp.PRESETS["OBJECTS_1"],
 }
 SHELVES = {
     "`OBJECTS`": sp.OBJECTS,
-    "without contours of holes": sp.OBJECTS.replace(edges={"depth_contours": {"holes_from": None}}),
+    "without contours of holes": sp.OBJECTS.replace(additions={"contours": {"holes_from": None}}),
     "the front of a shelf may support": sp.OBJECTS.replace(rejection={"support": {"opaque": False}}),
-    "`OBJECTS_1`": sp.OBJECTS_1,
+    "`OBJECTS_1`": sp.PRESETS["OBJECTS_1"],
     "`SHELF`": sp.SHELF,
 }
 
@@ -133,7 +132,7 @@ def score_folder(task: tuple[Path, str, str]) -> FrameScore:
 
 
 def folders(*sets: str) -> list[Path]:
-    return [label.parent for name in sets for label in sorted((DATA / name).glob("*/label.png"))]
+    return [label.parent for name in sets for label in sorted((FRAMES / name).glob("*/label.png"))]
 
 
 def on_real_frames() -> Iterator[str]:

@@ -1,7 +1,7 @@
 """What OBJECTS is worth on frames that had no say in its numbers, and what each of its ingredients brings.
 
-    python scripts/fit_objects.py search --trials 48 --out DIR
-    python scripts/fit_objects.py ablation --out DIR
+    python -m spigolo.lab.studies.objects_preset search --trials 48 --out DIR
+    python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
 `search` draws settings as `spigolo fit` does and scores each fifth of the frames with the setting that is best on the
 others, each set with the one that is best on the other sets. The preset itself may not be chosen: its rules were made
@@ -12,7 +12,6 @@ SPIGOLO_DATA, or ../shared/data.
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -23,8 +22,8 @@ from spigolo.lab.experiments import Contender, Toscana2016, evaluate, find_label
 from spigolo.lab.experiments.page import to_text
 from spigolo.lab.experiments.tables import set_table
 from spigolo.lab.fitting import Trial, best_trial, hold_out, hold_out_sets, search
+from spigolo.lab.studies import FRAMES
 
-DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "frames"
 WHOLE = ("osd-*", "hand-uoc")
 """The sets where every object is labelled: there alone an object too many is an error."""
 MOSD, REALSENSE, EMPTY = ("osd-mosd",), ("hand-uoc",), "arc_tote_empty"
@@ -37,20 +36,20 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "without smooth borders": {"joining.smooth": None},
     "without enclosed bottoms": {"joining.enclosed": None},
     "without joining": {"joining": None},
-    "without walls": {"rejection.wall": None},
-    "largest plane, be it the floor": {"rejection.support.stacked_share": None},
-    "limits of size in pixels": {"rejection.max_length_m": None, "rejection.max_width_m": None},
-    "weak contours from 0.65 on": {"rejection.min_contour": 0.65},
+    "without walls": {"additions.rules.wall": None},
+    "largest plane, be it the floor": {"additions.support.stacked_share": None},
+    "limits of size in pixels": {"additions.rules.max_length_m": None, "additions.rules.max_width_m": None},
+    "weak contours from 0.65 on": {"additions.rules.min_contour": 0.65},
     "8-connected": {"partition.connectivity": 8},
-    "without depth contours": {"edges.depth_contours": None},
-    "without a support plane": {"joining": None, "rejection.support": None},
-    "without the noise floor": {"depth.noise_per_m": 0.0},
+    "without depth contours": {"additions.contours": None},
+    "without a support plane": {"joining": None, "additions.support": None},
+    "without the noise floor": {"additions.noise_per_m": 0.0},
 }
 
 
 def held_out(out: Path, trials: int, jobs: int) -> None:
     """The preset, the best of what was drawn, and what is best without the frames or sets that it is scored on."""
-    frames = find_labelled_frames([DATA], WHOLE)
+    frames = find_labelled_frames([FRAMES], WHOLE)
     tried = search(frames, Toscana2016(sp.OBJECTS), out / "trials.jsonl", trials, jobs=jobs, tell=tell)
     rows = {
         "preset": tried.start.rows,
@@ -68,11 +67,11 @@ def tell(done: int, total: int, trial: Trial | None) -> None:
 
 def ablation(out: Path, jobs: int) -> None:
     """A line for each ingredient left out."""
-    frames = find_labelled_frames([DATA], WHOLE)
+    frames = find_labelled_frames([FRAMES], WHOLE)
     print("| | mOSD: overlap F | found | RealSense: overlap F | found | five other sets: found | empty tote |")
     print("|---|---|---|---|---|---|---|")
     for name, changes in ABLATIONS.items():
-        method = Toscana2016(sp.OBJECTS_2.replace(**changes))
+        method = Toscana2016(sp.PRESETS["OBJECTS_2"].replace(**changes))
         rows = evaluate(frames, [method], out / "ablation.jsonl", jobs)
         cells = [*figures(rows, MOSD), *figures(rows, REALSENSE), figures(rows, OTHERS)[1]]
         empty = sum(r.n_predicted for r in rows if r.frame == EMPTY)

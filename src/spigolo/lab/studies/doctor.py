@@ -4,14 +4,13 @@ Every frame is spoilt in each of the ways in SPOILT; near-identical frames count
 or mirrored are looked for in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the
 good frame.
 
-    python scripts/measure_doctor.py [FOLDER]
+    python -m spigolo.lab.studies.doctor [FOLDER]
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-import os
 import sys
 import time
 from collections.abc import Callable
@@ -22,10 +21,8 @@ import numpy as np
 
 from spigolo import Camera, Frame, read_frame
 from spigolo.doctor import diagnose
-from spigolo.doctor.alignment import MIN_CONTOUR_PX, count_contours, depth_contours
-
-DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).resolve().parents[2] / "shared" / "data")) / "frames"
-VGA_PX2 = 640 * 480
+from spigolo.doctor.alignment import MIN_CONTOUR_SHARE, count_contours, depth_contours
+from spigolo.lab.studies import FRAMES
 
 
 def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
@@ -48,6 +45,7 @@ def scale(frame: Frame, factor: float) -> Frame:
 
 def zoom(frame: Frame, factor: float) -> Frame:
     """A wrong focal length."""
+    assert frame.camera is not None
     camera: Camera = replace(frame.camera, fx=frame.camera.fx * factor, fy=frame.camera.fy * factor)
     return Frame(frame.color, frame.depth, camera, name=frame.name)
 
@@ -75,7 +73,7 @@ def warned(frame: Frame) -> set[str]:
 
 def has_steps(frame: Frame) -> bool:
     """Enough contours to judge alignment by."""
-    return count_contours(depth_contours(frame.depth)) >= MIN_CONTOUR_PX * frame.depth.size / VGA_PX2
+    return count_contours(depth_contours(frame.depth)) >= MIN_CONTOUR_SHARE * frame.depth.size
 
 
 def distinct(folder: Path) -> list[str]:
@@ -87,7 +85,7 @@ def distinct(folder: Path) -> list[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description="How often the doctor is right about spoilt and about good frames.")
-    parser.add_argument("folder", nargs="?", type=Path, default=DATA, help="with splits.json; default: %(default)s")
+    parser.add_argument("folder", nargs="?", type=Path, default=FRAMES, help="with splits.json; default: %(default)s")
     folder = parser.parse_args().folder
     if not (folder / "splits.json").is_file():
         parser.error(f"expected splits.json in {folder}; SPIGOLO_DATA names the data folder")
@@ -116,8 +114,8 @@ def measure(folder: Path) -> None:
                 if not hit:
                     print(f"missed: {kind} in {name}", file=sys.stderr)
     print(f"{'spoilt':20s} frames  found")
-    for kind, hits in found.items():
-        print(f"{kind:20s} {len(hits):6d}  {np.mean(hits):5.1%}")
+    for kind, caught in found.items():
+        print(f"{kind:20s} {len(caught):6d}  {np.mean(caught):5.1%}")
     print(f"\n{'check':20s} false alarms on {len(names)} good frames")
     for check, where in false.items():
         print(f"{check:20s} {len(where) / len(names):5.1%}  {' '.join(where)}")

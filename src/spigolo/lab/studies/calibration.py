@@ -1,6 +1,6 @@
 """How often an object is right, by its score: the calibration table of docs/score.md.
 
-    python scripts/calibrate_score.py [--preset OBJECTS]
+    python -m spigolo.lab.studies.calibration [--preset OBJECTS]
 
 An object counts as right with IoU above 0.7 against a labelled object. Frames on which every object is labelled
 (osd-mosd, osd-full, hand-uoc); objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
@@ -10,17 +10,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 from itertools import pairwise
-from pathlib import Path
 
-import cv2
 import numpy as np
 
 import spigolo as sp
+from spigolo.frames.files import read_labels
 from spigolo.lab.evaluation import wilson_interval
+from spigolo.lab.studies import FRAMES
 
-DATA = Path(os.environ.get("SPIGOLO_DATA", Path(__file__).parents[2] / "shared" / "data")) / "frames"
 SETS = ("osd-mosd", "osd-full", "hand-uoc")
 EDGES = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
 IGNORE = 255
@@ -41,10 +39,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--preset", default="OBJECTS")
     config = sp.preset(parser.parse_args().preset)
-    names = json.loads((DATA / "splits.json").read_text())["dev"]
+    names = json.loads((FRAMES / "splits.json").read_text())["dev"]
     scores, right = [], []
-    for folder in (DATA / name for name in sorted(names) if name.startswith(SETS)):
-        label = cv2.imread(str(folder / "label.png"), cv2.IMREAD_UNCHANGED)
+    for folder in (FRAMES / name for name in sorted(names) if name.startswith(SETS)):
+        label = read_labels(folder / "label.png")
         for o in sp.segment(sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json"), config):
             iou = best_iou(o.mask, label)
             if np.isfinite(iou):

@@ -1,4 +1,4 @@
-"""Segments frames for a long while and watches memory and answers: `python scripts/soak.py --frames 5000`.
+"""Segments frames for a long while and watches memory and answers: `python -m spigolo.lab.studies.soak --frames 5000`.
 
 One Segmenter for each preset sees the bundled scene, moved, darkened, with more holes and at half the size, in turn.
 Whatever it saw before, each answer must be the one that a fresh run gives, and the process must not grow: else the exit
@@ -37,8 +37,8 @@ def variants() -> list[sp.Frame]:
         frames.append(
             sp.Frame((np.roll(seen.color, 17 * k, axis=1) * (1 - 0.08 * k)).astype(np.uint8), depth, seen.camera)
         )
-    k = seen.camera
-    half = sp.Camera(k.fx / 2, k.fy / 2, k.cx / 2, k.cy / 2, k.width // 2, k.height // 2)
+    c = seen.camera
+    half = sp.Camera(c.fx / 2, c.fy / 2, c.cx / 2, c.cy / 2, c.width // 2, c.height // 2)
     frames.append(sp.Frame(seen.color[::2, ::2], seen.depth[::2, ::2], half))
     return [*frames, sp.Frame(seen.color, seen.depth, None)]
 

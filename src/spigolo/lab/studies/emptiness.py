@@ -1,7 +1,7 @@
 """Counts the objects that presets see in rendered scenes without any, and the boxes that they find in the same scenes.
 
-`python scripts/empty_scenes.py` takes the fifty scenes that the rules were made while looking at, `--first 500` as many
-that nobody had looked at; `--first 120` and `--first 300` were counted while choosing among rules.
+The default takes the fifty scenes that the rules were made on. `--first 500` takes fifty held-out scenes. `--first 120`
+and `--first 300` were counted while rules were chosen.
 """
 
 from __future__ import annotations

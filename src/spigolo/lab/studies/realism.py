@@ -1,4 +1,4 @@
-"""Figures of rendered families beside those of real frames: `python scripts/measure_realism.py FRAMES --count 24`.
+"""Figures of rendered families beside those of real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
 
 FRAMES is a folder of sets as SET/FRAME/ with rgb.png, depth.png and camera.json. Frames of one scene count once. With
 `--slant` it also prints the noise by how fast the disparity changes, with `--presets` how many objects each preset
@@ -96,9 +96,8 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
     table = {"real": real} if real else {}
     table |= {family: [np.array(noise_by_slant(s.frame)) for s in samples] for family, samples in rendered.items()}
     for name, rows in table.items():
-        print(
-            f"| {name} | {' | '.join(f'{value:.3f}' for value in np.ma.median(np.ma.masked_invalid(rows), axis=0))} |"
-        )
+        middle = np.nanmedian(np.where(np.isfinite(rows), rows, np.nan), axis=0)
+        print(f"| {name} | {' | '.join(f'{value:.3f}' for value in middle)} |")
 
 
 def noise_by_slant(frame: sp.Frame) -> list[float]:

@@ -1,7 +1,7 @@
 """The command line: typed functions become verbs. The only room that prints and exits.
 
-Exit codes: 0 done; 1 some of several frames failed; 2 the input is at fault, said in one sentence. Heavy modules are
-imported inside the verbs, so that help is there at once.
+Exit codes: 0 done; 1 some of several frames failed; 2 an error in the input, with a one-line message. Heavy modules
+are imported inside the verbs, so that help appears at once.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ DONE, SOME_FAILED, FAILED = 0, 1, 2
 
 
 def main() -> None:
-    """Entry point of `spigolo`."""
+    """Run the command line: the entry point of `spigolo`."""
     from spigolo.cli.verbs import app
 
     warnings.showwarning = _say_warning
@@ -57,10 +57,10 @@ def _flush() -> None:
 
 
 def _write_no_more() -> None:
-    """What is still to be written goes nowhere, so that the end of the process says nothing of it."""
+    """Send all further output nowhere, so that the process ends without a message about it."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """A warning as one line, without the line of source that Python adds."""
+    """Print a warning as one line, without the line of source that Python adds."""
     print(f"spigolo: warning: {message}", file=sys.stderr)

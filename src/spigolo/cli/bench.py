@@ -1,4 +1,4 @@
-"""The verb `bench`: how fast is it here."""
+"""The verb `bench`: the time and memory that a frame takes on this machine."""
 
 from __future__ import annotations
 
@@ -35,35 +35,36 @@ def bench(
     plot: Path | None = None,
     markdown: Path | None = None,
 ) -> int:
-    """Times spigolo beside other people's code, round by round: by preset, by stage, by image size; and its memory.
+    """Measure the time and memory of each preset, next to OpenCV and scikit-image.
 
-    Examples: `spigolo bench --quick`, or `spigolo bench recordings/ --latency 1000 --startup --json bench.json`. The
-    peers are OpenCV's GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and merging by a plain
-    sort and union-find. Every round runs each of them once; ratios are taken within the rounds. Close other programs.
+    Every round runs each contestant once, and ratios are taken within the rounds. The others are OpenCV's
+    GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and merging by a plain sort and
+    union-find. Close other programs first. Examples: `spigolo bench --quick`, or `spigolo bench recordings/ --latency
+    1000 --startup --json bench.json`.
 
     Parameters
     ----------
     folders
-        Folders of frames, as for `segment`. Default: the bundled scene. All but the rounds is about the first frame.
+        Folders of frames, as for `segment`. Default: the bundled scene. Only the rounds use more than the first frame.
     rounds
-        Rounds that count, after one to warm up. Default: 15, with --quick 3.
+        Number of rounds that count, after one warm-up round. Default: 15, with --quick 3.
     quick
-        Fewer rounds, sizes and frames: about a quarter of a minute.
+        Use fewer rounds, sizes and frames. Takes about 15 seconds.
     sizes
-        Image sizes that the first frame is rescaled to: `640x480,1280x960`; `none` leaves that out.
+        Image sizes to which the first frame is rescaled: `640x480,1280x960`. `none` skips this part.
     peers
-        Python interpreter that has opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python
-        below the current folder, then this interpreter. What is missing is left out.
+        Python interpreter with opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python below
+        the current folder, then this interpreter. Missing packages are skipped.
     latency
-        Segments this many frames in a row for median, 99th percentile and worst.
+        Number of frames to segment in a row for the median, the 99th percentile and the maximum.
     startup
-        Also start once with nothing compiled: about 20 s more.
+        Measure a start with no compiled kernels too. Takes about 20 seconds more.
     json
-        File for everything that was measured, raw rounds included.
+        JSON file for all measured values, with the raw rounds.
     plot
-        PNG file for time against pixels.
+        PNG file for the plot of time against pixels.
     markdown
-        File for the tables.
+        Markdown file for the tables.
 
     """
     plan = _plan(quick, rounds, sizes, latency, startup)
@@ -117,7 +118,7 @@ def _sizes(text: str) -> tuple[Size, ...]:
 
 
 def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
-    """The frames by name."""
+    """Return the frames by name."""
     from spigolo.frames import files as io
 
     found = find_frames(folders or [str(DEMO_SCENE)])
@@ -129,7 +130,7 @@ def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
 
 @contextmanager
 def _progress() -> Iterator[Tell]:
-    """A bar on the error stream, drawn between the runs alone: a thread that redraws it would be timed as well."""
+    """Draw a progress bar between the runs only: a thread that redraws it would be timed too."""
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
     columns = (TimeElapsedColumn(), BarColumn(), TextColumn("{task.description}"))

@@ -1,4 +1,4 @@
-"""The verb that sets methods side by side: compare."""
+"""The verb that puts methods side by side: compare."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def compare(
     methods: Many = (),
     out: Out = Path("spigolo-compare.png"),
 ) -> int:
-    """Draws every method's regions of a frame beside ours, with objects and time: the paper's last figure.
+    """Draw the regions of every method for one frame, with its objects and its time.
 
     Example: `spigolo compare rgb.png depth.png --camera camera.json --methods rao2010 felzenszwalb2004`.
 
@@ -26,11 +26,11 @@ def compare(
     inputs
         Colour and depth image, or a folder with them. Default: the bundled scene.
     camera
-        Intrinsics, as for segment.
+        Intrinsics, as for `segment`.
     depth_scale
-        Metres per unit of the depth image. Default: that of the camera file.
+        Metres per unit of the depth image. Default: the value in the camera file.
     methods
-        Which methods stand beside ours. Default: all.
+        Methods to compare with toscana2016. Default: all.
     out
         PNG file for the picture, or a folder for compare.png.
 

@@ -1,4 +1,4 @@
-"""The verbs of data sets: datasets lists those that are known, fetch brings one."""
+"""The verbs of data sets: datasets lists the known ones, fetch downloads one."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from spigolo.cli.progress import progress
 
 
 def datasets() -> int:
-    """Lists the data sets that are known: name, size, licence, where they are published.
+    """List the known data sets: name, size, licence and address.
 
-    Other folders in one of their layouts are read as well, and so are your own frames. `spigolo fetch` brings those
-    marked with an asterisk. Example: `spigolo evaluate rgbd-scenes/ --presets TABLE`.
+    `spigolo fetch` downloads those marked with an asterisk. Other folders in the same layouts are read too.
+    Example: `spigolo evaluate rgbd-scenes/ --presets TABLE`.
     """
     from spigolo.lab.datasets.catalogue import KNOWN_SETS
 
@@ -23,16 +23,16 @@ def datasets() -> int:
 
 
 def fetch(name: str, *, to: Path = Path()) -> int:
-    """Fetches a data set, verifies it and unpacks it; a run that was cut off goes on.
+    """Download a data set, verify it and unpack it. An interrupted run continues.
 
     Example: `spigolo fetch ruapc --to data/`, then `spigolo evaluate data/ruapc`.
 
     Parameters
     ----------
     name
-        One that `spigolo datasets` marks with an asterisk. Of the others no hash is known: it says where they are.
+        Data set that `spigolo datasets` marks with an asterisk. For the others, the address is printed.
     to
-        The folder that will hold the folder of the set.
+        Folder in which the folder of the data set is created.
 
     """
     from rich.progress import DownloadColumn, TaskID, TextColumn, TransferSpeedColumn

@@ -29,28 +29,28 @@ def evaluate(
     jobs: Jobs = 1,
     out: Out = Path("rows.jsonl"),
 ) -> int:
-    """Runs methods on labelled frames and writes a row of JSON for each: scores, time, rejected regions.
+    """Run methods on labelled frames and write one row of scores and times for each.
 
-    Rows that the file holds already are not made again, so that a run that was cut off goes on. `spigolo report` makes
-    a page of the rows. Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
+    An interrupted run continues: rows that the file holds already are not computed again. `spigolo report` makes a page
+    of the rows. Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
 
     Parameters
     ----------
     frames
-        Folders, before any flag: data sets as they are published (`spigolo datasets` lists them), or your own: roots of
-        sets, sets or single frames, as SET/FRAME/ with rgb.png, depth.png, camera.json and label.png (0 = background,
-        1..N = objects, 255 = ignore; absent: time and counts alone). Any field of the presets is a flag as well:
+        Folders, before any flag. Published data sets are read as they are (`spigolo datasets` lists them). Your own
+        frames lie in SET/FRAME/ with rgb.png, depth.png, camera.json and label.png (0 = background, 1..N = objects, 255
+        = ignored). Without label.png, only times and counts are measured. Any field of the presets is a flag too:
         `--partition.gamma 0.004`.
     methods
-        Methods by name; toscana2016 is this one, felzenszwalb2004, rao2010, abramov2012, mishra2012 are others.
+        Methods by name: toscana2016, felzenszwalb2004, rao2010, abramov2012, mishra2012.
     presets
         Presets of toscana2016, by name or as TOML files.
     full
-        Sets on which every object is labelled, as patterns: on others precision means nothing. Some say it themselves.
+        Patterns of data sets in which every object is labelled. Precision means something only for these.
     jobs
-        Worker processes.
+        Number of worker processes.
     out
-        File of rows, to which new ones are appended.
+        File of rows. New rows are appended.
 
     """
     words, flags = split_flags(frames)
@@ -90,9 +90,9 @@ def report(
     paper: Annotated[bool, Parameter(negative=())] = False,
     out: Out = Path("spigolo-report"),
 ) -> int:
-    """Makes a page of rows: accuracy beside time, differences, the worst frames, limitations.
+    """Make a page of rows: accuracy next to time, differences, worst frames, limitations.
 
-    Files that hold the same frames and parameters, as before and after a change of the code, are compared preset by
+    Files with the same frames and parameters, such as before and after a change of the code, are compared preset by
     preset.
     Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`, or
     `spigolo report rows.jsonl --paper`.
@@ -102,12 +102,12 @@ def report(
     rows
         Files that `spigolo evaluate` wrote, before any flag.
     frames
-        Folders of the frames, as for `evaluate`: pictures of the worst frames are drawn from them.
+        Folders of the frames, as for `evaluate`. Pictures of the worst frames are drawn from them.
     against
-        What differences are to: a label of the page, preset, digest or a file. Default: what comes first.
+        Reference of the differences: a label of the page, a preset, a digest or a file. Default: the first one.
     paper
-        Make the paper's Tables I, II and III instead, printed beside measured, of those of its data sets, or of their
-        rendered stand-ins, that the rows hold.
+        Make the paper's Tables I, II and III instead, with printed and measured values. The rows must come from its
+        data sets or their rendered stand-ins.
     out
         Folder for index.html, report.md and the pictures.
 
@@ -146,7 +146,7 @@ def _report_paper(contenders: list[Contender], out: Path) -> int:
 
 
 def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
-    """Raises ConfigError for fields of a preset where no method has one."""
+    """Raise ConfigError for fields of a preset if no method has one."""
     if flags and "toscana2016" not in methods:
         raise ConfigError(
             f"expected --{next(iter(flags)).replace('_', '-')} with toscana2016, whose presets have it, got"

@@ -15,18 +15,18 @@ if TYPE_CHECKING:
 def figures(
     *inputs: str, camera: str | None = None, depth_scale: float | None = None, out: Out = Path("spigolo-figures")
 ) -> int:
-    """Draws the paper's Figures 2 to 5 from your own frames: smoothing, saliency, edges, objects.
+    """Draw the paper's Figures 2 to 5 from your own frames: smoothing, saliency, edges, objects.
 
-    Example: `spigolo figures rgb.png depth.png --camera camera.json`. Figures 2 to 4 show the first frame.
+    Figures 2 to 4 show the first frame. Example: `spigolo figures rgb.png depth.png --camera camera.json`.
 
     Parameters
     ----------
     inputs
-        Colour and depth image, or folders, as for segment. Default: the bundled scene.
+        Colour and depth image, or folders, as for `segment`. Default: the bundled scene.
     camera
-        Intrinsics, as for segment.
+        Intrinsics, as for `segment`.
     depth_scale
-        Metres per unit of the depth image. Default: that of the camera file.
+        Metres per unit of the depth image. Default: the value in the camera file.
     out
         Folder for figure2.png to figure5.png.
 
@@ -51,7 +51,7 @@ def figures(
 
 
 def read_all(inputs: tuple[str, ...], camera: str | None, depth_scale: float | None) -> dict[str, Frame]:
-    """The frames by name."""
+    """Return the frames by name."""
     from spigolo.frames import files as io
 
     words = list(inputs) or [str(DEMO_SCENE)]

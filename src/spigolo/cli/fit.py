@@ -26,31 +26,31 @@ def fit(
     jobs: Jobs = 1,
     out: Out = Path("spigolo-fit"),
 ) -> int:
-    """Fits a preset to labelled frames of your own: some twenty will do.
+    """Fit a preset to about twenty labelled frames of your own.
 
-    Draws settings at random, tries each on all frames, and writes the best one as a TOML file that every command takes,
-    with a report of what it is worth on frames that had no say in it. A run that was cut off goes on; more trials can
-    be added. Example: `spigolo fit frames/ --preset TABLE --out fit`.
+    Settings are drawn at random and each is tried on all frames. The best one is written as a TOML file that every verb
+    takes. The report gives its scores on held-out frames. An interrupted run continues, and more trials can be added.
+    Example: `spigolo fit frames/ --preset TABLE --out fit`.
 
     Parameters
     ----------
     frames
-        Folders of labelled frames, before any flag, as for `evaluate`; frames without labels are left out. Any field of
-        the preset is a flag as well.
+        Folders of labelled frames, before any flag, as for `evaluate`. Frames without labels are skipped. Any field of
+        the preset is a flag too.
     preset
-        Preset of toscana2016 to start from, by name or as TOML file.
+        Preset of toscana2016 to start from, by name or as a TOML file.
     method
-        Method to fit; others than toscana2016 start from their own parameters.
+        Method to fit. All but toscana2016 start from their own parameters.
     trials
-        Settings to try. A trial takes as long as segmenting all frames once.
+        Number of settings to try. A trial takes as long as one segmentation of all frames.
     folds
-        How often some frames are left out to score the others' choice on them.
+        Number of folds of the cross-validation.
     seed
-        What is drawn, and which frames share a fold, depends on it.
+        Seed of the random settings and of the folds.
     full
-        Sets on which every object is labelled, as patterns: on others an object too many costs nothing.
+        Patterns of data sets in which every object is labelled. Only in these do false objects lower the score.
     jobs
-        Worker processes.
+        Number of worker processes.
     out
         Folder for the preset, report.md and trials.jsonl.
 

@@ -1,4 +1,4 @@
-"""What stands on the command line: files and folders become frames, dotted flags become fields of the preset."""
+"""The inputs of the command line: files and folders become frames, dotted flags become fields of the preset."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Jobs = Annotated[int, Parameter(alias="-j")]
 
 @dataclass(frozen=True, slots=True)
 class FramePaths:
-    """Where a frame lies. camera: a file found beside it, or None."""
+    """The files of a frame. camera: a file found next to the images, or None."""
 
     name: str
     color: Path
@@ -41,7 +41,7 @@ class FramePaths:
 
 
 def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    """Separates inputs from dotted flags: `--partition.gamma 0.004` or `--partition.gamma=0.004`."""
+    """Separate inputs from dotted flags: `--partition.gamma 0.004` or `--partition.gamma=0.004`."""
     inputs: list[str] = []
     flags: dict[str, str] = {}
     rest = iter(words)
@@ -59,7 +59,7 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
-    """The preset with the fields that flags change, each checked by its type. verb: whose own flags may be meant."""
+    """Return the preset with the fields that flags change. verb: its own flags are suggested for a typing error."""
     from spigolo.settings.presets import preset as find
 
     config = find(preset)
@@ -82,12 +82,12 @@ def _own_flags(verb: Callable[..., int] | None) -> list[str]:
 
 
 def field_names(config: Config) -> dict[str, str]:
-    """Dotted name and meaning of every field that the preset can have, from the types of the configuration."""
+    """Return the dotted name and the meaning of every field that a preset can have."""
     return dict(_walk(config, ""))
 
 
 def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
-    """Fields of a model or of a model's class; of an unset stage, those that setting one of them would create."""
+    """Yield the fields of a model or a model's class. For an unset stage, yield those that setting one would create."""
     from pydantic import BaseModel
 
     kind: type[BaseModel] = model if isinstance(model, type) else type(model)
@@ -99,13 +99,13 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
         if inner is not None:
             yield from _walk(inner, f"{prefix}{name}.")
             if type(None) in candidates:
-                yield f"{prefix}{name}", "none switches it off"
+                yield f"{prefix}{name}", "`none` switches it off."
         elif name not in ("name", "kind"):
             yield f"{prefix}{name}", " ".join((field.description or "").split())
 
 
 def _scalar(text: str) -> Any:
-    """A value as TOML would read it, `1,2` is several; anything else is text."""
+    """Return a value as TOML would read it. `1,2` is a list. Anything else is text."""
     if "," in text:
         return [_scalar(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]
     if text.lower() == "none":
@@ -121,11 +121,11 @@ def _scalar(text: str) -> Any:
 
 
 def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
-    """The frames that files and folders name.
+    """Return the frames that files and folders name.
 
-    Two files are a frame, colour first; more files are pairs. A folder is a frame if it holds a colour and a depth
-    image (rgb.png and depth.png), else its subfolders are, or the equally named files of its folders rgb/ and depth/.
-    No two have one name.
+    Two files are a frame, colour first. More files are pairs. A folder is a frame if it holds a colour and a depth
+    image (rgb.png and depth.png). Otherwise its subfolders are frames, or the equally named files of its folders rgb/
+    and depth/. Every frame gets a name of its own.
     """
     paths = [Path(word) for word in inputs]
     if not paths:
@@ -144,14 +144,14 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
 
 
 def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
-    """The one that there is; raises FileError where there are others."""
+    """Return the only frame. Raises FileError if there are none or several."""
     if len(frames) != 1:
         raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
     return frames[0]
 
 
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
-    """Frames of equal name get that of the folder around them before it, and a number where that is not enough."""
+    """Put the name of the folder before equal frame names, and a number after them if that is not enough."""
     count = Counter(frame.name for frame in frames)
     taken, apart = {name for name in count if count[name] == 1}, []
     for frame in frames:
@@ -165,7 +165,7 @@ def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
 
 
 def _around(frame: FramePaths) -> str:
-    """Name of the folder that holds a frame, or the folder of its colour images."""
+    """Return the name of the folder that holds a frame, or holds the folder of its colour images."""
     folder = frame.color.resolve().parent
     return folder.parent.name if folder.name in (frame.name, *COLOR_NAMES) else folder.name
 
@@ -206,7 +206,7 @@ def _paired(folder: Path) -> list[FramePaths]:
 
 
 def _warn_of_single(images: Sequence[Path], lack: str) -> None:
-    """Says which images are left out for want of the other one."""
+    """Warn of images that are skipped because their partner is missing."""
     if images:
         named = ", ".join(str(image) for image in images[:3]) + (", ..." if len(images) > 3 else "")
         warn(f"{len(images)} {lack} of their name: {named}")

@@ -17,24 +17,26 @@ def render(
     layout: str = "folders",
     out: Out = Path("spigolo-rendered"),
 ) -> int:
-    """Renders household scenes with exact masks and poses, as a structured-light camera would record them.
+    """Render household scenes with exact masks and poses, as a structured-light camera would record them.
 
     Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`; or
-    `spigolo render shelf --count 72 --layout original --out stand-ins`. It needs the extra `synthetic`.
+    `spigolo render shelf --count 72 --layout original --out stand-ins`. Requires the extra `synthetic`.
 
     Parameters
     ----------
     family
-        shelf: products in a bin, in little light, as the Rutgers APC set. table: table-tops of several categories, as
-        RGB-D Scenes. multi: three instances of one object among clutter, as the set of Tejani et al.
+        Family of scenes. shelf: products in a bin in low light, as in the Rutgers APC data set. table: table-tops with
+        several categories, as in RGB-D Scenes. multi: three instances of one object in clutter, as in the data set of
+        Tejani et al.
     count
-        Frames. The family's scenes have their turns.
+        Number of frames. The scenes of the family alternate.
     seed
-        Equal seeds give equal frames.
+        Seed of the scenes. Equal seeds give equal frames.
     layout
-        folders: one folder a frame. bop: that of the BOP challenge. original: that of the set it stands in for.
+        Layout of the files. folders: one folder for each frame. bop: the layout of the BOP challenge. original: the
+        layout of the data set that the frames stand in for.
     out
-        Folder for them. `rendered.json` in it says that they are no photographs.
+        Output folder. Its file `rendered.json` marks the frames as rendered.
 
     """
     from spigolo.lab.synthetic.layouts import write_family

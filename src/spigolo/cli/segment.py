@@ -34,7 +34,7 @@ def segment(
     max_pixels: int = MAX_PIXELS,
     out: Out = Path("spigolo-out"),
 ) -> int:
-    """Segments frames and writes labels.png, objects.json and overlay.png of each.
+    """Segment frames and write labels.png, objects.json and overlay.png for each.
 
     Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
     kinect-v1 --preset TABLE --partition.gamma 0.004`.
@@ -42,29 +42,29 @@ def segment(
     Parameters
     ----------
     inputs
-        Colour and depth image of one size, or several such pairs, or folders: with rgb.png and depth.png, with
-        subfolders that have them, or with folders rgb/ and depth/ of equally named files. Any field of the preset is a
-        flag as well: `--partition.gamma 0.004`; `spigolo presets OBJECTS` lists them.
+        Colour image and depth image of one size, several such pairs, or folders. A folder holds rgb.png and depth.png,
+        subfolders with these, or the folders rgb/ and depth/ with equally named files. Any field of the preset is a
+        flag too: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
-        Intrinsics: a JSON file (fx, fy, cx, cy, width, height, depth_scale), a YAML file of ROS CameraInfo, a
-        camera's name such as kinect-v1, or a guess such as 60deg, the horizontal field of view. Default: camera.json
-        beside the images; without one, what needs no 3-D works.
+        Intrinsics: a JSON file (fx, fy, cx, cy, width, height, depth_scale), a YAML file of ROS CameraInfo, a camera
+        name such as kinect-v1, or a guess of the horizontal field of view such as 60deg. Default: camera.json next to
+        the images. Without intrinsics, results in metres are left out.
     preset
-        OBJECTS for your own data; SHELF, TABLE or CLUTTER for the paper's; or a TOML file.
+        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's, or a TOML file.
     depth_scale
-        Metres per unit of the depth image: 0.001 for millimetres. Default: that of the camera file.
+        Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
     roi
-        Region of interest in pixels: first row, first column, row and column after the last.
+        Region of interest in pixels: first row, first column, last row + 1, last column + 1.
     roi_mask
-        Region of interest as an image: everything but black is inside.
+        Region of interest as an image. All pixels that are not black are inside.
     roi_box
-        Region of interest in metres, in the camera's frame (X right, Y down, Z forward): low X Y Z, high X Y Z.
+        Region of interest in metres in the camera's frame (X right, Y down, Z forward): low X Y Z, high X Y Z.
     check
-        Warn of what `spigolo doctor` warns of.
+        Print the warnings of `spigolo doctor` for each frame.
     max_pixels
-        Larger images are refused; raise it if the memory suffices (about 100 bytes a pixel).
+        Maximum number of pixels of an image. A larger limit requires more memory, about 100 bytes for each pixel.
     out
-        Folder for the results. Of several frames each gets a folder of its own in it.
+        Output folder. With several frames, each gets its own folder inside.
 
     """
     words, flags = split_flags(inputs)
@@ -108,24 +108,26 @@ def trace(
     max_pixels: int = MAX_PIXELS,
     out: Out = Path("spigolo-trace"),
 ) -> int:
-    """Draws what each stage makes of a frame: the seven panels of the paper's Figure 1 in trace.png.
+    """Draw the result of each stage for a frame in trace.png: the seven panels of the paper's Figure 1.
+
+    Example: `spigolo trace rgb.png depth.png --camera camera.json --stages`.
 
     Parameters
     ----------
     inputs
-        Colour and depth image, or a folder with rgb.png and depth.png; and fields of the preset as flags.
+        Colour and depth image, or a folder with rgb.png and depth.png. Fields of the preset are flags too.
     camera
         Intrinsics, as for `segment`.
     preset
         Preset, as for `segment`.
     depth_scale
-        Metres per unit of the depth image.
+        Metres per unit of the depth image. Default: the value in the camera file.
     stages
-        Also write each stage's array to stages/NAME.npy.
+        Write the array of each stage to stages/NAME.npy too.
     max_pixels
-        Larger images are refused; raise it if the memory suffices.
+        Maximum number of pixels of an image. A larger limit requires more memory.
     out
-        Folder for the results.
+        Output folder.
 
     """
     words, flags = split_flags(inputs)
@@ -150,9 +152,9 @@ def trace(
 def doctor(
     *inputs: str, camera: str | None = None, depth_scale: float | None = None, max_pixels: int = MAX_PIXELS
 ) -> int:
-    """Says what is wrong with a frame: units, alignment, intrinsics, missing depth; and which cost function fits.
+    """Check a frame: units, alignment, intrinsics, missing depth, and which cost function fits.
 
-    Exit code 1 when there is a warning.
+    Exit code 1 if there is a warning. Example: `spigolo doctor rgb.png depth.png --camera camera.json`.
 
     Parameters
     ----------
@@ -161,9 +163,9 @@ def doctor(
     camera
         Intrinsics, as for `segment`.
     depth_scale
-        Metres per unit of the depth image: 0.001 for millimetres.
+        Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
     max_pixels
-        Larger images are refused; raise it if the memory suffices.
+        Maximum number of pixels of an image. A larger limit requires more memory.
 
     """
     paths = only_frame(find_frames(inputs))

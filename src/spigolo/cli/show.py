@@ -1,4 +1,4 @@
-"""What the verbs print and write."""
+"""The output of the verbs: tables, messages and files."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ MOST_REJECTED = 10
 
 
 def progress(frames: list[FramePaths], what: str) -> Iterable[FramePaths]:
-    """The frames with a bar on the error stream while they are worked on."""
+    """Return the frames, with a progress bar on the error stream."""
     return track(frames, description=what, console=Console(stderr=True), disable=not sys.stderr.isatty())
 
 
 def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
-    """labels.png, objects.json and overlay.png in the folder `out`; undistorted.png where a camera has distortion."""
+    """Write labels.png, objects.json and overlay.png, and undistorted.png if the camera has distortion."""
     picture = result.overlay()
     io.write_png(out / "labels.png", result.labels.astype(np.uint16))
     io.write_json(out / "objects.json", result.to_dict())
@@ -42,14 +42,14 @@ def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
 
 
 def write_array(path: Path, array: npt.NDArray[np.generic]) -> None:
-    """An array as .npy file, written at once."""
+    """Write an array as a .npy file. The file appears only when it is complete."""
     buffer = BytesIO()
     np.save(buffer, array)
     io.write_bytes(path, buffer.getvalue())
 
 
 def print_result(result: Segmentation, out: Path) -> None:
-    """A row an object, the rejected regions with their reasons, and where the files are."""
+    """Print one row for each object, the rejected regions with their reasons, and the written files."""
     table = Table("object", "score", "pixels", "centroid x, y, z (m)", "size (m)", "missing depth", box=None)
     for o in result:
         box = o.oriented_box()
@@ -70,7 +70,7 @@ def print_result(result: Segmentation, out: Path) -> None:
 
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """A line a finding, warnings marked, and the advice."""
+    """Print one line for each finding. Warnings are marked."""
     marks = {"ok": "[green]ok     [/]", "note": "[cyan]note   [/]", "warning": "[bold red]warning[/]"}
     console = Console(highlight=False, soft_wrap=True)
     for finding in diagnosis.findings:
@@ -78,6 +78,6 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 
 
 def warn_of(diagnosis: Diagnosis, name: str) -> None:
-    """The warnings of a frame, on the error stream."""
+    """Print the warnings of a frame on the error stream."""
     for finding in diagnosis.warnings:
         print(f"spigolo: warning: {name}: {finding.sentence}", file=sys.stderr)

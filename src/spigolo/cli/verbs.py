@@ -1,4 +1,4 @@
-"""The verbs presets, warmup and demo, and the list of all."""
+"""The verbs presets, warmup and demo, and the list of all verbs."""
 
 from __future__ import annotations
 
@@ -27,34 +27,38 @@ if TYPE_CHECKING:
 app = cyclopts.App(
     name="spigolo",
     version=__version__,
-    help="Finds the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.",
-    help_epilogue="Begin with `spigolo demo`; then `spigolo doctor` on a frame of your own, then `spigolo segment`.",
+    help="Find the objects in an RGB-D frame for a robot that wants to grasp them. No learning, no GPU.",
+    help_epilogue="Start with `spigolo demo`. Then run `spigolo doctor` and `spigolo segment` on a frame of your own.",
     suppress_keyboard_interrupt=False,
 )
-app.command(segment)
-app.command(trace)
-app.command(doctor)
-app.command(evaluate)
-app.command(report)
-app.command(fit)
-app.command(figures)
-app.command(compare)
-app.command(datasets)
-app.command(fetch)
-app.command(render)
-app.command(bench)
+USING, MEASURING = cyclopts.Group("Using", sort_key=1), cyclopts.Group("Measuring", sort_key=2)
+app["--help"].group = app["--version"].group = cyclopts.Group("About", sort_key=3)
+app.command(segment, group=USING, sort_key=1)
+app.command(trace, group=USING, sort_key=2)
+app.command(doctor, group=USING, sort_key=3)
+app.command(evaluate, group=MEASURING, sort_key=1)
+app.command(report, group=MEASURING, sort_key=2)
+app.command(fit, group=MEASURING, sort_key=3)
+app.command(datasets, group=MEASURING, sort_key=4)
+app.command(fetch, group=MEASURING, sort_key=5)
+app.command(render, group=MEASURING, sort_key=6)
+app.command(bench, group=MEASURING, sort_key=7)
+app.command(figures, group=MEASURING, sort_key=8)
+app.command(compare, group=MEASURING, sort_key=9)
 
 
-@app.command
+@app.command(group=USING, sort_key=4)
 def presets(name: str | None = None, *, toml: bool = False) -> int:
-    """Lists the presets; with a name, every field of one with its value and meaning.
+    """List the presets, or every field of one preset with its value and meaning.
+
+    Any field is a flag of `spigolo segment`, `trace`, `evaluate` and `fit`.
 
     Parameters
     ----------
     name
-        OBJECTS, SHELF, TABLE, CLUTTER or a TOML file.
+        Preset to show: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file.
     toml
-        Print the preset as TOML, to be changed and given to `--preset`.
+        Print the preset as a TOML file. Edit the file and pass it to `--preset`.
 
     """
     from spigolo.settings.presets import PRESETS, SUMMARIES
@@ -74,9 +78,12 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
     return DONE
 
 
-@app.command
+@app.command(group=USING, sort_key=6)
 def warmup() -> int:
-    """Compiles the kernels now, so that the first frame does not wait: for images of containers and robots."""
+    """Compile the kernels now, so that the first frame does not wait.
+
+    Run it once when you build a container or set up a robot.
+    """
     import time
 
     start = time.perf_counter()
@@ -87,14 +94,14 @@ def warmup() -> int:
     return DONE
 
 
-@app.command
+@app.command(group=USING, sort_key=5)
 def demo(*, out: Out = Path("spigolo-demo")) -> int:
-    """Segments the bundled scene and draws what happened: colour, depth, boundaries, objects with their boxes.
+    """Segment the bundled scene and draw colour, depth, boundaries and objects with their boxes.
 
     Parameters
     ----------
     out
-        Folder for the results; demo.png is the picture to look at.
+        Output folder. The picture is demo.png.
 
     """
     from spigolo import pipeline

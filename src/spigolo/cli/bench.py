@@ -152,11 +152,11 @@ def _print(report: Report) -> None:
 
     console = Console(highlight=False, markup=False, width=None if sys.stdout.isatty() else 120)
     for table in tables(report):
-        drawn = Table(box=SIMPLE_HEAD, show_header=any(table.header))
-        for k, (name, side) in enumerate(zip(table.header, table.sides, strict=True)):
+        drawn = Table(box=SIMPLE_HEAD, show_header=any(table.head))
+        for k, (name, side) in enumerate(zip(table.head, table.sides, strict=True)):
             drawn.add_column(name, justify=side, overflow="fold", no_wrap=k == 0)
         for row in table.rows:
-            drawn.add_row(*row)
+            drawn.add_row(*(cell.text for cell in row))
         console.print(table.title, style="bold")
         console.print(drawn)
         if table.note:

@@ -14,6 +14,7 @@ import importlib.util
 import logging
 import os
 import pkgutil
+import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable
@@ -26,9 +27,8 @@ from numba.core import cgutils, types
 from numba.core.caching import FunctionCache, _CacheLocator
 from numba.extending import intrinsic
 
-from spigolo import __version__
-
 PACKAGE = __name__.rpartition(".")[0]
+VERSION = str(sys.modules[__name__.partition(".")[0]].__version__)
 ADVICE = "set SPIGOLO_CACHE_DIR to a folder that can be written"
 
 
@@ -59,7 +59,7 @@ CAN_WRITE = _can_write(CACHE_FOLDER)
 @functools.cache
 def module_key(name: str) -> str:
     """Return 16 hexadecimal digits that change with a kernel module, those that it imports, and the versions."""
-    digest = hashlib.sha256(f"{numba.__version__} {__version__}".encode())
+    digest = hashlib.sha256(f"{numba.__version__} {VERSION}".encode())
     content, imported = _content(name)
     digest.update(content)
     for other in sorted(imported):

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from spigolo.lab.bench.report import QUICK, Plan, Report, bench
 from spigolo.lab.bench.scaling import SIZES, Size
-from spigolo.lab.bench.tables import Table, markdown, tables
+from spigolo.lab.bench.tables import markdown, tables
+from spigolo.lab.page import Table
 
 __all__ = ["QUICK", "SIZES", "Plan", "Report", "Size", "Table", "bench", "markdown", "tables"]

@@ -3,33 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from statistics import median
-from typing import Literal
 
 from spigolo.lab.bench.contestants import CONFIGS
 from spigolo.lab.bench.figures import PowerLaw, summarise
 from spigolo.lab.bench.report import MAIN, Contest, Report
 from spigolo.lab.bench.stages import PARTS, STAGES
+from spigolo.lab.page import Page, Table, cells, to_markdown
 
 Row = tuple[str, ...]
 PAIRED = "CPU time; median of the ratios within each round."
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Cells by row, the names of the columns, and which columns are text; the others are figures."""
-
-    title: str
-    header: Row
-    rows: Sequence[Row]
-    note: str = ""
-    text: int = 1
-
-    @property
-    def sides(self) -> list[Literal["left", "right"]]:
-        """How each column is aligned."""
-        return ["left" if k < self.text else "right" for k in range(len(self.header))]
 
 
 def tables(report: Report) -> Iterator[Table]:
@@ -58,7 +41,7 @@ def machine_table(report: Report) -> Table:
         ("versions", _versions(machine.versions)),
         *((f"peers in {python}", _versions(versions)) for python, versions in report.peers.items()),
     ]
-    return Table("Machine", ("", ""), rows, "\n".join(report.missing), text=2)
+    return _table("Machine", ("", ""), rows, "\n".join(report.missing), text=2)
 
 
 def times_table(contest: Contest) -> Table:
@@ -69,7 +52,7 @@ def times_table(contest: Contest) -> Table:
     ]
     header = ("ms", "CPU, median", "CPU, least", "wall, median", "wall, least")
     rounds = len(next(iter(contest.samples.values())))
-    return Table(f"{_title(contest)}, one thread, {rounds} rounds", header, rows)
+    return _table(f"{_title(contest)}, one thread, {rounds} rounds", header, rows)
 
 
 def ratio_table(contest: Contest) -> Table:
@@ -77,7 +60,7 @@ def ratio_table(contest: Contest) -> Table:
     ratios = {(pair.ours, pair.peer): pair.ratio for pair in contest.comparisons if pair.ours in CONFIGS}
     peers = list(dict.fromkeys(peer for _, peer in ratios))
     rows = [(name, *(f"{ratios[name, peer]:.2f}" for peer in peers)) for name in CONFIGS]
-    return Table(f"{_title(contest)}: how many times our time they take", ("ours", *peers), rows, PAIRED)
+    return _table(f"{_title(contest)}: how many times our time they take", ("ours", *peers), rows, PAIRED)
 
 
 def overall_table(contests: Sequence[Contest]) -> Table:
@@ -87,14 +70,14 @@ def overall_table(contests: Sequence[Contest]) -> Table:
         ratios.setdefault((pair.ours, pair.peer), []).append(pair.ratio)
     rows = [(*pair, f"{median(r):.2f}", f"{min(r):.2f}", f"{max(r):.2f}") for pair, r in ratios.items()]
     header = ("ours", "theirs", "how many times our time, median", "least", "most")
-    return Table(f"All {len(contests)} frames", header, rows, "Over the frames, of each frame's ratio.", text=2)
+    return _table(f"All {len(contests)} frames", header, rows, "Over the frames, of each frame's ratio.", text=2)
 
 
 def parts_table(contest: Contest) -> Table:
     """The parts of ours that others have as well."""
     rows = [(pair.ours, pair.peer, f"{pair.ratio:.2f}") for pair in contest.comparisons if pair.ours not in CONFIGS]
     title = f"{_title(contest)}: parts"
-    return Table(title, ("ours", "theirs", "how many times our time"), rows, PAIRED, text=2)
+    return _table(title, ("ours", "theirs", "how many times our time"), rows, PAIRED, text=2)
 
 
 def growth_table(report: Report) -> Table:
@@ -115,7 +98,7 @@ def growth_table(report: Report) -> Table:
         f"{report.contests[0].frame} rescaled. Behind an exponent: root mean square distance of the times from the fit."
         " Last column: time per pixel at 1920x1080 relative to 640x480."
     )
-    return Table("Time against pixels", header, rows, note)
+    return _table("Time against pixels", header, rows, note)
 
 
 def stage_table(report: Report) -> Table:
@@ -127,7 +110,7 @@ def stage_table(report: Report) -> Table:
         label = f"  of these: {stage.removeprefix(f'{PARTS[stage]}: ')}" if stage in PARTS else stage
         rows.append((label, *("-" if t is None else _ms(summarise(t).cpu_ms) for t in taken)))
     sums = [sum(summarise(t).cpu_ms for stage, t in report.stages[name].items() if stage in STAGES) for name in names]
-    return Table("Time by stage", ("CPU ms, median", *names), [*rows, ("sum of stages", *map(_ms, sums))])
+    return _table("Time by stage", ("CPU ms, median", *names), [*rows, ("sum of stages", *map(_ms, sums))])
 
 
 def memory_table(report: Report) -> Table:
@@ -138,7 +121,7 @@ def memory_table(report: Report) -> Table:
         figures = (m.workspace, m.frame, m.answer, m.workspace + m.frame - m.answer)
         rows.append((name, *(f"{figure:.0f}" for figure in figures)))
     header = ("bytes a pixel", "workspace, kept", "a frame's peak, on top", "the answer's part of it", "without that")
-    return Table("Memory", header, rows, "Temporaries inside OpenCV's functions are not seen.")
+    return _table("Memory", header, rows, "Temporaries inside OpenCV's functions are not seen.")
 
 
 def rest_table(report: Report) -> Table:
@@ -155,18 +138,16 @@ def rest_table(report: Report) -> Table:
     rows.append(("a new process to its first labels", f"{s.warm_s:.2f} s, {s.opencv_s:.2f} s of it import cv2"))
     if s.cold_s is not None:
         rows.append(("the same, nothing compiled yet", f"{s.cold_s:.1f} s"))
-    return Table(f"Throughput, latency, start-up ({MAIN})", ("wall time", ""), rows, text=2)
+    return _table(f"Throughput, latency, start-up ({MAIN})", ("wall time", ""), rows, text=2)
 
 
 def markdown(report: Report) -> str:
-    """All tables as Markdown."""
-    return "\n".join(_markdown(table) for table in tables(report))
+    """Return all tables as Markdown."""
+    return to_markdown(Page("Benchmark", list(tables(report))))
 
 
-def _markdown(table: Table) -> str:
-    rule = ["---" if side == "left" else "---:" for side in table.sides]
-    lines = ["| " + " | ".join(row) + " |" for row in (table.header, rule, *table.rows)]
-    return "\n".join([f"## {table.title}", "", *lines, "", *([table.note, ""] if table.note else [])])
+def _table(title: str, head: Row, rows: Sequence[Row], note: str = "", text: int = 1) -> Table:
+    return Table(head, cells(rows), text, title, note)
 
 
 def _title(contest: Contest) -> str:

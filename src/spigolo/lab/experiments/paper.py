@@ -13,8 +13,8 @@ from spigolo.frames.files import write_bytes
 from spigolo.lab.evaluation.measures import FOUND_SHARE
 from spigolo.lab.evaluation.rows import Row
 from spigolo.lab.experiments.contenders import Contender
-from spigolo.lab.experiments.page import Block, Cell, Heading, Items, Page, Paragraph, Table, to_html, to_markdown
 from spigolo.lab.experiments.printed import TABLES, Place, Printed
+from spigolo.lab.page import Block, Cell, Heading, Items, Page, Paragraph, Table, to_html, to_markdown
 from spigolo.settings.presets import PRESETS
 
 RENDERED = "-rendered"

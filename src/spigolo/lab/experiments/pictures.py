@@ -16,7 +16,7 @@ from spigolo.lab.evaluation.measures import FOUND_SHARE
 from spigolo.lab.evaluation.rows import Row, RowScore, score_row
 from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.experiments.methods import remake
-from spigolo.lab.experiments.page import Picture
+from spigolo.lab.page import Picture
 from spigolo.methods import Method
 from spigolo.objects.segmentation import Segmentation
 from spigolo.view.overlay import tile

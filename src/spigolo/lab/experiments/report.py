@@ -11,9 +11,9 @@ from spigolo.lab.evaluation.resampling import DRAWS, SEED
 from spigolo.lab.evaluation.rows import Row
 from spigolo.lab.experiments.contenders import Contender, find_references, pair_up
 from spigolo.lab.experiments.limitations import limitations
-from spigolo.lab.experiments.page import Block, Gallery, Heading, Items, Page, Paragraph, to_html, to_markdown
 from spigolo.lab.experiments.pictures import Tell, draw_worst
 from spigolo.lab.experiments.tables import FEW_GROUPS, change_table, pooled_table, rejection_table, set_table
+from spigolo.lab.page import Block, Gallery, Heading, Items, Page, Paragraph, to_html, to_markdown
 from spigolo.methods import METHODS
 
 HTML, MARKDOWN = "index.html", "report.md"

@@ -10,7 +10,7 @@ from spigolo.lab.evaluation.pooling import Difference, Pooled, compare, pool
 from spigolo.lab.evaluation.resampling import Estimate
 from spigolo.lab.evaluation.rows import Row
 from spigolo.lab.experiments.contenders import Contender
-from spigolo.lab.experiments.page import Cell, Table
+from spigolo.lab.page import Cell, Table
 
 Scope = tuple[str, Callable[[Row], bool]]
 """Its name, and which rows are in it."""

@@ -8,11 +8,11 @@ from typing import Any
 
 from spigolo.frames.files import write_bytes
 from spigolo.lab.experiments.contenders import Contender
-from spigolo.lab.experiments.page import Cell, Items, Page, Paragraph, Table, to_markdown
 from spigolo.lab.experiments.tables import FEW_GROUPS, NONE, brief_table, change_table, set_table
 from spigolo.lab.fitting.choosing import HeldOut, best_trial, hold_out_sets, set_splits
 from spigolo.lab.fitting.spaces import apply
 from spigolo.lab.fitting.trials import Search
+from spigolo.lab.page import Cell, Items, Page, Paragraph, Table, to_markdown
 from spigolo.methods import Method, Toscana2016
 
 

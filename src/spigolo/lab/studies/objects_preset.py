@@ -19,9 +19,9 @@ from typing import Any
 import spigolo as sp
 from spigolo.lab.evaluation import Row, pool
 from spigolo.lab.experiments import Contender, Toscana2016, evaluate, find_labelled_frames
-from spigolo.lab.experiments.page import to_text
 from spigolo.lab.experiments.tables import set_table
 from spigolo.lab.fitting import Trial, best_trial, hold_out, hold_out_sets, search
+from spigolo.lab.page import to_text
 from spigolo.lab.studies import FRAMES
 
 WHOLE = ("osd-*", "hand-uoc")

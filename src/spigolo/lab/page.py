@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import Literal
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +40,28 @@ class Items:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows under a head. The first `names` columns hold text, the others figures; equal names below each other are
-    said once.
-    """
+    """Rows under a head. The first `names` columns hold text, the others figures. Equal names print once."""
 
     head: Sequence[str]
+    """Names of the columns."""
     rows: Sequence[Sequence[Cell]]
+    """Cells by row."""
     names: int = 1
+    """Number of columns that hold text."""
+    title: str = ""
+    """Title, if it stands alone."""
+    note: str = ""
+    """Note below the table."""
+
+    @property
+    def sides(self) -> list[Literal["left", "right"]]:
+        """Alignment of each column."""
+        return ["left" if k < self.names else "right" for k in range(len(self.head))]
+
+
+def cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
+    """Return rows of text as rows of cells."""
+    return [[Cell(text) for text in row] for row in rows]
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +209,8 @@ def _markdown(block: Block) -> str:
         case Items(sentences):
             return "\n".join(f"- {_plain(s)}" for s in sentences)
         case Table():
-            return _markdown_table(block)
+            title = f"## {_plain(block.title)}\n\n" if block.title else ""
+            return title + _markdown_table(block) + (f"\n\n{_plain(block.note)}" if block.note else "")
         case Gallery(title, pictures):
             return "\n\n".join(
                 [

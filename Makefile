@@ -7,7 +7,7 @@ FUZZED := answers damaged_files properties evaluation experiments
 CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check fast oldest long format docs clean table-1 table-2 table-3
+.PHONY: help demo test check core fast oldest long format docs clean table-1 table-2 table-3
 
 help:  ## this list
 	@grep -E '^[a-z0-9-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -15,14 +15,18 @@ help:  ## this list
 demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in spigolo-demo/
 	$(BIN)/spigolo demo
 
-test: $(VENV)/.developing $(ORACLE)/.installed check  ## install and run every check and test
-	$(BIN)/python -m pytest
+test: $(VENV)/.developing $(ORACLE)/.installed check  ## install and run every check and test, on two processes
+	$(BIN)/spigolo warmup
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
 check: $(VENV)/.developing  ## style, types, import contract
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
+
+core: $(VENV)/.developing check  ## the inner loop: checks, and the tests of the core without real frames
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not frames and not oracle" $(CORE:%=tests/test_%.py)
 
 fast: $(VENV)/.developing  ## tests without real frames and without the oracle
 	$(BIN)/python -m pytest -m "not frames and not oracle"
@@ -46,13 +50,13 @@ docs: $(VENV)/.documenting  ## build the site from docs/ into site/
 	$(BIN)/zensical build --clean --strict
 
 table-1: $(VENV)/.developing  ## the paper's Table I from rendered stand-ins: spigolo-paper/table-1/
-	$(BIN)/python -m spigolo.lab.studies.paper_tables 1
+	$(BIN)/python scripts/paper_tables.py 1
 
 table-2: $(VENV)/.developing  ## Table II
-	$(BIN)/python -m spigolo.lab.studies.paper_tables 2
+	$(BIN)/python scripts/paper_tables.py 2
 
 table-3: $(VENV)/.developing  ## Table III
-	$(BIN)/python -m spigolo.lab.studies.paper_tables 3
+	$(BIN)/python scripts/paper_tables.py 3
 
 clean:  ## remove the environments
 	rm -rf $(VENV) $(ORACLE) $(OLDEST)

@@ -1,4 +1,4 @@
-"""One of the paper's tables in one go: `python -m spigolo.lab.studies.paper_tables 1` renders, evaluates and reports.
+"""One of the paper's tables in one go: `python scripts/paper_tables.py 1` renders, evaluates and reports.
 
 Table 1 is of Rutgers APC, 2 of UW RGB-D Scenes v1, 3 of Tejani et al. With `--data FOLDER` the frames are those of the
 published set there, without it rendered stand-ins in the set's original layout, which are rendered once. A run that was

@@ -95,13 +95,13 @@ def region(width: int = 60, height: int = 50, **scene):
     ],
 )
 def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, reason) -> None:
-    rules = sp.Rejection(**{rule: limit})
+    rules = sp.settings.Rejection(**{rule: limit})
     verdict = judge(region(**broken), rules, 1.0)
     assert verdict is not None
     assert verdict[0].value == reason
     assert reason in verdict[1]
     assert judge(region(**kept), rules, 1.0) is None
-    assert judge(region(**broken), sp.Rejection(), 1.0) is None
+    assert judge(region(**broken), sp.settings.Rejection(), 1.0) is None
 
 
 @pytest.mark.parametrize(
@@ -122,18 +122,18 @@ def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, rea
 def test_a_wall_hides_little_turns_away_or_is_a_rail_that_the_image_cuts(stance, words) -> None:
     hides, lean_deg, cut, width = stance
     facts = replace(region(width=width, height=25), hides=hides, lean_deg=lean_deg, cut=cut)
-    verdict = judge(facts, sp.Rejection(wall=sp.Wall()), 1.0)
+    verdict = judge(facts, sp.settings.Rejection(wall=sp.settings.Wall()), 1.0)
     assert verdict == (None if words is None else (sp.Reason.WALL, f"wall: {words}"))
 
 
 def test_a_line_of_pixels_that_the_image_cuts_is_a_rail() -> None:
     facts = replace(region(height=1), hides=0.9, lean_deg=None, cut=0.1)
-    verdict = judge(facts, sp.Rejection(wall=sp.Wall()), 1.0)
+    verdict = judge(facts, sp.settings.Rejection(wall=sp.settings.Wall()), 1.0)
     assert verdict == (sp.Reason.WALL, "wall: the image cuts it off, and 0.12 m are more than 3.5 x 0.00 m")
 
 
 def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:
-    rules = sp.Rejection(max_missing=0.3)
+    rules = sp.settings.Rejection(max_missing=0.3)
     depth = np.ones((120, 160), np.float32)
     depth[10:60, 10:28] = 0  # 18 of 60 columns: 30 %
     assert judge(region(depth=depth), rules, 1.0) is None
@@ -150,12 +150,12 @@ def test_dark_is_rejected_at_thirty_percent() -> None:
     color[10:60, 10:28] = 23  # 30 % of it
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
     facts = measure(Regions(labels, 2), frame)[1]
-    verdict = judge(facts, sp.Rejection(max_dark=0.3), 1.0)
+    verdict = judge(facts, sp.settings.Rejection(max_dark=0.3), 1.0)
     assert verdict is not None
     assert verdict[0] is sp.Reason.DARK
     color[10, 10] = 24
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
-    assert judge(measure(Regions(labels, 2), frame)[1], sp.Rejection(max_dark=0.3), 1.0) is None
+    assert judge(measure(Regions(labels, 2), frame)[1], sp.settings.Rejection(max_dark=0.3), 1.0) is None
 
 
 def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
@@ -172,13 +172,13 @@ def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
 
 
 def test_pixel_limits_grow_with_the_image() -> None:
-    rules = sp.Rejection(max_lambda1_px2=310.0)
+    rules = sp.settings.Rejection(max_lambda1_px2=310.0)
     assert judge(region(width=62), rules, 1.0) is not None
     assert judge(region(width=62), rules, 4.0) is None
 
 
 def test_limits_in_metres_take_the_place_of_those_in_pixels_where_intrinsics_are_known() -> None:
-    rules = sp.Rejection(max_lambda1_px2=310.0, max_length_m=0.2)
+    rules = sp.settings.Rejection(max_lambda1_px2=310.0, max_length_m=0.2)
     assert region(width=62).size_m == pytest.approx((62 * 0.002, 50 * 0.002), rel=1e-3)
     assert judge(region(width=62), rules, 1.0) is None
     far = region(width=62, depth=np.full((120, 160), 2.0, np.float32))
@@ -302,25 +302,25 @@ def test_results_do_not_change_when_the_next_frame_is_segmented() -> None:
 
 
 def test_auto_cost_follows_the_missing_depth() -> None:
-    cost = sp.AutoCost()
+    cost = sp.settings.AutoCost()
     config = sp.TABLE.replace(cost=cost, partition={"gamma_shadows": 5.0})
     full = sp.trace(scene(), config)
-    assert isinstance(full.cues.cost, sp.BoundaryCost)
+    assert isinstance(full.cues.cost, sp.settings.BoundaryCost)
     assert full.cues.saliency is None
     holed = scene().depth.copy()
     holed[35:75, 62:88] = 0  # a shadow between the boxes
     shadows = sp.trace(sp.Frame(scene().color, holed, CAMERA), config)
     assert shadows.cues.missing == pytest.approx(40 * 26 / (120 * 160))
-    assert isinstance(shadows.cues.cost, sp.SaliencyCost)
+    assert isinstance(shadows.cues.cost, sp.settings.SaliencyCost)
     assert shadows.graph.shadows
-    assert shadows.cues.edges is None
+    assert shadows.edges is None
 
 
 def test_every_field_of_the_json_says_what_its_fact_says() -> None:
     scene = Path(sp.__file__).parent / "demo_scene"
     frame = sp.read_frame(*(scene / name for name in ("rgb.png", "depth.png", "camera.json")))
     result = sp.segment(frame, roi=(0, 0, 300, 640))
-    values = json.loads(json.dumps(sp.to_json(result)))
+    values = json.loads(json.dumps(result.to_dict()))
     assert values["image_size_px"] == [480, 640] and (values["preset"], values["digest"]) == (
         "OBJECTS_2",
         result.digest,

@@ -13,6 +13,7 @@ import pytest
 import spigolo as sp
 from spigolo.doctor import diagnose
 from spigolo.methods import METHODS, segment_around
+from spigolo.settings.parameters import VGA_PX
 from spigolo.stages.regions import Regions
 from test_objects import CAMERA, scene
 
@@ -203,7 +204,7 @@ def test_joined_regions_are_numbered_by_their_first_pixel() -> None:
 def test_scores_lie_in_0_to_1_and_fall_with_the_evidence() -> None:
     from spigolo.objects.facts import region_score
 
-    contour, measured = np.array([1.0, 0.5, 1.0]), np.array([3000.0, 3000.0, 300.0])
+    contour, measured = np.array([1.0, 0.5, 1.0]), np.array([3000.0, 3000.0, 300.0]) / VGA_PX
     # 1 - exp(-1) = 0.632; 1 - exp(-0.1) = 0.0952
     assert region_score(contour, measured, None) == pytest.approx([0.632, 0.316, 0.0952], abs=1e-3)
     assert region_score(contour, measured, np.array([0.5, 1, 0])) == pytest.approx([0.316, 0.316, 0], abs=1e-3)

@@ -110,8 +110,12 @@ def test_a_method_finds_what_anyone_would_see(method: Method) -> None:
 
 
 def test_what_stands_on_nothing_is_rejected_by_the_rules_of_ours(baseline: Method) -> None:
-    rules = sp.PRESETS["OBJECTS_2"].rejection.model_dump() | {"min_contour": None}
-    assert baseline.parameters["rejection"] == json.loads(sp.settings.Rejection(**rules).model_dump_json())
+    ours = sp.PRESETS["OBJECTS_2"]
+    assert ours.additions is not None
+    assert baseline.parameters["rejection"] == json.loads(ours.rejection.model_dump_json())
+    rules = ours.additions.rules.replace(min_contour=None, min_contour_holes=None)
+    shared = sp.settings.Additions(support=ours.additions.support, rules=rules)
+    assert baseline.parameters["additions"] == json.loads(shared.model_dump_json())
     assert Reason.SUPPORT in {r.reason for r in baseline(scene()).rejected}
 
 

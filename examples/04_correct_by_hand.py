@@ -1,8 +1,8 @@
 """Correct by hand.
 
 An operator clicks and says what belongs together: keep, drop and merge each give a new answer, measured anew.
-OBJECTS would join the inside and the outside of the bowl and of the mug by itself. Here its rules for that are off
-(joining off), as if they had missed; the outside of the bowl is not even an object then.
+OBJECTS would join the inside and the outside of the bowl and of the mug by itself. Here its rules for that are off,
+as if they had missed; the outside of the bowl is not even an object then.
 
     python examples/04_correct_by_hand.py [--out FOLDER]
 """

@@ -155,9 +155,8 @@ def measure_regions(
     depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` returns it. above: (H, W), measured pixels above
     the support. inside: pixels (H, W) in the region of interest, and those that count. plane: the support.
     """
-    places = _places(regions, depth, frame)
-    area = np.array([place["area_px"] for place in places])
-    measured = area - np.array([place["missing"] for place in places]) * area
+    points = _sum_points(regions, frame)
+    measured = points[:, 0]
     strength = contour_strength(regions, contour)
     standing = None if above is None else _share(regions, above, measured)
     wanted = None if inside is None else _share(regions, inside[0] & inside[1], regions.count_where(inside[1]))
@@ -176,7 +175,7 @@ def measure_regions(
             plane=plane,
             **place,
         )
-        for k, place in enumerate(places)
+        for k, place in enumerate(_places(regions, depth, frame, points))
     ]
 
 
@@ -187,18 +186,17 @@ def remeasure(facts: Sequence[RegionFacts], regions: Regions, depth: DepthMap) -
     contour, cut, hides and lean_deg.
     """
     frame = facts[0].frame
-    places = _places(regions, depth, frame)
+    places = _places(regions, depth, frame, _sum_points(regions, frame))
     return [replace(f, region=k, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]
 
 
-def _places(regions: Regions, depth: DepthMap, frame: Frame) -> list[dict[str, Any]]:
-    """Return the facts of every region that describe its mask, by name."""
+def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
+    """Return the facts of every region that describe its mask, by name. points: (R, 4) as `_sum_points` returns it."""
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)
     n = np.maximum(sums[:, 0], 1)
     centroid = sums[:, 1:3] / n[:, None]
     large, small, eccentricity = principal_spread(sums)
-    points = _sum_points(regions, frame)
     dark = np.zeros(regions.count, np.int64)
     moments.count_dark(regions.labels, frame.color, dark)
     unfilled = regions.count_where(missing_mask(depth)) / n

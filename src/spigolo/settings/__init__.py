@@ -44,6 +44,7 @@ __all__ = [
     "Inpainting",
     "Joining",
     "Ledge",
+    "Merging",
     "Packing",
     "Parameters",
     "Partition",

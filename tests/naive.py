@@ -381,6 +381,7 @@ def mark_contours(
     crease_px: int,
     low_deg: float,
     high_deg: float,
+    noise_per_m: float = 0.0,
 ) -> tuple[Array, Array]:
     """Steps and creases at pixels that are measured, or have a measured pixel `step_px` beside them."""
     fx, fy, cx, cy = camera
@@ -398,9 +399,15 @@ def mark_contours(
             before, here, after = (float(filled[at]) for at in at_step)
             if all((before, here, after)):
                 steps[y, x] |= abs(2 * here - before - after) >= max(step_m, step_per_m * here**2)
-            if all(filled[at] for at in at_crease):
+            if all(filled[at] for at in at_crease) and is_beyond_noise([filled[at] for at in at_crease], noise_per_m):
                 creases[y, x] |= low_deg <= contact_angle(filled, K, e, n, crease_px, "tangent") <= high_deg
     return steps, creases
+
+
+def is_beyond_noise(along: list[np.float32], noise_per_m: float) -> bool:
+    """Whether the middle one of three depths lies behind the chord of the others by the noise, in float32."""
+    before, here, after = along
+    return bool(here - np.float32(2) * before * after / (before + after) >= np.float32(noise_per_m) * here * here)
 
 
 # --- sorting --------------------------------------------------------------------------------------------------
@@ -689,29 +696,45 @@ def sum_hollows(labels: Array, number: Array, depth: Array, fx: float, margin: i
     return out
 
 
-def sum_steps(
-    labels: Array, depth: Array, wanted: Array, near: int, deep: int, step_m: float, step_share: float
+def sum_outlines(
+    labels: Array,
+    depth: Array,
+    height: Array,
+    lengths_px: tuple[int, int, int],
+    step: tuple[float, float],
+    ledge: tuple[float, float],
 ) -> Array:
-    """(R, 4): sides across the contour, those measured, those where depth steps back, sides on the image border."""
-    out = np.zeros((len(wanted), 4))
-    for p in (np.array(at) for at in pixels(labels) if wanted[labels[at]]):
+    """(R, 6): sides across the outline, those measured, those farther, nearer, with a step of height; on the image border.
+
+    height (H, W) above the support. lengths_px: where depth is sampled, where the own slope is, the widest shadow.
+    """
+    near, deep, shadow = lengths_px
+    out = np.zeros((int(labels.max()) + 1, 6))
+    for p in (np.array(at) for at in pixels(labels)):
         k = labels[tuple(p)]
-        for step in (np.array(direction) for direction in ((0, 1), (0, -1), (1, 0), (-1, 0))):
-            if not inside(labels, *(p + step)):
-                out[k, 3] += 1
+        for step_to in (np.array(direction) for direction in ((0, 1), (0, -1), (1, 0), (-1, 0))):
+            if not inside(labels, *(p + step_to)):
+                out[k, 5] += 1
                 continue
-            if labels[tuple(p + step)] == k:
+            if labels[tuple(p + step_to)] == k:
                 continue
-            own = [p - (at - 1) * step for at in (near, deep)]
-            inner, deeper = (
-                float(depth[tuple(at)]) if inside(labels, *at) and labels[tuple(at)] == k else 0.0 for at in own
-            )
-            outer = float(depth[tuple(p + near * step)]) if inside(labels, *(p + near * step)) else 0.0
             out[k, 0] += 1
-            if inner > 0 and outer > 0:
-                slope = abs(inner - deeper) / (deep - near) * 2 * near if deeper > 0 else 0.0
-                out[k, 1] += 1
-                out[k, 2] += outer - inner > step_m + step_share * inner + slope
+            own = [
+                tuple(at)
+                for at in (p - (near - 1) * step_to, p)
+                if inside(labels, *at) and labels[tuple(at)] == k and depth[tuple(at)] > 0
+            ]
+            beyond = [tuple(p + (near + further) * step_to) for further in range(shadow + 1)]
+            seen = [at for at in beyond if inside(labels, *at) and depth[at] > 0]
+            if not own or not seen:
+                continue
+            inner, outer = float(depth[own[0]]), float(depth[seen[0]])
+            slope, at = 0.0, tuple(p - (deep - 1) * step_to)
+            if inside(labels, *at) and labels[at] == k and depth[at] > 0:
+                slope = abs(inner - float(depth[at])) / (deep - near) * 2 * near
+            least = step[0] + step[1] * inner + slope
+            rise = abs(height[own[0]] - height[seen[0]])
+            out[k, 1:5] += [1, outer - inner > least, inner - outer > least, rise > max(ledge[0], ledge[1] * inner**2)]
     return out
 
 

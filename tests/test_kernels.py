@@ -31,6 +31,7 @@ from spigolo.kernels import (
     inpainting,
     lzf,
     merging,
+    outlines,
     moments,
     polar,
     potts,
@@ -335,12 +336,13 @@ def test_fill_shadows(scene: Frame, max_run: int) -> None:
     np.testing.assert_array_equal(out, naive.fill_shadows(scene.depth, max_run))
 
 
+@pytest.mark.parametrize("noise_per_m", [0.0, 0.004])
 @pytest.mark.parametrize("reach", [(1, 2), (3, 2), (4, 4)])
-def test_mark_contours(scene: Frame, reach: tuple[int, int]) -> None:
+def test_mark_contours(scene: Frame, reach: tuple[int, int], noise_per_m: float) -> None:
     k, filled = scene.camera, naive.fill_shadows(scene.depth, 3)
     camera, limits = (k.fx, k.fy, k.cx, k.cy), (0.012, 0.007)
     steps, creases = np.zeros(scene.shape, np.uint8), np.zeros(scene.shape, np.uint8)
-    rest = (reach[0], *limits, reach[1], 40.0, 150.0)
+    rest = (reach[0], *limits, reach[1], 40.0, 150.0, noise_per_m)
     contours.mark_contours(scene.depth, filled, camera, *rest, steps, creases)
     twin_steps, twin_creases = naive.mark_contours(scene.depth, filled, camera, *rest)
     np.testing.assert_array_equal(steps, twin_steps)
@@ -734,14 +736,18 @@ def test_a_row_that_ends_on_the_background_says_nothing_of_how_a_region_bulges()
     assert 0.15 < sums[0, 0] / sums[0, 1] < 0.25
 
 
-@pytest.mark.parametrize(("near", "deep"), [(1, 2), (2, 5), (4, 10)])
-def test_sum_steps(
-    scene: Frame, rng: np.random.Generator, blocks: tuple[naive.Array, naive.Array], near: int, deep: int
+@pytest.mark.parametrize("lengths_px", [(1, 2, 0), (2, 5, 3), (4, 10, 60)])
+def test_sum_outlines(
+    scene: Frame, blocks: tuple[naive.Array, naive.Array], lengths_px: tuple[int, int, int]
 ) -> None:
-    labels, wanted = blocks[0], rng.integers(0, 2, int(blocks[0].max()) + 1).astype(np.uint8)
-    sums = np.zeros((len(wanted), borders.STEPS))
-    borders.sum_steps(labels, scene.depth, wanted, near, deep, 0.0121, 0.0061, sums)
-    twin = naive.sum_steps(labels, scene.depth, wanted, near, deep, 0.0121, 0.0061)
+    labels, shape = blocks[0], scene.depth.shape
+    slope_x = np.linspace(-0.2, 0.3, shape[1]).astype(np.float32)
+    slope_y, slope, offset = np.linspace(0.1, -0.4, shape[0]).astype(np.float32), np.float32(-0.7), np.float32(0.9)
+    height = (slope_x + slope_y[:, None] + slope) * scene.depth + offset
+    sums = np.zeros((int(labels.max()) + 1, outlines.SUMS))
+    numbers = (0.0121, 0.0061, 0.0063, 0.0057)
+    outlines.sum_outlines(labels, scene.depth, slope_x, slope_y, slope, offset, *lengths_px, *numbers, sums)
+    twin = naive.sum_outlines(labels, scene.depth, height, lengths_px, numbers[:2], numbers[2:])
     np.testing.assert_array_equal(sums, twin)
 
 

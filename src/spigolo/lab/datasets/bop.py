@@ -102,7 +102,7 @@ class BopImage(Entry):
         return labels
 
     def _rendered_labels(self, instances: tuple[Instance, ...]) -> npt.NDArray[np.int32]:
-        depth, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
+        depth, _, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
         camera = Camera.from_matrix(self.intrinsics, depth.shape[1], depth.shape[0])
         models = [read_model(self._model(obj_id), MILLIMETRES) for obj_id, _, _ in self.poses]
         return visible_labels(instances, models, depth, camera)

@@ -48,7 +48,7 @@ def check(answer: sp.Segmentation, frame: sp.Frame) -> None:
     labels = answer.labels
     assert labels.shape == frame.shape and labels.dtype == np.int32
     assert np.array_equal(np.unique(np.append(labels, 0)), np.arange(len(answer) + 1))
-    regions = answer.scene.regions
+    regions = answer.regions
     assert sorted(r.region for r in (*answer.objects, *answer.rejected)) == list(range(regions.count))
     scores = [o.score for o in answer.objects]
     assert scores == sorted(scores, reverse=True) and all(0 <= score <= 1 for score in scores)
@@ -62,7 +62,7 @@ def check(answer: sp.Segmentation, frame: sp.Frame) -> None:
             assert np.isfinite(o.points_m()).all() and len(o.points_m()) == np.count_nonzero(mask & (frame.depth > 0))
     if answer.support is not None:
         assert not (answer.support & (labels > 0)).any()
-    json.dumps(sp.to_json(answer), allow_nan=False)
+    json.dumps(answer.to_dict(), allow_nan=False)
 
 
 @pytest.mark.parametrize("name", PRESETS)

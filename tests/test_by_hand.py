@@ -13,6 +13,7 @@ import pytest
 import spigolo as sp
 from spigolo.doctor import diagnose
 from spigolo.methods import METHODS, segment_around
+from spigolo.settings.parameters import VGA_PX
 from spigolo.stages.regions import Regions
 from test_objects import CAMERA, scene
 
@@ -68,12 +69,12 @@ def test_regions_outside_are_rejected_with_that_reason(form: str) -> None:
     ],
 )
 def test_a_region_of_interest_that_does_not_fit_is_refused(roi, words: str) -> None:
-    with pytest.raises(sp.FrameError, match=words):
+    with pytest.raises(sp.errors.FrameError, match=words):
         sp.segment(scene(), CONFIG, roi)
 
 
 def test_a_metric_box_must_have_an_inside() -> None:
-    with pytest.raises(sp.FrameError, match="low < high"):
+    with pytest.raises(sp.errors.FrameError, match="low < high"):
         sp.MetricBox((0, 0, 1), (1, 1, 1))
 
 
@@ -87,7 +88,7 @@ def test_a_metric_box_must_have_an_inside() -> None:
     ],
 )
 def test_a_metric_box_is_turned_by_a_rigid_transform_alone(turned, words: str) -> None:
-    with pytest.raises(sp.CameraError, match=words):
+    with pytest.raises(sp.errors.CameraError, match=words):
         sp.MetricBox((0, 0, 0), (1, 1, 1), turned)
 
 
@@ -132,7 +133,7 @@ def test_what_is_no_pixel_is_refused_in_one_sentence(click: str, point: object) 
 
 def test_a_click_on_what_is_no_frame_is_refused() -> None:
     for click in (sp.segment_at, segment_around):
-        with pytest.raises(sp.FrameError, match="expected a Frame"):
+        with pytest.raises(sp.errors.FrameError, match="expected a Frame"):
             click(scene().color, LEFT)
 
 
@@ -203,7 +204,7 @@ def test_joined_regions_are_numbered_by_their_first_pixel() -> None:
 def test_scores_lie_in_0_to_1_and_fall_with_the_evidence() -> None:
     from spigolo.objects.facts import region_score
 
-    contour, measured = np.array([1.0, 0.5, 1.0]), np.array([3000.0, 3000.0, 300.0])
+    contour, measured = np.array([1.0, 0.5, 1.0]), np.array([3000.0, 3000.0, 300.0]) / VGA_PX
     # 1 - exp(-1) = 0.632; 1 - exp(-0.1) = 0.0952
     assert region_score(contour, measured, None) == pytest.approx([0.632, 0.316, 0.0952], abs=1e-3)
     assert region_score(contour, measured, np.array([0.5, 1, 0])) == pytest.approx([0.316, 0.316, 0], abs=1e-3)
@@ -226,7 +227,7 @@ def test_without_intrinsics_what_needs_no_space_still_works_and_the_rest_is_name
     for r in (*answer, *answer.rejected):
         assert r.centroid_m is None
         assert r.oriented_box() is None
-        with pytest.raises(sp.CameraError, match="intrinsics"):
+        with pytest.raises(sp.errors.CameraError, match="intrinsics"):
             r.points_m()
     assert sp.segment(bare(CAMERA), sp.PRESETS[name]).left_out == ()
 
@@ -235,7 +236,7 @@ def test_without_intrinsics_the_boxes_are_found_all_the_same() -> None:
     answer = sp.segment(bare(None), CONFIG)
     assert isinstance(answer.at(LEFT), sp.ObjectMask)
     assert isinstance(answer.at(RIGHT), sp.ObjectMask)
-    with pytest.raises(sp.FrameError, match="intrinsics"):
+    with pytest.raises(sp.errors.FrameError, match="intrinsics"):
         sp.segment(bare(None), CONFIG, sp.MetricBox((0, 0, 0), (1, 1, 1)))
 
 
@@ -250,7 +251,7 @@ def test_a_scale_applied_twice_is_told() -> None:
     frame = scene()
     sp.segment(sp.Frame(frame.color, frame.depth * 0.07, frame.camera), CONFIG)  # 5 cm: some cameras see so near
     near = sp.Frame(frame.color, frame.depth, frame.camera, depth_scale=0.001)
-    with pytest.warns(sp.UnitWarning, match=r"the median depth is [\d.]+ mm: is depth_scale applied twice"):
+    with pytest.warns(sp.errors.UnitWarning, match=r"the median depth is [\d.]+ mm: is depth_scale applied twice"):
         sp.segment(near, CONFIG)
 
 
@@ -303,11 +304,11 @@ def test_tiny_images_work(name: str, shape: tuple[int, int]) -> None:
 
 @pytest.mark.parametrize("corner", ["abc", None, [[1], [1, 2]], (0, 0), (2, 2, 2)])
 def test_a_metric_box_of_other_things_is_refused(corner: object) -> None:
-    with pytest.raises(sp.FrameError, match="expected a metric box with low < high"):
+    with pytest.raises(sp.errors.FrameError, match="expected a metric box with low < high"):
         sp.MetricBox(corner, (1, 1, 1))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("work", [sp.segment, sp.trace, sp.Segmenter(), diagnose, *sp.METHODS.values()])
 def test_what_is_no_frame_is_refused(work: Callable[[object], object]) -> None:
-    with pytest.raises(sp.FrameError, match=r"expected a Frame such as .*, got ndarray"):
+    with pytest.raises(sp.errors.FrameError, match=r"expected a Frame such as .*, got ndarray"):
         work(np.zeros((4, 4, 3), np.uint8))

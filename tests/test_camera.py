@@ -14,7 +14,9 @@ import cv2
 import numpy as np
 import pytest
 
-from spigolo import CameraError, FileError, Frame, FrameError, io
+from spigolo import Frame
+from spigolo.errors import CameraError, FileError, FrameError
+from spigolo.frames import files as io
 from spigolo.frames.camera import NOMINAL, Camera
 from spigolo.frames.intrinsics import as_camera
 

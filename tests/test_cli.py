@@ -170,13 +170,14 @@ def test_folders_of_equally_named_files_are_frames(tmp_path: Path) -> None:
 def test_any_field_of_the_preset_is_a_flag(tmp_path: Path) -> None:
     done = spigolo(
         "segment", SCENE, "--no-check", "--preset", "TABLE", "--partition.gamma", "0.01", "--edges.blur-px=9",
-        "--rejection.max-distance-m", "none", "--depth.inpainting", "none", "--rejection.support.min-above", "0.5",
+        "--rejection.max-distance-m", "none", "--depth.inpainting", "none", "--additions.support.min-above", "0.5",
         "--out", tmp_path,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     config = sp.TABLE.replace(
         partition={"gamma": 0.01}, edges={"blur_px": 9}, depth={"inpainting": None},
-        rejection={"max_distance_m": None, "support": {"min_above": 0.5}},
+        rejection={"max_distance_m": None},
+        additions={"support": {"min_above": 0.5}},
     )  # fmt: skip
     assert json.loads((tmp_path / "objects.json").read_text())["digest"] == config.digest
 
@@ -321,8 +322,16 @@ def test_what_is_no_depth_is_no_depth_image(tmp_path: Path) -> None:
 
 
 def test_none_switches_off_what_may_be_off_and_stays_a_word_elsewhere() -> None:
-    config = configure("OBJECTS", {"joining": "none", "edges.sign_rule": "none", "rejection.max_length_m": "NONE"})
-    assert (config.joining, config.edges.sign_rule, config.rejection.max_length_m) == (None, "none", None)
+    config = configure(
+        "OBJECTS", {"additions.joining": "none", "edges.sign_rule": "none", "additions.rules.max_length_m": "NONE"}
+    )
+    assert config.additions is not None
+    assert (config.additions.joining, config.edges.sign_rule, config.additions.rules.max_length_m) == (
+        None,
+        "none",
+        None,
+    )
+    assert configure("OBJECTS", {"additions": "none"}).additions is None
 
 
 def test_a_mistyped_flag_of_the_verb_is_recognised(tmp_path: Path) -> None:

@@ -155,7 +155,7 @@ def singles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, C
     found: dict[str, tuple[Path, Callable[[Path], Any]]] = {}
     for name, text in CAMERAS.items():
         (folder / name).write_text(text)
-        found[name] = folder / name, lambda path: sp.io.read_camera(path, 64, 48)
+        found[name] = folder / name, lambda path: files.read_camera(path, 64, 48)
     (folder / "mine.toml").write_text(sp.OBJECTS.to_toml())
     (folder / "based.toml").write_text(
         'base = "TABLE"\n[partition]\ngamma = 0.002\n[rejection]\nmax_missing = "none"\n'
@@ -163,7 +163,7 @@ def singles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, C
     for name in ("mine.toml", "based.toml"):
         found[name] = folder / name, sp.preset
     write_png(folder / "rgb.png", color)
-    found["rgb.png"] = folder / "rgb.png", sp.io.read_color
+    found["rgb.png"] = folder / "rgb.png", files.read_color
     write_png(folder / "depth.png", depth)
     np.save(folder / "depth.npy", depth)
     for name in ("depth.png", "depth.npy"):

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import numpy.typing as npt
 import pytest
 
 import naive
-from spigolo import BoundaryCost, Camera, Depth, Edges, Partition, SaliencyCost, Smoothing
+from spigolo import Camera
 from spigolo.kernels import color, costs, edges, merging
 from spigolo.methods.features import feature_graph
+from spigolo.settings import BoundaryCost, Config, DepthConfig, EdgesConfig, SaliencyCost, Smoothing
 from spigolo.stages.cues import Cues
 from spigolo.stages.depth import missing_count, missing_mask, prepare_depth, smooth
-from spigolo.stages.edges import EdgeMaps, classify, final_boundary, find_edges
+from spigolo.stages.edges import boundary_cue, classify, final_boundary, find_edges
 from spigolo.stages.graph import Graph, weigh
 from spigolo.stages.regions import partition
 from spigolo.stages.saliency import power_law
@@ -85,7 +84,7 @@ def test_eq_03_on_three_pixels(second: float, count: int) -> None:
     # The second one compares with min(1/2 + 1/2, 0 + 1/1) = 1: 1 merges, 1.25 does not.
     weights = np.full((2, 1, 3), np.inf, np.float32)
     weights[0, 0, :2] = 0.5, second
-    assert partition(Graph(weights), Partition(gamma=1, connectivity=4, min_size_px2=0)).count == count
+    assert partition(Graph(weights), gamma=1).count == count
 
 
 # --- colour ---------------------------------------------------------------------------------------------------
@@ -174,7 +173,7 @@ def test_eq_08_leaves_pixels_on_a_step_out_only_if_asked() -> None:
 
 
 def test_no_smoothing_changes_nothing() -> None:
-    np.testing.assert_array_equal(prepare_depth(WINDOW, Depth(smoothing=Smoothing(mean="none"))), WINDOW)
+    np.testing.assert_array_equal(prepare_depth(WINDOW, DepthConfig(smoothing=Smoothing(mean="none"))), WINDOW)
 
 
 def test_eq_09_depth_difference() -> None:
@@ -201,25 +200,9 @@ def test_eq_10_power_law() -> None:
     assert power_law(rows([0.0, 0.0]), 4.0).tolist() == [[0.0, 0.0]]
 
 
-def cues(
-    cost: SaliencyCost | BoundaryCost,
-    depth: Array,
-    saliency: Array | None = None,
-    boundary: Array | None = None,
-) -> Cues:
-    nothing = dict.fromkeys((f.name for f in dataclasses.fields(EdgeMaps)), np.zeros(depth.shape, bool))
-    return Cues(
-        depth=depth,
-        missing=0.0,
-        cost=cost,
-        saliency=saliency,
-        edges=None if boundary is None else EdgeMaps(**nothing | {"final": boundary > 0, "boundary": boundary}),
-    )
-
-
 def test_eq_11_saliency_of_a_vertex() -> None:
     # the power-law map at the vertex: 0.0625 at (0, 1)
-    of_frame = cues(SaliencyCost(), rows([1.0, 1.0]), saliency=power_law(rows([0.4, 0.2]), 4.0))
+    of_frame = Cues(rows([1.0, 1.0]), power_law(rows([0.4, 0.2]), 4.0), None)
     assert of_frame.delta_sal[0].tolist() == [1.0, approx(0.0625)]
 
 
@@ -305,7 +288,7 @@ def test_eq_19_by_the_printed_rule_tells_nothing_of_upright_edges() -> None:
 CAMERA = Camera(100.0, 100.0, 20.0, 20.0, 41, 41)
 
 
-def upright_edges(depth: Array, config: Edges) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
+def upright_edges(depth: Array, config: EdgesConfig) -> tuple[npt.NDArray[np.bool_], npt.NDArray[np.bool_]]:
     """Both maps of a Canny edge along the middle column whose gradient points right."""
     canny = np.zeros(depth.shape, bool)
     canny[:, 20] = True
@@ -321,7 +304,7 @@ def upright_crease(height_m: float) -> Array:
 
 
 def test_sign_rule_tangent_tells_an_upright_valley_from_a_ridge() -> None:
-    rule = Edges(sign_rule="tangent", contact_low_deg=56, contact_high_deg=154)
+    rule = EdgesConfig(sign_rule="tangent", contact_low_deg=56, contact_high_deg=154)
     _, valley = upright_edges(upright_crease(0.01), rule)
     _, ridge = upright_edges(upright_crease(-0.01), rule)
     assert valley[8:-8, 20].all()
@@ -330,7 +313,7 @@ def test_sign_rule_tangent_tells_an_upright_valley_from_a_ridge() -> None:
 
 def test_sign_rule_x_takes_every_upright_crease_for_a_contact() -> None:
     # the three points lie in one image row, so the x component of their cross product is 0, which is not below 0
-    rule = Edges(sign_rule="x", contact_low_deg=56, contact_high_deg=154)
+    rule = EdgesConfig(sign_rule="x", contact_low_deg=56, contact_high_deg=154)
     skewed = upright_crease(-0.01) + np.linspace(0, 0.02, 41, dtype=np.float32)[None]
     _, ridge = upright_edges(skewed, rule)
     assert ridge[8:-8, 20].all()
@@ -340,8 +323,8 @@ def test_signed_step_misses_an_edge_seen_from_the_near_side() -> None:
     # The edge pixel is on the near side of a step of 10 cm: rho+ = 0, rho- = 1.0 - 1.1 = -0.1
     depth = np.ones((41, 41), np.float32)
     depth[:, :18] = 1.1
-    unsigned, _ = upright_edges(depth, Edges(signed_step=False))
-    signed, _ = upright_edges(depth, Edges(signed_step=True))
+    unsigned, _ = upright_edges(depth, EdgesConfig(signed_step=False))
+    signed, _ = upright_edges(depth, EdgesConfig(signed_step=True))
     assert unsigned[8:-8, 20].all()
     assert not signed.any()
 
@@ -350,7 +333,7 @@ def test_signed_step_misses_an_edge_seen_from_the_near_side() -> None:
 def test_missing_depth_is_a_boundary_only_if_asked(counts: bool) -> None:
     depth = np.ones((41, 41), np.float32)
     depth[:, :18] = 0
-    found, contact = upright_edges(depth, Edges(missing_is_boundary=counts))
+    found, contact = upright_edges(depth, EdgesConfig(missing_is_boundary=counts))
     assert found[8:-8, 20].all() == counts
     assert found.any() == counts
     assert not contact.any()
@@ -364,7 +347,8 @@ def test_eq_20_final_boundary() -> None:
 
 def test_eq_21_boundary_of_a_vertex() -> None:
     # the final map at the vertex: 1 on the boundary, 0 beside it
-    of_frame = cues(BoundaryCost(), rows([1.0, 1.0, 1.0]), boundary=rows([0.0, 1.0, 0.0]))
+    lines = np.array([[False, True, False]])
+    of_frame = Cues(rows([1.0, 1.0, 1.0]), None, boundary_cue(lines, EdgesConfig(boundary="thin")))
     assert of_frame.delta_bound.tolist() == [[0.0, 1.0, 0.0]]
 
 
@@ -372,14 +356,15 @@ def test_boundary_is_thin_or_soft() -> None:
     # a white half 20 cm in front of a black one
     image, depth = np.zeros((41, 41, 3), np.uint8), np.full((41, 41), 1.2, np.float32)
     image[:, 20:], depth[:, 20:] = 255, 1.0
-    thin = find_edges(image, depth, CAMERA, Edges(boundary="thin"))
-    soft = find_edges(image, depth, CAMERA, Edges(boundary="soft"))
+    thin_config, soft_config = EdgesConfig(boundary="thin"), EdgesConfig(boundary="soft")
+    thin, soft = (find_edges(image, depth, CAMERA, config) for config in (thin_config, soft_config))
     assert thin.final.any()
-    np.testing.assert_array_equal(thin.boundary, thin.final.astype(np.float32))
+    np.testing.assert_array_equal(boundary_cue(thin.final, thin_config), thin.final.astype(np.float32))
     np.testing.assert_array_equal(soft.final, thin.final)
-    assert soft.boundary.max() == 1.0
-    assert (soft.boundary[soft.final] > 0).all()
-    assert np.count_nonzero(soft.boundary) > 3 * np.count_nonzero(soft.final)
+    boundary = boundary_cue(soft.final, soft_config)
+    assert boundary.max() == 1.0
+    assert (boundary[soft.final] > 0).all()
+    assert np.count_nonzero(boundary) > 3 * np.count_nonzero(soft.final)
 
 
 # --- weights --------------------------------------------------------------------------------------------------
@@ -406,35 +391,41 @@ def test_eq_23_second_cost() -> None:
     assert costs.boundary_cost(0.25, 0.5, 1.0, 7.5, 0.66) == approx(0.228827)
 
 
-def first_weight(of_frame: Cues, depth_range: float | None = None, points: Array | None = None) -> float:
-    points = np.zeros((3, *of_frame.depth.shape), np.float32) if points is None else points
-    return float(weigh(of_frame, points, 4, Depth(depth_range=depth_range)).weights[0, 0, 0])
+def first_weight(
+    cost: SaliencyCost | BoundaryCost,
+    depth: Array,
+    cue: Array,
+    depth_range: float | None = None,
+    points: Array | None = None,
+) -> float:
+    """Of the edge from the first pixel to the right. cue: the one of single pixels that this cost reads."""
+    of_frame = Cues(depth, cue, None) if isinstance(cost, SaliencyCost) else Cues(depth, None, cue)
+    points = np.zeros((3, *depth.shape), np.float32) if points is None else points
+    config = Config(depth=DepthConfig(depth_range=depth_range))
+    return float(weigh(of_frame, points, cost, config).weights[0, 0, 0])
 
 
 def test_eq_22_and_23_on_a_graph() -> None:
     # Two pixels at 1.0 and 1.5 m, points 0.25 apart; over a range of 1 m d_depth = 0.5: the numbers worked out above
     depth, points = rows([1.0, 1.5]), np.zeros((3, 1, 2), np.float32)
     points[1, 0, 1] = 0.25
-    of_saliency = cues(SaliencyCost(), depth, saliency=rows([0.64, 0.0]))
-    of_boundary = cues(BoundaryCost(), depth, boundary=rows([1.0, 0.0]))
-    assert first_weight(of_saliency, 1.0, points) == approx(0.350980)
-    assert first_weight(of_boundary, 1.0, points) == approx(0.228827)
+    assert first_weight(SaliencyCost(), depth, rows([0.64, 0.0]), 1.0, points) == approx(0.350980)
+    assert first_weight(BoundaryCost(), depth, rows([1.0, 0.0]), 1.0, points) == approx(0.228827)
 
 
 def test_fixed_depth_range_does_not_ask_the_frame() -> None:
     # |1.0 - 1.5| over the frame's own 0.5 m is 1, over 2 m is 1/4. With k_y = k_s = 0, k_x = 1 and no colour
     # eq. 22 is log2(1 + d) / 3: 1/3 and 0.321928 / 3
-    of_frame = cues(SaliencyCost(k_x=1, k_y=0, k_s=0), rows([1.0, 1.5]), saliency=rows([0.0, 0.0]))
-    assert first_weight(of_frame) == approx(1 / 3)
-    assert first_weight(of_frame, 2.0) == approx(0.321928 / 3)
+    depth_alone = SaliencyCost(k_x=1, k_y=0, k_s=0)
+    assert first_weight(depth_alone, rows([1.0, 1.5]), rows([0.0, 0.0])) == approx(1 / 3)
+    assert first_weight(depth_alone, rows([1.0, 1.5]), rows([0.0, 0.0]), 2.0) == approx(0.321928 / 3)
 
 
 def test_a_missing_end_gives_no_depth_difference() -> None:
     # both weights of this edge have depth in every term but the cue of single pixels, which is 0 here
     for depth in (rows([0.0, 1.5, 2.0]), rows([1.5, 0.0, 2.0])):
-        zeros = np.zeros_like(depth)
-        assert first_weight(cues(SaliencyCost(), depth, saliency=zeros)) == 0.0
-        assert first_weight(cues(BoundaryCost(), depth, boundary=zeros)) == 0.0
+        assert first_weight(SaliencyCost(), depth, np.zeros_like(depth)) == 0.0
+        assert first_weight(BoundaryCost(), depth, np.zeros_like(depth)) == 0.0
 
 
 @pytest.mark.parametrize(("ends", "there", "back"), [("i", 0.0, 1.0), ("max", 1.0, 1.0)])
@@ -442,7 +433,5 @@ def test_cue_of_the_first_end_or_of_both(ends: str, there: float, back: float) -
     # the cue stands at one end alone; without depth or colour eq. 23 is k_b d / (k_x + k_b), eq. 22 k_s d / (2 + ...)
     depth = rows([1.0, 1.0])
     for cue, share in ((rows([0.0, 1.0]), there), (rows([1.0, 0.0]), back)):
-        of_boundary = cues(BoundaryCost(ends=ends), depth, boundary=cue)
-        of_saliency = cues(SaliencyCost(ends=ends), depth, saliency=cue)
-        assert first_weight(of_boundary) == approx(share * 0.66 / 8.16)
-        assert first_weight(of_saliency) == approx(share * 0.5 / 5.05)
+        assert first_weight(BoundaryCost(ends=ends), depth, cue) == approx(share * 0.66 / 8.16)
+        assert first_weight(SaliencyCost(ends=ends), depth, cue) == approx(share * 0.5 / 5.05)

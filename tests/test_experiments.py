@@ -49,9 +49,9 @@ from spigolo.lab.experiments import (
 )
 from spigolo.lab.experiments.contenders import pair_up
 from spigolo.lab.experiments.limitations import limitations
-from spigolo.lab.experiments.page import Cell, Gallery, Page, Picture, Table, to_html, to_markdown, to_text
 from spigolo.lab.experiments.pictures import WORST, worst_rows
 from spigolo.lab.machine import one_thread
+from spigolo.lab.page import Cell, Gallery, Page, Picture, Table, to_html, to_markdown, to_text
 from spigolo.view.truth import FOUND, MISSED, truth_picture
 from test_objects import scene
 

@@ -31,7 +31,7 @@ def test_the_cloud_of_eq_5_strays_where_depth_is_missing(frame: sp.Frame) -> Non
 
 def test_figure_2_needs_a_camera_and_the_others_do_not(frame: sp.Frame) -> None:
     blind = sp.Frame(frame.color, frame.depth, None)
-    with pytest.raises(sp.CameraError, match="Figure 2"):
+    with pytest.raises(sp.errors.CameraError, match="Figure 2"):
         figures.figure2(blind)
     for draw_figure in (figures.figure3, figures.figure4):
         assert draw_figure(blind).any()

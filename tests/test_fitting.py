@@ -15,7 +15,6 @@ from spigolo.cli import FAILED
 from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.lab.evaluation import Row, pool, read_rows
 from spigolo.lab.experiments import Method, Toscana2016, evaluate, find_labelled_frames
-from spigolo.lab.experiments.page import to_markdown
 from spigolo.lab.fitting import (
     Choice,
     Range,
@@ -38,6 +37,7 @@ from spigolo.lab.fitting import (
 from spigolo.lab.fitting.report import make_page
 from spigolo.lab.fitting.spaces import CONTOURS, JOINING, SUPPORT
 from spigolo.lab.fitting.trials import Place
+from spigolo.lab.page import to_markdown
 from spigolo.settings.parameters import parse_toml
 from test_experiments import BOXES, Counting, row, spigolo, write_frame
 

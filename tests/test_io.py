@@ -68,18 +68,22 @@ def test_depth_may_be_an_array_of_metres(files: Path) -> None:
 @pytest.mark.parametrize(
     ("spoil", "error", "words"),
     [
-        (lambda f: f / "none.png", sp.FileError, "cannot be read"),
-        (lambda f: write(f / "empty.png", b""), sp.FileError, "0 bytes"),
-        (lambda f: write(f / "cut.png", (f / "depth.png").read_bytes()[:60]), sp.FileError, "none that OpenCV reads"),
-        (lambda f: image(f / "8bit.png", np.ones((24, 32), np.uint8)), sp.FrameError, "8 bits"),
-        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint8)), sp.FrameError, "picture of depth"),
-        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint16)), sp.FrameError, "picture of depth"),
-        (lambda f: image(f / "small.png", np.ones((24, 31), np.uint16)), sp.FrameError, "32x24, got 31x24"),
-        (lambda f: write(f / "depth.jpg", b"x"), sp.FrameError, "JPEG"),
-        (lambda f: write(f / "depth.npy", b"x"), sp.FileError, "cannot be read"),
+        (lambda f: f / "none.png", sp.errors.FileError, "cannot be read"),
+        (lambda f: write(f / "empty.png", b""), sp.errors.FileError, "0 bytes"),
+        (
+            lambda f: write(f / "cut.png", (f / "depth.png").read_bytes()[:60]),
+            sp.errors.FileError,
+            "none that OpenCV reads",
+        ),
+        (lambda f: image(f / "8bit.png", np.ones((24, 32), np.uint8)), sp.errors.FrameError, "8 bits"),
+        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint8)), sp.errors.FrameError, "picture of depth"),
+        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint16)), sp.errors.FrameError, "picture of depth"),
+        (lambda f: image(f / "small.png", np.ones((24, 31), np.uint16)), sp.errors.FrameError, "32x24, got 31x24"),
+        (lambda f: write(f / "depth.jpg", b"x"), sp.errors.FrameError, "JPEG"),
+        (lambda f: write(f / "depth.npy", b"x"), sp.errors.FileError, "cannot be read"),
         (
             lambda f: write(f / "depth.npy", b"\x93NUMPY\x01\x00\x08\x00{'a': [\n"),
-            sp.FileError,
+            sp.errors.FileError,
             "expected a depth array in",
         ),
     ],
@@ -107,7 +111,7 @@ def test_a_colour_file_of_16_bits_is_read_as_one_of_8(files: Path) -> None:
 
 
 def test_integer_depth_wants_its_scale(files: Path) -> None:
-    with pytest.raises(sp.FrameError, match="depth_scale"):
+    with pytest.raises(sp.errors.FrameError, match="depth_scale"):
         sp.read_frame(files / "rgb.png", files / "depth.png", files / "bare.json")
 
 
@@ -120,15 +124,15 @@ def test_cameras_that_cannot_be(files: Path) -> None:
         ([1], "got list"),
     ):
         io.write_json(files / "bad.json", values)
-        with pytest.raises(sp.CameraError, match=words):
+        with pytest.raises(sp.errors.CameraError, match=words):
             io.read_camera(files / "bad.json")
     write(files / "bad.json", b"{")
-    with pytest.raises(sp.FileError, match="JSON"):
+    with pytest.raises(sp.errors.FileError, match="JSON"):
         io.read_camera(files / "bad.json")
 
 
 def test_a_camera_of_another_size_is_refused(files: Path) -> None:
-    with pytest.raises(sp.FrameError, match="camera of the images' size 32x24, got 64x24"):
+    with pytest.raises(sp.errors.FrameError, match="camera of the images' size 32x24, got 64x24"):
         sp.read_frame(files / "rgb.png", files / "depth.png", sp.Camera(**(CAMERA | {"width": 64})), 0.001)
 
 
@@ -151,7 +155,7 @@ def test_a_frame_owns_its_arrays() -> None:
 
 def test_nothing_half_written_is_left_where_writing_fails(tmp_path: Path) -> None:
     (tmp_path / "folder").mkdir()
-    with pytest.raises(sp.FileError, match="could not write"):
+    with pytest.raises(sp.errors.FileError, match="could not write"):
         io.write_bytes(tmp_path / "folder", b"x")
     assert [p.name for p in tmp_path.iterdir()] == ["folder"]
 
@@ -164,13 +168,12 @@ def test_presets_survive_toml(name: str) -> None:
 
 
 def test_the_papers_numbers_stand_as_printed() -> None:
-    assert (sp.SHELF.partition.gamma, sp.SHELF.cost) == (5, sp.SaliencyCost(k_x=1.05, k_y=1.5, k_s=0.5))
-    assert (sp.TABLE.partition.gamma, sp.TABLE.cost) == (0.0016, sp.BoundaryCost(k_x=7.5, k_b=0.66))
-    assert (sp.CLUTTER.partition.gamma, sp.CLUTTER.cost) == (0.001, sp.BoundaryCost(k_x=1.2, k_b=0.05))
+    assert (sp.SHELF.partition.gamma, sp.SHELF.cost) == (5, sp.settings.SaliencyCost(k_x=1.05, k_y=1.5, k_s=0.5))
+    assert (sp.TABLE.partition.gamma, sp.TABLE.cost) == (0.0016, sp.settings.BoundaryCost(k_x=7.5, k_b=0.66))
+    assert (sp.CLUTTER.partition.gamma, sp.CLUTTER.cost) == (0.001, sp.settings.BoundaryCost(k_x=1.2, k_b=0.05))
     for config in (sp.SHELF, sp.TABLE, sp.CLUTTER):
         assert (config.color.k_dv, config.color.k_ds, config.saliency.power) == (4.5, 0.1, 4)
-        assert config.edges.depth_contours is None
-        assert config.depth.noise_per_m == 0
+        assert config.additions is None
     assert (sp.SHELF.rejection.max_missing, sp.SHELF.rejection.max_dark, sp.SHELF.depth.inpainting) == (0.3, 0.3, None)
     for config in (sp.TABLE, sp.CLUTTER):
         assert (config.rejection.max_missing, config.rejection.max_dark) == (None, None)
@@ -188,7 +191,7 @@ def test_a_preset_file_that_says_half_must_say_half_of_what(tmp_path: Path) -> N
     path = tmp_path / "mine.toml"
     for text in ("", "[rejection]\nmax_distance_m = 1.5\n"):
         path.write_text(text)
-        with pytest.raises(sp.ConfigError, match=r'mine\.toml: expected the line base = "OBJECTS"'):
+        with pytest.raises(sp.errors.ConfigError, match=r'mine\.toml: expected the line base = "OBJECTS"'):
             sp.preset(path)
     for name, whole in sp.PRESETS.items():
         path.write_text(whole.to_toml())
@@ -197,15 +200,16 @@ def test_a_preset_file_that_says_half_must_say_half_of_what(tmp_path: Path) -> N
 
 def test_a_preset_file_may_switch_off_and_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    path.write_text('base = "OBJECTS"\njoining = "none"\n[rejection]\nsupport = "none"\n', encoding="utf-8-sig")
+    path.write_text('base = "OBJECTS"\n[additions]\njoining = "none"\nsupport = "none"\n', encoding="utf-8-sig")
     config = sp.preset(path)
-    assert config == sp.OBJECTS.replace(name="mine", joining=None, rejection={"support": None})
+    assert config == sp.OBJECTS.replace(name="mine", additions={"joining": None, "support": None})
 
 
 def test_a_changed_copy_leaves_the_callers_values_alone() -> None:
     mine: dict[str, object] = {"vessel": {}}
-    changed = sp.TABLE.replace(rejection={"support": {}}, joining=mine, **{"joining.vessel.sure_contrast": 0.2})
-    assert changed.joining is not None and mine == {"vessel": {}}
+    ours = {"additions.support": {}, "additions.joining": mine, "additions.joining.vessel.sure_contrast": 0.2}
+    changed = sp.TABLE.replace(**ours)
+    assert changed.additions is not None and changed.additions.joining is not None and mine == {"vessel": {}}
 
 
 @pytest.mark.parametrize(
@@ -225,16 +229,16 @@ def test_a_changed_copy_leaves_the_callers_values_alone() -> None:
 def test_a_wrong_preset_file_is_refused_by_the_name_of_its_fault(tmp_path: Path, text: str, words: str) -> None:
     path = tmp_path / "wrong.toml"
     path.write_text(text)
-    with pytest.raises(sp.ConfigError, match=words) as caught:
+    with pytest.raises(sp.errors.ConfigError, match=words) as caught:
         sp.preset(path)
     assert "\n" not in str(caught.value)
 
 
 def test_a_cost_cannot_carry_another_ones_parameter() -> None:
-    with pytest.raises(sp.ConfigError, match="k_s"):
-        sp.BoundaryCost(k_s=1)  # type: ignore[call-arg]
-    with pytest.raises(sp.ConfigError, match="gamma_shadows"):
-        sp.TABLE.replace(cost=sp.AutoCost())
+    with pytest.raises(sp.errors.ConfigError, match="k_s"):
+        sp.settings.BoundaryCost(k_s=1)  # type: ignore[call-arg]
+    with pytest.raises(sp.errors.ConfigError, match="gamma_shadows"):
+        sp.TABLE.replace(cost=sp.settings.AutoCost())
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:
@@ -264,5 +268,5 @@ def test_a_scale_that_is_given_holds_for_floating_point_too(tmp_path: Path) -> N
 
 
 def test_what_is_no_configuration_is_refused() -> None:
-    with pytest.raises(sp.ConfigError, match=r"expected a Config .* got 'TABLE'"):
+    with pytest.raises(sp.errors.ConfigError, match=r"expected a Config .* got 'TABLE'"):
         sp.segment(sp.Frame(np.zeros((8, 8, 3), np.uint8), np.ones((8, 8), np.float32), None), "TABLE")

@@ -15,7 +15,6 @@ from spigolo.additions.stance import measure_stance
 from spigolo.additions.support import find_support
 from spigolo.objects.facts import find_level, measure_regions, measure_rim
 from spigolo.settings.additions import Cap, Smooth, Vessel
-from spigolo.stages.cues import gather_cues
 from spigolo.stages.regions import Regions
 
 CAMERA = sp.Camera(fx=400.0, fy=400.0, cx=159.5, cy=119.5, width=320, height=240)
@@ -97,12 +96,19 @@ def draw(*parts: Surface) -> tuple[sp.Frame, Array]:
     return sp.Frame(color[part % 5], (depth + noise).astype(np.float32), CAMERA), part
 
 
+def join(regions: Regions, frame: sp.Frame, config: sp.Config) -> Regions:
+    """What the joining of `trace` makes of these regions."""
+    run, ours = sp.trace(frame, config), config.at_size(frame.shape).additions
+    assert ours is not None
+    return join_parts(regions, run.cues, run.plane, frame.camera, ours)
+
+
 def joined(config: sp.Config, *parts: Surface) -> list[int]:
     """For each part, the smallest part that is in one region with it."""
     frame, part = draw(*parts)
     labels = naive.number_regions(part.reshape(-1).tolist()).reshape(part.shape)
     regions = Regions(labels, int(labels.max()) + 1)
-    answer = join_parts(regions, gather_cues(frame, config), frame, config)
+    answer = join(regions, frame, config)
     for region in range(answer.count):  # whole regions alone are joined
         assert np.unique(answer.labels[labels == region]).size == 1
     assert answer.labels.max() + 1 == answer.count
@@ -179,7 +185,7 @@ def cuboid(y: float) -> Surface:
     ],
 )
 def test_parts_are_joined_and_objects_are_not(parts: tuple[Surface, ...], together: list[int]) -> None:
-    assert joined(sp.OBJECTS_2, *parts) == together
+    assert joined(sp.PRESETS["OBJECTS_2"], *parts) == together
 
 
 @pytest.mark.parametrize(
@@ -198,7 +204,7 @@ def test_parts_are_joined_and_objects_are_not(parts: tuple[Surface, ...], togeth
 )
 def test_each_rule_can_be_switched_off(rules: dict, parts: tuple[Surface, ...], together: list[int]) -> None:
     rest = dict.fromkeys(("vessel", "cap", "smooth", "enclosed")) | rules
-    config = sp.OBJECTS_1.replace(joining=sp.Joining(**rest))
+    config = sp.PRESETS["OBJECTS_1"].replace(additions={"joining": sp.settings.Joining(**rest)})
     assert joined(config, *parts) == together
 
 
@@ -206,15 +212,16 @@ def test_nothing_is_joined_without_a_camera_or_a_support() -> None:
     frame, part = draw(*CUP)
     regions = Regions(part.astype(np.int32), 3)
     blind = sp.Frame(frame.color, frame.depth, None)
-    assert join_parts(regions, gather_cues(blind, sp.OBJECTS_2), blind, sp.OBJECTS_2) is regions
-    high = sp.OBJECTS_2.replace(rejection={"support": {"min_share": 1.0}})
-    assert join_parts(regions, gather_cues(frame, high), frame, high) is regions
-    assert join_parts(regions, gather_cues(frame, sp.OBJECTS_1), frame, sp.OBJECTS_1) is regions
+    assert join(regions, blind, sp.PRESETS["OBJECTS_2"]) is regions
+    high = sp.PRESETS["OBJECTS_2"].replace(additions={"support": {"min_share": 1.0}})
+    assert sp.trace(frame, high).plane is None
+    assert join(regions, frame, high) is regions
+    assert join(regions, frame, sp.PRESETS["OBJECTS_1"]) is regions
 
 
 def test_joining_without_a_support_is_refused() -> None:
-    with pytest.raises(sp.ConfigError, match=r"joining needs rejection\.support"):
-        sp.TABLE.replace(joining=sp.Joining())
+    with pytest.raises(sp.errors.ConfigError, match=r"joining needs additions\.support"):
+        sp.TABLE.replace(additions={"joining": sp.settings.Joining()})
 
 
 def test_a_cup_is_one_object_from_frame_to_answer() -> None:
@@ -223,7 +230,7 @@ def test_a_cup_is_one_object_from_frame_to_answer() -> None:
     assert len(objects) == 1
     truth = part > 0
     assert np.count_nonzero(objects[0].mask & truth) / np.count_nonzero(objects[0].mask | truth) > 0.85
-    assert len(sp.segment(frame, sp.OBJECTS_1)) == 2
+    assert len(sp.segment(frame, sp.PRESETS["OBJECTS_1"])) == 2
 
 
 def test_a_grid_of_sampling_holes_leaves_a_cup_whole() -> None:
@@ -249,7 +256,7 @@ def table_and_floor(table_share: float) -> Array:
 
 @pytest.mark.parametrize(("share", "stacked", "on_table"), [(0.4, 0.5, True), (0.4, None, False), (0.25, 0.5, False)])
 def test_the_support_is_the_table_and_not_the_floor(share: float, stacked: float | None, on_table: bool) -> None:
-    found = find_support(table_and_floor(share), CAMERA, sp.Support(stacked_share=stacked))
+    found = find_support(table_and_floor(share), CAMERA, sp.settings.Support(stacked_share=stacked))
     assert found is not None
     assert found.offset_m == pytest.approx(DISTANCE_M if on_table else DISTANCE_M + 0.4, abs=0.005)
 
@@ -266,9 +273,9 @@ def test_what_stands_tall_and_hides_nothing_is_a_wall(width: float, hides_someth
     stretch = (depth == upright) & (abs(x) < 0.125)
     regions = Regions(naive.number_regions(stretch.reshape(-1).tolist()).reshape(stretch.shape), 2)
     region = int(regions.labels[stretch][0])
-    hides = measure_stance(regions, depth.astype(np.float32), CAMERA, stretch, sp.Wall()).hides
-    assert (hides[region] >= sp.Wall().min_hides) == hides_something
-    low = measure_stance(regions, depth.astype(np.float32), CAMERA, np.zeros_like(stretch), sp.Wall())
+    hides = measure_stance(regions, depth.astype(np.float32), CAMERA, stretch, sp.settings.Wall()).hides
+    assert (hides[region] >= sp.settings.Wall().min_hides) == hides_something
+    low = measure_stance(regions, depth.astype(np.float32), CAMERA, np.zeros_like(stretch), sp.settings.Wall())
     assert np.isnan(low.hides[region])
     assert np.isnan(low.lean_deg[region])
 
@@ -282,9 +289,9 @@ def test_a_face_that_turns_away_is_the_side_of_a_compartment(turn_deg: float, is
     depth = np.broadcast_to(row, (120, 160)).astype(np.float32)
     labels = np.zeros((120, 160), np.int32)
     labels[40:80, 60:100] = 1
-    stance = measure_stance(Regions(labels, 2), depth, camera, labels == 1, sp.Wall())
+    stance = measure_stance(Regions(labels, 2), depth, camera, labels == 1, sp.settings.Wall())
     assert stance.lean_deg[1] == pytest.approx(turn_deg, abs=1.0)
-    assert (stance.lean_deg[1] > sp.Wall().max_lean_deg) == is_side
+    assert (stance.lean_deg[1] > sp.settings.Wall().max_lean_deg) == is_side
     assert np.isnan(stance.lean_deg[0])
 
 
@@ -298,7 +305,7 @@ def test_a_level_piece_that_goes_on_is_part_of_a_rim(goes_on: bool) -> None:
     labels[20:30, 40:60] = 1
     frame = sp.Frame(color, depth, sp.Camera(fx=300.0, fy=300.0, cx=50.0, cy=30.0, width=100, height=60))
     facts = measure_regions(Regions(labels, 2), depth, frame, np.zeros((60, 100), np.float32))[1]
-    level = find_level(facts, height, depth, sp.Wall().rim_m)
+    level = find_level(facts, height, depth, sp.settings.Wall().rim_m)
     assert level == pytest.approx(0.2)
     rim = measure_rim(facts, (height == level) & (labels == 0))
     assert rim == pytest.approx(4.0 if goes_on else 0.0)
@@ -314,7 +321,7 @@ def test_a_region_is_level_where_most_of_it_lies_at_one_height(share: float, is_
         sp.Frame(np.zeros((10, 100, 3), np.uint8), depth, None),
         np.zeros((10, 100), np.float32),
     )[0]
-    assert find_level(facts, height, depth, sp.Wall().rim_m) == (pytest.approx(0.2) if is_level else None)
+    assert find_level(facts, height, depth, sp.settings.Wall().rim_m) == (pytest.approx(0.2) if is_level else None)
 
 
 def test_a_frame_of_edges_is_no_second_support() -> None:
@@ -324,14 +331,14 @@ def test_a_frame_of_edges_is_no_second_support() -> None:
     edge = np.ones(depth.shape, bool)
     edge[45:-45, 55:-55] = False
     depth[edge] = lip[edge]
-    found = find_support(depth.astype(np.float32), CAMERA, sp.Support(stacked_share=0.3))
+    found = find_support(depth.astype(np.float32), CAMERA, sp.settings.Support(stacked_share=0.3))
     assert found is not None
     shares = np.count_nonzero(edge) / edge.size
     assert shares > 0.5  # the frame is the larger plane here: the floor is not above it
     wide = floor.copy()
     edge[30:-30, 35:-35] = False
     wide[edge] = lip[edge]
-    found = find_support(wide.astype(np.float32), CAMERA, sp.Support(stacked_share=0.3))
+    found = find_support(wide.astype(np.float32), CAMERA, sp.settings.Support(stacked_share=0.3))
     assert found is not None
     assert found.offset_m == pytest.approx(DISTANCE_M + 0.4, abs=0.005)
 
@@ -347,7 +354,7 @@ def test_the_front_of_a_shelf_supports_nothing(opaque: bool) -> None:
             front_of_shelf[y : y + 45, x : x + 70] = False
     assert 0.5 < front_of_shelf.mean() < 0.8
     depth = np.where(front_of_shelf, boards, back).astype(np.float32)
-    found = find_support(depth, CAMERA, sp.Support(opaque=opaque))
+    found = find_support(depth, CAMERA, sp.settings.Support(opaque=opaque))
     assert found is not None
     assert found.offset_m == pytest.approx(DISTANCE_M + (0.4 if opaque else 0.0), abs=0.005)
 
@@ -363,7 +370,7 @@ def test_a_plane_that_surrounds_what_lies_below_it_on_three_sides_is_no_support(
     assert there.mean() > 0.55
     depth = np.where(there, plane(0.0)(origin, direction), plane(-0.4)(origin, direction)).astype(np.float32)
     for opaque in (False, True):
-        found = find_support(depth, CAMERA, sp.Support(opaque=opaque))
+        found = find_support(depth, CAMERA, sp.settings.Support(opaque=opaque))
         assert found is not None
         on_table = supports or not opaque
         assert found.offset_m == pytest.approx(DISTANCE_M + (0.0 if on_table else 0.4), abs=0.005)
@@ -377,7 +384,7 @@ def test_where_depth_is_sparse_no_more_lies_below_the_support_than_on_it(measure
     across = np.arange(CAMERA.width) / CAMERA.width
     depth = np.select([across < 0.4, across < 0.71], boards[:2], boards[2]).astype(np.float32)
     depth[round(measured * CAMERA.height) :] = 0
-    found = find_support(depth, CAMERA, sp.Support(opaque=True))
+    found = find_support(depth, CAMERA, sp.settings.Support(opaque=True))
     assert found is not None
     assert found.offset_m == pytest.approx(DISTANCE_M + (0.0 if supports else 0.4), abs=0.005)
 
@@ -389,7 +396,7 @@ def test_where_every_plane_shows_what_is_below_the_largest_stays() -> None:
     y, x = np.mgrid[: CAMERA.height, : CAMERA.width]
     holes = (y % 60 > 20) & (x % 80 > 30)
     depth = np.where(holes, below + 0.3 * np.sin(x / 9.0) * np.cos(y / 7.0), board).astype(np.float32)
-    found = find_support(depth, CAMERA, sp.Support(opaque=True))
+    found = find_support(depth, CAMERA, sp.settings.Support(opaque=True))
     assert found is not None
     assert found.offset_m == pytest.approx(DISTANCE_M, abs=0.005)
 
@@ -403,5 +410,5 @@ def test_a_border_without_any_step_is_looked_at(most: int, regions: int, monkeyp
     frame = sp.Frame(np.zeros((240, 320, 3), np.uint8), depth, sp.Camera(300, 300, 160, 120, 320, 240))
     labels = np.zeros((240, 320), np.int32)
     labels[80:160, 100:160], labels[80:160, 160:220] = 1, 2
-    answer = join_parts(Regions(labels, 3), gather_cues(frame, sp.OBJECTS_2), frame, sp.OBJECTS_2)
+    answer = join(Regions(labels, 3), frame, sp.PRESETS["OBJECTS_2"])
     assert answer.count == regions

@@ -17,7 +17,7 @@ import pytest
 
 import naive
 import spigolo as sp
-from spigolo import Camera, Frame, Partition
+from spigolo import Camera, Frame
 from spigolo.additions.support import Plane
 from spigolo.frames.registration import projection
 from spigolo.kernels import (
@@ -42,10 +42,10 @@ from spigolo.kernels import (
 )
 from spigolo.kernels import planes as kernel_planes
 from spigolo.kernels.workspace import Workspace
-from spigolo.settings.config import VGA_PX2
+from spigolo.settings.parameters import VGA_PX
 from spigolo.stages.edges import SIGN_RULES, scharr_canny
 from spigolo.stages.graph import OFFSETS, Graph
-from spigolo.stages.regions import Edges, partition
+from spigolo.stages.regions import SortedEdges, partition
 
 KERNELS = Path(color.__file__).parent
 K_DV, K_DS = 4.5, 0.1
@@ -318,7 +318,7 @@ def _classify(scene: Frame, canny: naive.Array, gx: naive.Array, gy: naive.Array
 def test_classify_edges(scene: Frame, rng: np.random.Generator, changes: dict[str, object]) -> None:
     gx, gy = rng.integers(-9000, 9000, (2, *scene.shape)).astype(np.int16)
     _classify(scene, rng.random(scene.shape) < 0.5, gx, gy, **changes)
-    canny, gx, gy = scharr_canny(scene.color, sp.Edges())
+    canny, gx, gy = scharr_canny(scene.color, sp.settings.EdgesConfig())
     _classify(scene, canny, gx, gy, **changes)
 
 
@@ -382,7 +382,7 @@ def test_scatter(weights: naive.Array, shift: int, bits: int) -> None:
 @pytest.mark.parametrize("low", [0.0, 0.2])
 def test_edges_are_sorted_by_weight_then_number(weights: naive.Array, low: float) -> None:
     weights = weights[weights >= np.float32(low)]
-    edges = Edges(weights.reshape(1, 1, -1), np.array([1], np.int64), Workspace())
+    edges = SortedEdges(weights.reshape(1, 1, -1), np.array([1], np.int64), Workspace())
     sorted_ = edges._radix_sort(packed_edges(weights), int(np.float32(low).view(np.uint32))) if weights.size else []
     expected = naive.pack(weights.reshape(1, -1), naive.sort_edges(weights)) if weights.size else []
     np.testing.assert_array_equal(sorted_, expected)
@@ -599,10 +599,9 @@ def test_number_regions(pixels: int) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_partition_equals_the_textbook(kind: str, size: tuple[int, int], gamma: float, connectivity: int) -> None:
     weights = planes(kind, size, connectivity)
-    for min_size_px2 in (0.0, 4.0 * VGA_PX2 / weights[0].size):
-        config = Partition(gamma=gamma, connectivity=connectivity, min_size_px2=min_size_px2)
-        regions = partition(Graph(weights), config)
-        expected = naive.partition(weights, gamma, min_size_px2 * weights[0].size / VGA_PX2)
+    for min_size_px in (0.0, 4.0):
+        regions = partition(Graph(weights), gamma, min_size_px)
+        expected = naive.partition(weights, gamma, min_size_px)
         np.testing.assert_array_equal(regions.labels, expected)
         assert regions.count == expected.max() + 1
 
@@ -610,13 +609,13 @@ def test_partition_equals_the_textbook(kind: str, size: tuple[int, int], gamma: 
 @pytest.mark.parametrize("room", [1, 20, 200])
 @pytest.mark.parametrize("kind", KINDS)
 def test_partition_where_edges_do_not_fit(kind: str, room: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    begin = Edges.__init__
+    begin = SortedEdges.__init__
 
-    def begin_cramped(self: Edges, *args: Any) -> None:
+    def begin_cramped(self: SortedEdges, *args: Any) -> None:
         begin(self, *args)
         self._room = room
 
-    monkeypatch.setattr(Edges, "__init__", begin_cramped)
+    monkeypatch.setattr(SortedEdges, "__init__", begin_cramped)
     for gamma in GAMMAS:
         test_partition_equals_the_textbook(kind, (14, 19), gamma, 8)
 
@@ -629,8 +628,9 @@ def test_partition_of_real_frames_equals_the_textbook(crops: list[Frame], gamma:
         for plane, offset in zip(weights, OFFSETS, strict=True):
             cue, scale = np.zeros(frame.shape, np.float32), _scale(frame.depth)
             costs.saliency_plane(points_of(frame.color), frame.depth, cue, scale, 0.0, 1.0, 1.5, 0.5, 0, *offset, plane)
-        regions = partition(Graph(weights), Partition(gamma=gamma, min_size_px2=500))
-        expected = naive.partition(weights, gamma, 500 * frame.depth.size / VGA_PX2)
+        min_size_px = 500 * frame.depth.size / VGA_PX
+        regions = partition(Graph(weights), gamma, min_size_px)
+        expected = naive.partition(weights, gamma, min_size_px)
         np.testing.assert_array_equal(regions.labels, expected)
 
 

@@ -38,7 +38,7 @@ from spigolo.methods import (
 from spigolo.methods.domains import connected_areas, find_borders, join_domains
 from spigolo.methods.features import color_features, depth_feature, feature_graph, smooth
 from spigolo.objects.verdicts import Reason
-from spigolo.settings.parameters import Stage
+from spigolo.settings.parameters import Settings
 from spigolo.stages.graph import OFFSETS
 from spigolo.stages.regions import Regions, partition
 from test_objects import scene
@@ -77,7 +77,7 @@ def test_ours_is_one_of_them() -> None:
 def test_every_region_is_an_object_or_rejected_with_a_reason(method: Method) -> None:
     frame = scene()
     result = method(frame)
-    regions = result.scene.regions
+    regions = result.regions
     assert isinstance(result, sp.Segmentation)
     assert result.labels.shape == frame.shape and result.labels.dtype == np.int32
     assert sorted(r.region for r in (*result.objects, *result.rejected)) == list(range(regions.count))
@@ -110,8 +110,12 @@ def test_a_method_finds_what_anyone_would_see(method: Method) -> None:
 
 
 def test_what_stands_on_nothing_is_rejected_by_the_rules_of_ours(baseline: Method) -> None:
-    rules = sp.OBJECTS_2.rejection.model_dump() | {"min_contour": None}
-    assert baseline.parameters["rejection"] == json.loads(sp.Rejection(**rules).model_dump_json())
+    ours = sp.PRESETS["OBJECTS_2"]
+    assert ours.additions is not None
+    assert baseline.parameters["rejection"] == json.loads(ours.rejection.model_dump_json())
+    rules = ours.additions.rules.replace(min_contour=None, min_contour_holes=None)
+    shared = sp.settings.Additions(support=ours.additions.support, rules=rules)
+    assert baseline.parameters["additions"] == json.loads(shared.model_dump_json())
     assert Reason.SUPPORT in {r.reason for r in baseline(scene()).rejected}
 
 
@@ -128,14 +132,14 @@ def test_corrections_by_hand_work_on_every_answer(method: Method) -> None:
     assert len(kept) == len(result) + 1
     assert len(kept.drop(kept[0])) == len(result)
     both = result.merge(result[0], result[1])
-    assert both.scene.regions.count == result.scene.regions.count - 1
+    assert both.regions.count == result.regions.count - 1
     assert len(both) == 1 and both[0].area_px == result[0].area_px + result[1].area_px
 
 
 def test_without_a_camera_regions_are_the_same(baseline: Method) -> None:
     frame = scene()
     result = baseline(without_camera(frame))
-    np.testing.assert_array_equal(result.scene.regions.labels, baseline(frame).scene.regions.labels)
+    np.testing.assert_array_equal(result.regions.labels, baseline(frame).regions.labels)
     assert "support plane" in result.left_out and "contact boundary" not in result.left_out
 
 
@@ -156,11 +160,11 @@ def test_the_smallest_frames_have_an_answer(baseline: Method, shape: tuple[int, 
 
 def test_a_frame_of_one_colour_and_depth_is_one_region(baseline: Method) -> None:
     frame = sp.Frame(np.full((40, 60, 3), 90, np.uint8), np.ones((40, 60), np.float32), None)
-    assert baseline(frame).scene.regions.count == 1
+    assert baseline(frame).regions.count == 1
 
 
 def test_the_same_frame_gives_the_same_labels(method: Method) -> None:
-    labels = [m(scene()).scene.regions.labels for m in (method, method, pickle.loads(pickle.dumps(method)))]
+    labels = [m(scene()).regions.labels for m in (method, method, pickle.loads(pickle.dumps(method)))]
     np.testing.assert_array_equal(labels[0], labels[1])
     np.testing.assert_array_equal(labels[0], labels[2])
 
@@ -204,7 +208,7 @@ def test_ours_runs_on_several_threads_at_once() -> None:
     assert Toscana2016(sp.TABLE).preset == "TABLE"
 
 
-def stages(kind: type[Stage] = Stage) -> Iterator[type[Stage]]:
+def stages(kind: type[Settings] = Settings) -> Iterator[type[Settings]]:
     """The models of all parameters, ours and the other methods'."""
     for stage in kind.__subclasses__():
         yield stage
@@ -212,7 +216,7 @@ def stages(kind: type[Stage] = Stage) -> Iterator[type[Stage]]:
 
 
 def test_every_parameter_says_what_it_is() -> None:
-    assert {sp.Config, sp.Rejection, RaoConfig, SimpleConfig} < set(stages())
+    assert {sp.Config, sp.settings.Rejection, RaoConfig, SimpleConfig} < set(stages())
     silent = [f"{s.__name__}.{name}" for s in stages() for name, f in s.model_fields.items() if not f.description]
     assert not silent
 
@@ -339,7 +343,7 @@ def test_regions_agree_with_scikit_images(tmp_path: Path) -> None:
     for k, min_size in ((300.0, 50), (800.0, 500)):
         config = FelzenszwalbConfig(k=k, min_size_px2=min_size)
         features = color_features(frame.color, 0.8) + noise
-        ours = partition(feature_graph(features, 8), sp.Partition(gamma=k, min_size_px2=min_size))
+        ours = partition(feature_graph(features, 8), k, min_size)
         given = {"smoothed": features.transpose(1, 2, 0) / 255.0, "color": frame.color, "k": k, "min_size": min_size}
         np.savez(tmp_path / "given.npz", **given)
         subprocess.run([PYTHON, "-c", ORACLE, tmp_path / "given.npz", tmp_path / "theirs.npz"], check=True)
@@ -455,7 +459,7 @@ def overlaps(method: Method, folder: Path) -> tuple[Array, Array]:
     frame, label = labelled(folder)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        regions = method(frame).scene.regions
+        regions = method(frame).regions
     objects = [k for k in np.unique(label) if k not in (0, 255)]
     shared = [np.bincount(regions.labels[label == k], minlength=regions.count) for k in (*objects, 0)]
     return np.array(shared).sum(axis=1)[:-1], np.array(shared)

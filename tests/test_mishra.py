@@ -13,7 +13,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import maximum_flow
 
 from conftest import load_frame
-from spigolo import Camera, ConfigError, Frame
+from spigolo import Camera, Frame
+from spigolo.errors import ConfigError
 from spigolo.kernels import polar
 from spigolo.methods import METHODS, FixationConfig, Mishra2012, SimpleConfig, segment_around
 from spigolo.methods.mishra2009 import _Around, contour_around, edge_map, innermost, inside, paint
@@ -120,7 +121,7 @@ def test_both_boxes_are_objects_and_the_print_is_none(frame: Frame) -> None:
     found = Mishra2012()(frame)
     assert len(found) == 2
     assert [max(iou(o.mask, box(k)) for o in found) > 0.9 for k in (0, 1)] == [True, True]
-    assert found.scene.regions.count == 3
+    assert found.regions.count == 3
 
 
 def test_nothing_is_found_on_an_empty_table() -> None:
@@ -131,7 +132,7 @@ def test_depth_tells_objects_from_prints() -> None:
     """Alike in colour, the boxes are found by depth alone; without it there is nothing to see."""
     drawn = table(prints=False)
     same = Frame(np.full_like(drawn.color, 99), drawn.depth, drawn.camera)
-    by_depth = Mishra2012()(same).scene.regions
+    by_depth = Mishra2012()(same).regions
     assert [max(iou(by_depth.labels == r, box(k)) for r in range(by_depth.count)) > 0.85 for k in (0, 1)] == [True] * 2
     assert Mishra2012(SimpleConfig(depth=False)).divide(same).regions.count == 1
 

@@ -12,9 +12,11 @@ import pytest
 import spigolo as sp
 from spigolo.objects.boxes import fit_box
 from spigolo.objects.facts import RegionFacts, contour_strength, measure_regions
-from spigolo.objects.verdicts import judge
+from spigolo.objects.verdicts import Verdict
+from spigolo.objects.verdicts import judge as judge_by
+from spigolo.settings import Rejection, Rules, Wall
 from spigolo.settings.presets import preset
-from spigolo.stages.cues import Cues, gather_cues
+from spigolo.stages.depth import prepare_depth
 from spigolo.stages.regions import Regions
 
 DEMO = Path(sp.__file__).parent / "demo_scene"
@@ -25,14 +27,10 @@ def frame_of(depth: np.ndarray, color: int = 128) -> sp.Frame:
     return sp.Frame(np.full((*depth.shape, 3), color, np.uint8), depth, CAMERA)
 
 
-def cues_of(frame: sp.Frame) -> Cues:
-    """The cues of a frame as it came, for the first cost function."""
-    config = sp.SHELF.replace(depth={"smoothing": {"mean": "none"}})
-    return gather_cues(frame, config)
-
-
 def measure(regions: Regions, frame: sp.Frame) -> list[RegionFacts]:
-    return measure_regions(regions, cues_of(frame).depth, frame, np.zeros(frame.shape, np.float32))
+    """The facts of regions of a frame as it came: SHELF does not in-paint."""
+    config = sp.SHELF.replace(depth={"smoothing": {"mean": "none"}})
+    return measure_regions(regions, prepare_depth(frame.depth, config.depth), frame, np.zeros(frame.shape, np.float32))
 
 
 def facts_of(labels: np.ndarray, depth: np.ndarray | None = None, color: int = 128) -> list:
@@ -75,6 +73,13 @@ def test_a_region_without_depth_has_no_place_in_space() -> None:
     assert facts.points_m().shape == (0, 3)
 
 
+def judge(facts: RegionFacts, rules: Rejection | Rules) -> Verdict | None:
+    """Judged by rules of the paper alone, or by rules of ours alone, without a support."""
+    if isinstance(rules, Rules):
+        return judge_by(facts, Rejection(), rules, None)
+    return judge_by(facts, rules, Rules(), None)
+
+
 def region(width: int = 60, height: int = 50, **scene):
     """Facts of a rectangle in an image of its own."""
     labels = np.zeros((120, 160), np.int32)
@@ -95,13 +100,13 @@ def region(width: int = 60, height: int = 50, **scene):
     ],
 )
 def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, reason) -> None:
-    rules = sp.Rejection(**{rule: limit})
-    verdict = judge(region(**broken), rules, 1.0)
+    rules = (Rules if rule in Rules.model_fields else Rejection)(**{rule: limit})
+    verdict = judge(region(**broken), rules)
     assert verdict is not None
     assert verdict[0].value == reason
     assert reason in verdict[1]
-    assert judge(region(**kept), rules, 1.0) is None
-    assert judge(region(**broken), sp.Rejection(), 1.0) is None
+    assert judge(region(**kept), rules) is None
+    assert judge(region(**broken), Rejection()) is None
 
 
 @pytest.mark.parametrize(
@@ -122,23 +127,23 @@ def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, rea
 def test_a_wall_hides_little_turns_away_or_is_a_rail_that_the_image_cuts(stance, words) -> None:
     hides, lean_deg, cut, width = stance
     facts = replace(region(width=width, height=25), hides=hides, lean_deg=lean_deg, cut=cut)
-    verdict = judge(facts, sp.Rejection(wall=sp.Wall()), 1.0)
+    verdict = judge(facts, Rules(wall=Wall()))
     assert verdict == (None if words is None else (sp.Reason.WALL, f"wall: {words}"))
 
 
 def test_a_line_of_pixels_that_the_image_cuts_is_a_rail() -> None:
     facts = replace(region(height=1), hides=0.9, lean_deg=None, cut=0.1)
-    verdict = judge(facts, sp.Rejection(wall=sp.Wall()), 1.0)
+    verdict = judge(facts, Rules(wall=Wall()))
     assert verdict == (sp.Reason.WALL, "wall: the image cuts it off, and 0.12 m are more than 3.5 x 0.00 m")
 
 
 def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:
-    rules = sp.Rejection(max_missing=0.3)
+    rules = Rejection(max_missing=0.3)
     depth = np.ones((120, 160), np.float32)
     depth[10:60, 10:28] = 0  # 18 of 60 columns: 30 %
-    assert judge(region(depth=depth), rules, 1.0) is None
+    assert judge(region(depth=depth), rules) is None
     depth[10, 28] = 0
-    verdict = judge(region(depth=depth), rules, 1.0)
+    verdict = judge(region(depth=depth), rules)
     assert verdict is not None
     assert verdict[0] is sp.Reason.MISSING_DEPTH
 
@@ -150,12 +155,12 @@ def test_dark_is_rejected_at_thirty_percent() -> None:
     color[10:60, 10:28] = 23  # 30 % of it
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
     facts = measure(Regions(labels, 2), frame)[1]
-    verdict = judge(facts, sp.Rejection(max_dark=0.3), 1.0)
+    verdict = judge(facts, Rejection(max_dark=0.3))
     assert verdict is not None
     assert verdict[0] is sp.Reason.DARK
     color[10, 10] = 24
     frame = sp.Frame(color, np.ones((120, 160), np.float32), CAMERA)
-    assert judge(measure(Regions(labels, 2), frame)[1], sp.Rejection(max_dark=0.3), 1.0) is None
+    assert judge(measure(Regions(labels, 2), frame)[1], Rejection(max_dark=0.3)) is None
 
 
 def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
@@ -165,30 +170,33 @@ def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
     boundary[2:6, 3] = 0.5  # its left column: 4 of 18 pairs to the left, and the ends of both rows
     strength = contour_strength(Regions(labels, 2), boundary)
     assert strength == pytest.approx([6 * 0.5 / 18] * 2)
-    config = sp.TABLE.replace(rejection={"min_contour": 0.99, "max_lambda1_px2": None, "max_lambda2_px2": None})
+    config = sp.TABLE.replace(
+        rejection={"max_lambda1_px2": None, "max_lambda2_px2": None}, additions={"rules": {"min_contour": 0.99}}
+    )
     result = sp.segment(scene(), config)
     assert len(result) == 0
     assert sp.Reason.WEAK_CONTOUR in {r.reason for r in result.rejected}
 
 
 def test_pixel_limits_grow_with_the_image() -> None:
-    rules = sp.Rejection(max_lambda1_px2=310.0)
-    assert judge(region(width=62), rules, 1.0) is not None
-    assert judge(region(width=62), rules, 4.0) is None
+    rules = Rejection(max_lambda1_px2=310.0)
+    assert judge(region(width=62), rules.at_size((480, 640))) is not None
+    assert judge(region(width=62), rules.at_size((960, 1280))) is None
 
 
 def test_limits_in_metres_take_the_place_of_those_in_pixels_where_intrinsics_are_known() -> None:
-    rules = sp.Rejection(max_lambda1_px2=310.0, max_length_m=0.2)
+    paper, ours = Rejection(max_lambda1_px2=310.0), Rules(max_length_m=0.2)
+    assert judge(region(width=62), paper) is not None
     assert region(width=62).size_m == pytest.approx((62 * 0.002, 50 * 0.002), rel=1e-3)
-    assert judge(region(width=62), rules, 1.0) is None
+    assert judge_by(region(width=62), paper, ours, None) is None
     far = region(width=62, depth=np.full((120, 160), 2.0, np.float32))
-    assert judge(far, rules, 1.0) == (sp.Reason.TOO_LONG, "too long: 0.25 m, limit 0.20 m")
+    assert judge_by(far, paper, ours, None) == (sp.Reason.TOO_LONG, "too long: 0.25 m, limit 0.20 m")
     labels = np.zeros((120, 160), np.int32)
     labels[10:60, 10:72] = 1
     blind = sp.Frame(np.full((120, 160, 3), 128, np.uint8), np.ones((120, 160), np.float32), None)
     facts = measure(Regions(labels, 2), blind)[1]
     assert facts.size_m is None
-    verdict = judge(facts, rules, 1.0)
+    verdict = judge_by(facts, paper, ours, None)
     assert verdict is not None
     assert "lambda1" in verdict[1]
 
@@ -302,30 +310,29 @@ def test_results_do_not_change_when_the_next_frame_is_segmented() -> None:
 
 
 def test_auto_cost_follows_the_missing_depth() -> None:
-    cost = sp.AutoCost()
+    cost = sp.settings.AutoCost()
     config = sp.TABLE.replace(cost=cost, partition={"gamma_shadows": 5.0})
     full = sp.trace(scene(), config)
-    assert isinstance(full.cues.cost, sp.BoundaryCost)
+    assert isinstance(full.weighing.cost, sp.settings.BoundaryCost)
     assert full.cues.saliency is None
     holed = scene().depth.copy()
     holed[35:75, 62:88] = 0  # a shadow between the boxes
     shadows = sp.trace(sp.Frame(scene().color, holed, CAMERA), config)
-    assert shadows.cues.missing == pytest.approx(40 * 26 / (120 * 160))
-    assert isinstance(shadows.cues.cost, sp.SaliencyCost)
-    assert shadows.graph.shadows
-    assert shadows.cues.edges is None
+    assert shadows.weighing.missing == pytest.approx(40 * 26 / (120 * 160))
+    assert isinstance(shadows.weighing.cost, sp.settings.SaliencyCost)
+    assert (full.weighing.gamma, shadows.weighing.gamma) == (config.partition.gamma, 5.0)
+    assert shadows.edges is None
 
 
 def test_every_field_of_the_json_says_what_its_fact_says() -> None:
     scene = Path(sp.__file__).parent / "demo_scene"
     frame = sp.read_frame(*(scene / name for name in ("rgb.png", "depth.png", "camera.json")))
     result = sp.segment(frame, roi=(0, 0, 300, 640))
-    values = json.loads(json.dumps(sp.to_json(result)))
+    values = json.loads(json.dumps(result.to_dict()))
     assert values["image_size_px"] == [480, 640] and (values["preset"], values["digest"]) == (
         "OBJECTS_2",
         result.digest,
     )
-    names = {"missing_depth": "missing", "unfilled_depth": "unfilled", "above_support": "above", "inside_roi": "inside"}
     assert len(values["objects"]) == len(result) > 3 and len(values["rejected"]) == len(result.rejected) > 3
     for told, region in zip(values["objects"] + values["rejected"], [*result, *result.rejected], strict=True):
         box = told.pop("oriented_box", None)
@@ -334,8 +341,8 @@ def test_every_field_of_the_json_says_what_its_fact_says() -> None:
                 k: getattr(region.oriented_box(), k).tolist() for k in ("center_m", "size_m", "R_camera_box")
             }
         for name, value in told.items():
-            fact = getattr(region, names.get(name, name))
+            fact = getattr(region, name)
             assert value == (list(fact) if isinstance(fact, tuple) else getattr(fact, "value", fact)), name
-    for fact in ("missing_depth", "unfilled_depth", "dark", "above_support", "inside_roi", "contour", "cut", "hides"):
+    for fact in ("missing", "unfilled", "dark", "above", "inside", "contour", "cut", "hides"):
         others = [o[fact] for o in values["objects"] + values["rejected"]]
         assert len(set(others)) > 1, fact  # a fact that is the same everywhere would tell nothing here

@@ -59,7 +59,7 @@ def test_saliency_equals_opencvs(tmp_path: Path) -> None:
     }
     theirs = oracle(images, tmp_path)
     for name, image in images.items():
-        ours = fine_grained_saliency(image, sp.Saliency())
+        ours = fine_grained_saliency(image, sp.settings.SaliencyConfig())
         assert ours.shape == theirs[name].shape
         assert_same(levels(ours), levels(theirs[name]), exact=name != "scene")
 
@@ -68,5 +68,5 @@ def test_saliency_equals_opencvs(tmp_path: Path) -> None:
 def test_saliency_equals_opencvs_on_real_frames(frames: list[sp.Frame], tmp_path: Path) -> None:
     theirs = oracle({str(k): frame.color for k, frame in enumerate(frames)}, tmp_path)
     for k, frame in enumerate(frames):
-        ours = fine_grained_saliency(frame.color, sp.Saliency())
+        ours = fine_grained_saliency(frame.color, sp.settings.SaliencyConfig())
         assert_same(levels(ours), levels(theirs[str(k)]), exact=False)

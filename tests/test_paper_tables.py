@@ -14,8 +14,8 @@ import spigolo as sp
 from spigolo.errors import FileError
 from spigolo.lab.evaluation import Row, RowFile, read_rows, row_to_json, score_row
 from spigolo.lab.experiments import gather, write_paper_tables
-from spigolo.lab.experiments.page import Table
 from spigolo.lab.experiments.printed import TABLES
+from spigolo.lab.page import Table
 from test_experiments import row, spigolo
 from test_synthetic import need_renderer
 

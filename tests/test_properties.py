@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import colorsys
-import dataclasses
 import itertools
 import types
 import typing
@@ -20,28 +19,24 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 import naive
-from spigolo import (
+from spigolo import Camera, Config, Frame
+from spigolo.errors import ConfigError
+from spigolo.kernels import color, costs
+from spigolo.settings import (
+    Additions,
     AutoCost,
     BoundaryCost,
-    Camera,
-    Color,
-    Config,
-    ConfigError,
-    Depth,
-    Edges,
-    Frame,
+    ColorConfig,
+    EdgesConfig,
     Inpainting,
-    Partition,
-    Saliency,
+    SaliencyConfig,
     SaliencyCost,
     Smoothing,
 )
-from spigolo.kernels import color, costs
-from spigolo.settings.config import VGA_PX2
 from spigolo.stages.color import color_points
 from spigolo.stages.cues import Cues
 from spigolo.stages.depth import find_gaps, inpaint_small_gaps, smooth
-from spigolo.stages.edges import EdgeMaps, find_edges
+from spigolo.stages.edges import boundary_cue, find_edges
 from spigolo.stages.graph import OFFSETS, Graph, weigh
 from spigolo.stages.regions import partition
 from spigolo.stages.saliency import saliency_cue
@@ -88,14 +83,15 @@ def in_unit_range(cue: Array) -> bool:
 
 @given(images(), st.floats(0.1, 8))
 def test_saliency_is_a_share(image: Array, power: float) -> None:
-    assert in_unit_range(saliency_cue(image, Saliency(power=power)))
+    assert in_unit_range(saliency_cue(image, SaliencyConfig(power=power)))
 
 
 @given(images(40), depths(40, 40), st.sampled_from(["soft", "thin"]))
 def test_boundary_is_a_share_and_lies_on_canny_edges(image: Array, depth: Array, boundary: str) -> None:
     image = np.ascontiguousarray(np.resize(image, (40, 40, 3)))
-    maps = find_edges(image, depth, Camera(80.0, 80.0, 20.0, 20.0, 40, 40), Edges(boundary=boundary))
-    assert in_unit_range(maps.boundary)
+    config = EdgesConfig(boundary=boundary)
+    maps = find_edges(image, depth, Camera(80.0, 80.0, 20.0, 20.0, 40, 40), config)
+    assert in_unit_range(boundary_cue(maps.final, config))
     assert not ((maps.depth_boundary | maps.contact_boundary) & ~maps.canny).any()
 
 
@@ -158,9 +154,9 @@ def test_hue_differences_across_zero_are_those_elsewhere(a: float, b: float, sat
 @given(images(), st.floats(0, 3))
 def test_color_points_are_finite_and_smoothing_keeps_a_plain_image(image: Array, sigma_px: float) -> None:
     assume(sigma_px == 0 or sigma_px > 0.05)
-    assert np.isfinite(color_points(image, Color(sigma_px=sigma_px))).all()
+    assert np.isfinite(color_points(image, ColorConfig(sigma_px=sigma_px))).all()
     plain = np.broadcast_to(image[:1, :1], image.shape).copy()
-    points = color_points(plain, Color(sigma_px=sigma_px))
+    points = color_points(plain, ColorConfig(sigma_px=sigma_px))
     np.testing.assert_allclose(points, np.broadcast_to(points[:, :1, :1], points.shape), atol=1e-5)
 
 
@@ -204,14 +200,6 @@ def test_smoothing_does_not_write_to_its_input(depth: Array, config: Smoothing) 
     np.testing.assert_array_equal(depth, before)
 
 
-def inpainting_for(depth: Array, area_px: float, radius_px: float, sampling_holes: bool) -> Inpainting:
-    """Limits in pixels of this very image, which the configuration has in those of a VGA image."""
-    scale = depth.size / VGA_PX2
-    return Inpainting(
-        max_area_px2=area_px / scale, max_radius_px=radius_px / scale**0.5, sampling_holes=sampling_holes
-    )  # fmt: skip
-
-
 def beside_a_shadow() -> Array:
     """A wall at 1 m with a large shadow, and a small gap one pixel beside it."""
     depth = np.ones((28, 28), np.float32)
@@ -225,7 +213,8 @@ def beside_a_shadow() -> Array:
 def test_inpainting_keeps_valid_pixels_and_stays_within_their_range(
     depth: Array, area_px: int, radius_px: float, sampling_holes: bool
 ) -> None:
-    filled, valid = inpaint_small_gaps(depth, inpainting_for(depth, area_px, radius_px, sampling_holes)), depth > 0
+    limits = Inpainting(max_area_px2=area_px, max_radius_px=radius_px, sampling_holes=sampling_holes)
+    filled, valid = inpaint_small_gaps(depth, limits), depth > 0
     np.testing.assert_array_equal(filled[valid], depth[valid])
     new = filled[(filled != 0) & ~valid]
     if new.size:
@@ -235,7 +224,8 @@ def test_inpainting_keeps_valid_pixels_and_stays_within_their_range(
 
 @given(depths(3), st.integers(1, 60), st.floats(1, 8))
 def test_inpainting_leaves_large_gaps_and_those_at_the_border(depth: Array, area_px: int, radius_px: float) -> None:
-    filled = inpaint_small_gaps(depth, inpainting_for(depth, area_px, radius_px, False))
+    limits = Inpainting(max_area_px2=area_px, max_radius_px=radius_px, sampling_holes=False)
+    filled = inpaint_small_gaps(depth, limits)
     for gap in range(1, naive.flood(depth == 0, 8).max() + 2):
         there = naive.flood(depth == 0, 8) == gap - 1
         if depth[there].any():
@@ -248,7 +238,7 @@ def test_inpainting_leaves_large_gaps_and_those_at_the_border(depth: Array, area
 
 @given(depths(12))
 def test_closing_holes_leaves_the_inside_of_a_shadow(depth: Array) -> None:
-    filled = inpaint_small_gaps(depth, inpainting_for(depth, 0, 1, sampling_holes=True))
+    filled = inpaint_small_gaps(depth, Inpainting(max_area_px2=0, max_radius_px=1, sampling_holes=True))
     side = 3
     for y in range(depth.shape[0] - side + 1):
         for x in range(depth.shape[1] - side + 1):
@@ -294,11 +284,10 @@ def test_graph_weights_are_shares_inside_the_image_and_infinite_outside(
     rng = np.random.default_rng(seed)
     ends, k = data.draw(st.sampled_from(["i", "max"])), data.draw(st.floats(1e-3, 100))
     cost = data.draw(st.sampled_from([SaliencyCost(k_x=k, ends=ends), BoundaryCost(k_b=k, ends=ends)]))
-    points = color_points(rng.integers(0, 256, (*depth.shape, 3), dtype=np.uint8), Color())
+    points = color_points(rng.integers(0, 256, (*depth.shape, 3), dtype=np.uint8), ColorConfig())
     cue = rng.random(depth.shape, np.float32)
-    maps = dict.fromkeys((f.name for f in dataclasses.fields(EdgeMaps)), cue > 2) | {"boundary": cue}
-    cues = Cues(depth, 0.0, cost, cue, EdgeMaps(**maps))
-    graph = weigh(cues, points, connectivity, Depth(depth_range=depth_range))
+    config = Config(depth={"depth_range": depth_range}, partition={"connectivity": connectivity})
+    graph = weigh(Cues(depth, cue, cue), points, cost, config)
     assert graph.weights.shape == (connectivity // 2, *depth.shape)
     for plane, (dy, dx) in zip(graph.weights, OFFSETS, strict=False):
         is_inside = np.array(
@@ -353,8 +342,7 @@ def test_regions_are_connected_and_numbered_without_gaps(
     graph: tuple[Array, int], gamma: float, min_size: float
 ) -> None:
     weights, connectivity = graph
-    min_size_px2 = min_size * VGA_PX2 / weights[0].size
-    regions = partition(Graph(weights), Partition(gamma=gamma, connectivity=connectivity, min_size_px2=min_size_px2))
+    regions = partition(Graph(weights), gamma, min_size)
     assert regions.labels.shape == weights.shape[1:]
     assert np.unique(regions.labels).tolist() == list(range(regions.count))
     # areas of equal label are numbered in raster order, as regions are: each region is one of them
@@ -365,10 +353,9 @@ def test_regions_are_connected_and_numbered_without_gaps(
 
 @given(graphs(), gammas, st.floats(0, 30))
 def test_partition_is_the_textbook_one(graph: tuple[Array, int], gamma: float, min_size: float) -> None:
-    weights, connectivity = graph
-    config = Partition(gamma=gamma, connectivity=connectivity, min_size_px2=min_size)
-    expected = naive.partition(weights, gamma, min_size * weights[0].size / VGA_PX2)
-    np.testing.assert_array_equal(partition(Graph(weights), config).labels, expected)
+    weights, _ = graph
+    expected = naive.partition(weights, gamma, min_size)
+    np.testing.assert_array_equal(partition(Graph(weights), gamma, min_size).labels, expected)
 
 
 FLIPS: dict[str, Callable[[tuple[int, int], tuple[int, int]], tuple[int, int]]] = {
@@ -386,9 +373,9 @@ def test_merging_follows_a_flip(
     distinct = (np.random.default_rng(seed).permutation(len(pairs)) / max(len(pairs), 1)).tolist()
     here = dict(zip(pairs, distinct, strict=True))
     there = {(move(size, a), move(size, b)): weight for (a, b), weight in here.items()}
-    config = Partition(gamma=gamma, connectivity=connectivity, min_size_px2=min_size * VGA_PX2 / (size[0] * size[1]))
     labels, flipped = (
-        partition(Graph(planes_of(weight_of, size, connectivity)), config).labels for weight_of in (here, there)
+        partition(Graph(planes_of(weight_of, size, connectivity)), gamma, min_size).labels
+        for weight_of in (here, there)
     )
     back = np.array([flipped[move(size, at)] for at in naive.pixels(labels)])
     np.testing.assert_array_equal(naive.number_regions(back.tolist()), labels.reshape(-1))
@@ -441,8 +428,8 @@ def models(draw: st.DrawFn, model: type[BaseModel]) -> BaseModel:
     if model is Config:
         gamma = draw(st.floats(0, 1e9)) if isinstance(values["cost"], AutoCost) else None
         values["partition"] = values["partition"].model_copy(update={"gamma_shadows": gamma})
-        if values["rejection"].support is None:
-            values["joining"] = None
+    if model is Additions and values["support"] is None:
+        values["joining"] = None
     return model(**values)
 
 
@@ -464,7 +451,7 @@ def test_digest_tells_values_but_not_names(config: Config, name: str) -> None:
 @pytest.mark.parametrize("surrounds", [(-5,), (12, -1)])
 def test_negative_surrounds_are_refused(surrounds: tuple[int, ...]) -> None:
     with pytest.raises(ConfigError):
-        Saliency(surrounds_px=surrounds)
+        SaliencyConfig(surrounds_px=surrounds)
 
 
 # --- frames ---------------------------------------------------------------------------------------------------

@@ -9,7 +9,8 @@ import cv2
 import numpy as np
 import pytest
 
-from spigolo import Camera, CameraError, Frame, FrameError
+from spigolo import Camera, Frame
+from spigolo.errors import CameraError, FrameError
 from spigolo.frames.registration import register_depth
 
 Array = np.ndarray

@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.settings.config import Inpainting
-from spigolo.settings.parameters import Grows, Stage
+from spigolo.additions.contours import add_contours, find_holes, hole_contours, widen
+from spigolo.additions.support import find_support
+from spigolo.frames.files import read_labels
+from spigolo.settings import Inpainting, Settings
+from spigolo.settings.parameters import Grows, GrowsAsArea
 from spigolo.stages.color import color_points
-from spigolo.stages.cues import gather_cues
-from spigolo.stages.edges import find_edges, find_holes, hole_contours, widen
+from spigolo.stages.cues import choose_weighing, gather_cues
+from spigolo.stages.depth import prepare_depth
+from spigolo.stages.edges import boundary_cue, find_edges
 from spigolo.stages.graph import weigh
+from spigolo.stages.regions import partition
 from spigolo.view.figure1 import stages
 
 DEMO = Path(sp.__file__).parent / "demo_scene"
@@ -23,19 +29,42 @@ DEMO = Path(sp.__file__).parent / "demo_scene"
 
 def test_lengths_of_objects_grow_and_those_of_the_papers_presets_do_not() -> None:
     large, small = sp.OBJECTS.at_size((960, 1280)), sp.OBJECTS.at_size((240, 320))
-    assert (large.edges.step_offset_px, large.edges.blur_px, large.edges.line_px) == (10, 17, 2)
-    assert (small.edges.step_offset_px, small.edges.blur_px, small.edges.line_px) == (2, 5, 1)
+    ours, ours_small = large.additions, small.additions
+    assert ours is not None and ours_small is not None
+    assert (large.edges.step_offset_px, large.edges.blur_px, ours.line_px) == (10, 17, 2)
+    assert (small.edges.step_offset_px, small.edges.blur_px, ours_small.line_px) == (2, 5, 1)
     assert large.depth.smoothing.radius_per_error_px_m == 2 * sp.OBJECTS.depth.smoothing.radius_per_error_px_m
-    assert large.joining is not None
-    assert (large.joining.reach_px, large.joining.margin_px, large.joining.min_border_px) == (8, 6, 24)
-    assert large.edges.depth_contours is not None
-    assert large.edges.depth_contours.crease_offset_px == 8
+    assert ours.joining is not None
+    assert (ours.joining.reach_px, ours.joining.margin_px, ours.joining.min_border_px) == (8, 6, 24)
+    assert ours.contours is not None
+    assert ours.contours.crease_offset_px == 8
     assert large.edges.step_m == sp.OBJECTS.edges.step_m
-    assert large.partition == sp.OBJECTS.partition  # areas grow where they are read
-    assert sp.OBJECTS.at_size((480, 640)) == sp.OBJECTS.replace(lengths_grow=False)
-    assert large.at_size((960, 1280)) is large  # what has grown grows no more
-    for config in (sp.TABLE, sp.SHELF, sp.CLUTTER, sp.OBJECTS_1):
-        assert config.at_size((960, 1280)) is config
+    assert sp.OBJECTS.at_size((480, 640)) == sp.OBJECTS
+    for config in (sp.TABLE, sp.SHELF, sp.CLUTTER, sp.PRESETS["OBJECTS_1"]):
+        before, after = dict(values(config)), dict(values(config.at_size((960, 1280))))
+        changed = {name for name in before if before[name] != after[name]}
+        assert {name for name in changed if not name.endswith("_px2")} <= GROW_ALWAYS
+
+
+GROW_ALWAYS = {"Inpainting.max_radius_px", "Wall.reach_px"}
+"""Lengths that grow with the image whatever the configuration says."""
+
+
+@pytest.mark.parametrize("name", sorted(sp.PRESETS))
+def test_areas_of_every_preset_grow_with_the_pixels_of_the_image(name: str) -> None:
+    before, after = dict(values(sp.PRESETS[name])), dict(values(sp.PRESETS[name].at_size((960, 1280))))
+    areas = {field for field in before if field.endswith("_px2") and before[field] is not None}
+    assert "Partition.min_size_px2" in areas
+    assert all(after[field] == 4 * before[field] for field in areas)
+    always = GROW_ALWAYS & before.keys()
+    assert all(after[field] == 2 * before[field] for field in always)
+
+
+def test_a_method_grows_its_areas_and_keeps_its_lengths() -> None:
+    config = sp.METHODS["abramov2012"].config
+    large = config.at_size((960, 1280))
+    assert (large.piece_px2, large.min_size_px2) == (4 * config.piece_px2, 4 * config.min_size_px2)
+    assert large.sigma_px == config.sigma_px
 
 
 @pytest.mark.parametrize("height", [60, 123, 240, 479, 600, 1080, 2000])
@@ -47,19 +76,22 @@ def test_grown_lengths_stay_valid(height: int) -> None:
 
 @pytest.mark.parametrize("factor", [0.3, 0.5, 1.0, 1.7, 4.0])
 def test_grown_lengths_keep_their_type_and_nothing_stays_nothing(factor: float) -> None:
-    nothing = {"depth.smoothing.max_radius_px": 0, "joining.margin_px": 0, "edges.depth_contours.max_shadow_px": 0}
+    nothing = {
+        "depth.smoothing.max_radius_px": 0, "additions.joining.margin_px": 0, "additions.contours.max_shadow_px": 0
+    }  # fmt: skip
+    shape = round(480 * factor), round(640 * factor)
     for config in (sp.OBJECTS, sp.SHELF, sp.OBJECTS.replace(**nothing)):
-        for (name, before), (_, after) in zip(values(config), values(config.grown(factor)), strict=True):
+        for (name, before), (_, after) in zip(values(config), values(config.at_size(shape, lengths=True)), strict=True):
             assert type(before) is type(after), name
             assert (before == 0) == (after == 0), name
     frame = resized(sp.read_frame(DEMO / "rgb.png", DEMO / "depth.png", DEMO / "camera.json"), 0.5)
     assert len(sp.segment(frame, sp.OBJECTS.replace(**nothing))) > 0
 
 
-def values(stage: Stage) -> Iterator[tuple[str, object]]:
+def values(stage: Settings) -> Iterator[tuple[str, Any]]:
     for name in type(stage).model_fields:
         value = getattr(stage, name)
-        if isinstance(value, Stage):
+        if isinstance(value, Settings):
             yield from values(value)
         else:
             yield f"{type(stage).__name__}.{name}", value
@@ -96,14 +128,23 @@ def test_a_frame_of_another_size_has_the_same_objects(factor: float) -> None:
 def test_every_stage_reads_the_lengths_of_this_size() -> None:
     frame = resized(sp.read_frame(DEMO / "rgb.png", DEMO / "depth.png", DEMO / "camera.json"), 2.0)
     run, sized = sp.trace(frame, sp.OBJECTS), sp.OBJECTS.at_size(frame.shape)
-    cues = gather_cues(frame, sized)
-    assert run.cues.edges is not None
-    assert cues.edges is not None
+    ours = sized.additions
+    assert ours is not None
+    depth = prepare_depth(frame.depth, sized.depth)
+    weighing = choose_weighing(depth, sized)
+    edges = find_edges(frame.color, depth, frame.camera, sized.edges)
+    plane = find_support(frame.depth, frame.camera, ours.support)
+    contours = add_contours(edges, depth, frame.camera, plane, ours)
+    cues = gather_cues(frame.color, depth, contours.lines, weighing, sized)
+    assert run.edges is not None and run.contours is not None
+    assert np.array_equal(run.edges.final, edges.final)
+    assert np.array_equal(run.contours.contours, contours.contours)
     assert np.array_equal(run.cues.depth, cues.depth)
-    assert np.array_equal(run.cues.edges.boundary, cues.edges.boundary)
+    assert np.array_equal(run.cues.boundary, cues.boundary)
     points = color_points(frame.color, sized.color)
-    graph = weigh(cues, points, sized.partition.connectivity, sized.depth)
+    graph = weigh(cues, points, weighing.cost, sized, ours.noise_per_m)
     assert np.array_equal(run.graph.weights, graph.weights)
+    assert partition(graph, weighing.gamma, sized.partition.min_size_px2).count >= run.regions.count
     assert np.array_equal(stages(run)["color_points"], points)
 
 
@@ -111,9 +152,15 @@ def test_wide_lines_hold_where_thin_ones_are_blurred_away() -> None:
     color, depth = np.full((120, 160, 3), 90, np.uint8), np.ones((120, 160), np.float32)
     depth[:, 80:] = 1.2
     camera = sp.Camera(150, 150, 80, 60, 160, 120)
-    thin, wide = (find_edges(color, depth, camera, sp.OBJECTS.edges.model_copy(update={"line_px": n})) for n in (1, 3))
-    assert np.array_equal(thin.final, wide.final)
-    assert np.count_nonzero(wide.boundary[60] > 0.9) > np.count_nonzero(thin.boundary[60] > 0.9) > 0
+    edges = find_edges(color, depth, camera, sp.OBJECTS.edges)
+    assert sp.OBJECTS.additions is not None
+    thin, wide = (
+        boundary_cue(
+            add_contours(edges, depth, camera, None, sp.OBJECTS.additions.replace(line_px=n)).lines, sp.OBJECTS.edges
+        )
+        for n in (1, 3)
+    )
+    assert np.count_nonzero(wide[60] > 0.9) > np.count_nonzero(thin[60] > 0.9) > 0
 
 
 def test_lines_are_widened_by_hand() -> None:
@@ -127,9 +174,9 @@ def test_lines_are_widened_by_hand() -> None:
 def test_holes_are_told_from_where_on_there_are_many() -> None:
     depth = np.ones((6, 10), np.float32)
     depth[2:4, 3:7] = 0  # 8 of 60
-    assert find_holes(depth, sp.DepthContours()) is None
-    assert find_holes(depth, sp.DepthContours(holes_from=0.2)) is None
-    holes = find_holes(depth, sp.DepthContours(holes_from=0.1))
+    assert find_holes(depth, sp.settings.DepthContours()) is None
+    assert find_holes(depth, sp.settings.DepthContours(holes_from=0.2)) is None
+    holes = find_holes(depth, sp.settings.DepthContours(holes_from=0.1))
     assert holes is not None
     assert np.array_equal(holes, depth == 0)
 
@@ -155,7 +202,7 @@ def test_more_contour_is_asked_where_the_borders_of_holes_are_contours() -> None
     some = sp.Frame(frame.color, depth, frame.camera)
     for taken, objects in ((frame, True), (some, False)):
         plain, strict = (
-            sp.segment(taken, sp.OBJECTS.replace(edges={"depth_contours": {"holes_min_contour": least}}))
+            sp.segment(taken, sp.OBJECTS.replace(additions={"rules": {"min_contour_holes": least}}))
             for least in (None, 1.0)
         )
         assert len(plain) > 0
@@ -169,11 +216,11 @@ def test_objects_of_real_frames_of_twice_the_size_are_found_as_before(data: Path
     found = dict.fromkeys(("as it is", "grown", "not grown"), 0)
     for folder in sorted((data / "frames" / "hand-uoc").iterdir()):
         frame = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
-        truth = sp.io.read_labels(folder / "label.png")
+        truth = read_labels(folder / "label.png")
         large, large_truth = resized(frame, 2.0), np.kron(truth, np.ones((2, 2), truth.dtype))
         found["as it is"] += count_found(frame, truth, sp.OBJECTS)
         found["grown"] += count_found(large, large_truth, sp.OBJECTS)
-        found["not grown"] += count_found(large, large_truth, sp.OBJECTS.replace(lengths_grow=False))
+        found["not grown"] += count_found(large, large_truth, sp.OBJECTS.replace(**{"additions.lengths_grow": False}))
     assert found["as it is"] >= 22
     assert found["grown"] >= found["as it is"] - 3
     assert found["not grown"] <= found["grown"] - 2
@@ -195,25 +242,40 @@ def test_holes_are_contours_of_a_frame_that_has_enough_of_them(holes_from: float
     color, depth = np.full((240, 320, 3), 90, np.uint8), np.ones((240, 320), np.float32)
     depth[60:180, 80:240] = 0
     color[100:140, 140:180] = 200
-    config = sp.OBJECTS.replace(edges={"depth_contours": {"holes_from": holes_from}}).edges
-    final = find_edges(color, depth, sp.Camera(300, 300, 160, 120, 320, 240), config).final
-    assert final[100:140, 130:150].any() == (holes_from == 0.1)
-    assert final[120, 79:81].all() == (holes_from == 0.1)
-    assert not final[:50].any()
+    config, camera = (
+        sp.OBJECTS.replace(additions={"contours": {"holes_from": holes_from}}),
+        sp.Camera(300, 300, 160, 120, 320, 240),
+    )
+    assert config.additions is not None
+    edges = find_edges(color, depth, camera, config.edges)
+    found = add_contours(edges, depth, camera, None, config.additions)
+    assert found.lines[100:140, 130:150].any() == (holes_from == 0.1)
+    assert found.lines[120, 79:81].all() == (holes_from == 0.1)
+    assert not found.lines[:50].any()
+    assert found.in_holes == (holes_from == 0.1)
 
 
 def test_every_length_in_pixels_grows() -> None:
-    """But for two that grow with the image whatever the configuration says."""
-    alone = {"Inpainting.max_radius_px", "Wall.reach_px"}
+    """Two of them whatever the configuration says."""
     config = sp.OBJECTS.replace(depth={"inpainting": Inpainting()})
-    lengths = set(list_lengths(config)) | set(list_lengths(sp.SHELF))
-    assert {name for name, grows in lengths if not grows} == alone
+    lengths = {name: marks for c in (config, sp.SHELF) for name, marks in list_marks(c, ("_px", "_px_m"))}
     assert len(lengths) > 12
+    grows = {name: [mark for mark in marks if isinstance(mark, Grows)] for name, marks in lengths.items()}
+    assert all(len(marks) == 1 for marks in grows.values())
+    assert {name for name, (mark,) in grows.items() if mark.always} == GROW_ALWAYS
 
 
-def list_lengths(stage: Stage) -> Iterator[tuple[str, bool]]:
+@pytest.mark.parametrize("name", ["ours", *sorted(sp.METHODS)])
+def test_every_area_in_pixels_grows(name: str) -> None:
+    config = sp.OBJECTS if name == "ours" else sp.METHODS[name].config
+    areas = dict(list_marks(config, ("_px2",)))
+    assert len(areas) >= 2
+    assert all(any(isinstance(mark, GrowsAsArea) for mark in marks) for marks in areas.values())
+
+
+def list_marks(stage: Settings, endings: tuple[str, ...]) -> Iterator[tuple[str, list[object]]]:
     for name, field in type(stage).model_fields.items():
-        if isinstance(value := getattr(stage, name), Stage):
-            yield from list_lengths(value)
-        elif name.endswith(("_px", "_px_m")):
-            yield f"{type(stage).__name__}.{name}", any(isinstance(mark, Grows) for mark in field.metadata)
+        if isinstance(value := getattr(stage, name), Settings):
+            yield from list_marks(value, endings)
+        elif name.endswith(endings):
+            yield f"{type(stage).__name__}.{name}", field.metadata

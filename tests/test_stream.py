@@ -57,8 +57,8 @@ def test_answers_share_no_memory_with_the_workspace() -> None:
     for array in segmenter.workspace._memory.values():
         for answer in answers:
             assert not np.shares_memory(array, answer.labels)
-            assert not np.shares_memory(array, answer.scene.regions.labels)
-            assert not np.shares_memory(array, answer.scene.evidence.contour)
+            assert not np.shares_memory(array, answer.regions.labels)
+            assert not np.shares_memory(array, answer.scene.contour)
     segmenter(variant(4))
     assert all(np.array_equal(a.labels, c) for a, c in zip(answers, copies, strict=True))
 

@@ -27,7 +27,7 @@ def table(box: bool = True, noise_m: float = 0.0) -> np.ndarray:
 
 @pytest.mark.parametrize("noise_m", [0.0, 0.002])
 def test_the_table_is_found_with_its_normal_and_distance(noise_m: float) -> None:
-    plane = find_support(table(noise_m=noise_m), CAMERA, sp.Support())
+    plane = find_support(table(noise_m=noise_m), CAMERA, sp.settings.Support())
     assert plane is not None
     assert plane.normal @ NORMAL > np.cos(np.deg2rad(0.5))
     assert plane.offset_m == pytest.approx(DISTANCE_M, abs=0.002)
@@ -39,7 +39,7 @@ def test_the_table_is_found_with_its_normal_and_distance(noise_m: float) -> None
 
 
 def test_what_stands_on_it_is_above_and_its_foot_runs_around_it() -> None:
-    depth, rule = table(), sp.Support()
+    depth, rule = table(), sp.settings.Support()
     plane = find_support(depth, CAMERA, rule)
     assert plane is not None
     above = above_mask(plane, depth, CAMERA, rule)
@@ -53,7 +53,7 @@ def test_what_stands_on_it_is_above_and_its_foot_runs_around_it() -> None:
 
 
 def test_missing_depth_neither_stands_nor_supports() -> None:
-    depth, rule = table(), sp.Support()
+    depth, rule = table(), sp.settings.Support()
     depth[30:80, 20:55] = 0
     plane = find_support(depth, CAMERA, rule)
     assert plane is not None
@@ -63,17 +63,17 @@ def test_missing_depth_neither_stands_nor_supports() -> None:
 
 @pytest.mark.parametrize("depth", [np.zeros((120, 160)), np.eye(120, 160), np.zeros((120, 160)) + np.eye(120, 160, 3)])
 def test_without_enough_depth_there_is_no_plane_or_a_plane_but_no_error(depth: np.ndarray) -> None:
-    find_support(depth.astype(np.float32), CAMERA, sp.Support())
+    find_support(depth.astype(np.float32), CAMERA, sp.settings.Support())
 
 
 def test_a_plane_with_too_small_a_share_supports_nothing() -> None:
     rng = np.random.default_rng(1)
     cloud = rng.uniform(0.5, 3, (120, 160)).astype(np.float32)
-    assert find_support(cloud, CAMERA, sp.Support(min_share=0.3)) is None
+    assert find_support(cloud, CAMERA, sp.settings.Support(min_share=0.3)) is None
 
 
 def test_the_same_frame_gives_the_same_plane() -> None:
-    first, second = (find_support(table(noise_m=0.002), CAMERA, sp.Support()) for _ in range(2))
+    first, second = (find_support(table(noise_m=0.002), CAMERA, sp.settings.Support()) for _ in range(2))
     assert first is not None
     assert second is not None
     assert np.array_equal(first.normal, second.normal)
@@ -101,7 +101,7 @@ def test_the_table_and_what_lies_below_it_are_no_objects() -> None:
 
 def test_the_papers_presets_look_for_no_support() -> None:
     for config in (sp.SHELF, sp.TABLE, sp.CLUTTER):
-        assert config.rejection.support is None
+        assert config.additions is None
         result = sp.segment(sp.Frame(np.zeros((120, 160, 3), np.uint8), table(), CAMERA), config)
         assert result.support is None
         assert all(r.above is None for r in result.rejected)

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from spigolo import clock as clock
     from spigolo import errors as errors
+    from spigolo import export as export
     from spigolo import settings as settings
     from spigolo.errors import SpigoloError as SpigoloError
     from spigolo.frames.files import read_camera as read_camera
@@ -53,7 +54,7 @@ if TYPE_CHECKING:
 
 __version__ = "0.1.0"
 
-_ROOMS = ("clock", "errors", "settings")
+_ROOMS = ("clock", "errors", "export", "settings")
 _HOMES = {
     "errors": "SpigoloError",
     "frames.files": "read_camera read_frame",

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from spigolo.lab.evaluation.rows import Row
     from spigolo.lab.experiments import Contender
 
+FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
+"""Data sets in which every object is labelled."""
+
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
 
@@ -25,7 +28,7 @@ def evaluate(
     *frames: Inputs,
     methods: Many = ("toscana2016",),
     presets: Many = ("OBJECTS",),
-    full: Many = ("osd-*", "hand-uoc"),
+    full: Many = FULL,
     jobs: Jobs = 1,
     out: Out = Path("rows.jsonl"),
 ) -> int:
@@ -83,6 +86,46 @@ def evaluate(
     return SOME_FAILED if failed else DONE
 
 
+def losses(
+    *frames: Inputs,
+    method: str = "toscana2016",
+    preset: str = "OBJECTS",
+    each: bool = False,
+) -> int:
+    """Count lost objects by cause: rejected, merged, flooded, split, or with another outline.
+
+    Example: `spigolo losses frames/ --preset TABLE --each`.
+
+    Parameters
+    ----------
+    frames
+        Folders of labelled frames, before any flag, as for `spigolo evaluate`. Any field of the preset is a flag too.
+    method
+        Method by name.
+    preset
+        Preset of toscana2016, by name or as a TOML file.
+    each
+        Also print a line for each lost object, with the rule that rejected its region.
+
+    """
+    words, flags = split_flags(frames)
+    if not words:
+        raise FileError("expected a folder of frames, got nothing: name folders before any flag")
+    from spigolo.lab.experiments import find_labelled_frames, find_losses, loss_table, lost_objects, make_methods
+    from spigolo.lab.page import to_text
+
+    chosen = make_methods([method], [configure(preset, flags, losses)])
+    check_flags(flags, [one.name for one in chosen])
+    found = find_labelled_frames([Path(word) for word in words], FULL)
+    with progress() as bar:
+        task = bar.add_task("segmenting", total=len(found))
+        fates = find_losses(found, chosen[0], lambda done: bar.update(task, completed=done))
+    if each:
+        print(to_text(lost_objects(fates)), end="\n\n")
+    print(to_text(loss_table(fates)))
+    return DONE
+
+
 def report(
     *rows: Path,
     frames: Folders = (),
@@ -137,7 +180,7 @@ def report(
 
 def _report_paper(contenders: list[Contender], out: Path) -> int:
     from spigolo.lab.experiments import write_paper_tables
-    from spigolo.lab.experiments.page import to_text
+    from spigolo.lab.page import to_text
 
     for title, table in write_paper_tables(contenders, out):
         print(f"{title}\n{to_text(table)}\n")
@@ -155,8 +198,8 @@ def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
 
 
 def _print_pooled(contenders: list[Contender]) -> None:
-    from spigolo.lab.experiments.page import to_text
     from spigolo.lab.experiments.tables import brief_table
+    from spigolo.lab.page import to_text
 
     table = brief_table(contenders)
     if table.rows:

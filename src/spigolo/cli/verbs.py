@@ -12,7 +12,7 @@ from spigolo.cli import DONE
 from spigolo.cli.bench import bench
 from spigolo.cli.compare import compare
 from spigolo.cli.datasets import datasets, fetch
-from spigolo.cli.evaluate import evaluate, report
+from spigolo.cli.evaluate import evaluate, losses, report
 from spigolo.cli.figures import figures
 from spigolo.cli.fit import fit
 from spigolo.cli.inputs import DEMO_SCENE, Out, field_names
@@ -38,6 +38,7 @@ app.command(trace, group=USING, sort_key=2)
 app.command(doctor, group=USING, sort_key=3)
 app.command(evaluate, group=MEASURING, sort_key=1)
 app.command(report, group=MEASURING, sort_key=2)
+app.command(losses, group=MEASURING, sort_key=2)
 app.command(fit, group=MEASURING, sort_key=3)
 app.command(datasets, group=MEASURING, sort_key=4)
 app.command(fetch, group=MEASURING, sort_key=5)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from spigolo.additions.support import find_support
 from spigolo.frames.frame import Frame, check_frame
+from spigolo.methods.configured import Configured
 from spigolo.objects.scene import Scene, find_above
 from spigolo.objects.segmentation import Segmentation
 from spigolo.objects.selection import select_objects
@@ -27,7 +27,6 @@ RULES = Additions(support=_ADDED.support, rules=_ADDED.rules.replace(min_contour
 """The rules of OBJECTS_2 without the minimum contour: no other method has a boundary map."""
 
 C = TypeVar("C", bound="MethodConfig")
-B = TypeVar("B", bound="Baseline[Any]")
 
 
 class MethodConfig(Parameters):
@@ -50,26 +49,11 @@ class Division(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Baseline(ABC, Generic[C]):
+class Baseline(Configured[C], ABC):
     """A method that divides a frame into regions; which of them are objects is decided by the rules for all methods."""
 
     name: ClassVar[str]
     preset: ClassVar[str] = ""
-    config: C
-
-    @property
-    def digest(self) -> str:
-        """That of the parameters."""
-        return self.config.digest
-
-    @property
-    def parameters(self) -> Mapping[str, Any]:
-        """The values as JSON has them."""
-        return self.config.model_dump(mode="json")
-
-    def replace(self: B, **changes: Any) -> B:
-        """The same method with other parameters, as `Parameters.replace` makes them. Raises ConfigError."""
-        return replace(self, config=self.config.replace(**changes))
 
     @abstractmethod
     def divide(self, frame: Frame) -> Division:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 from spigolo.frames.frame import Frame
+from spigolo.methods.configured import Configured
 from spigolo.objects.segmentation import Segmentation
 from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS
@@ -15,7 +15,7 @@ from spigolo.stream import Segmenter
 
 
 @dataclass(frozen=True, repr=False)
-class Toscana2016:
+class Toscana2016(Configured[Config]):
     """Toscana & Rosa 2016 with one configuration; every thread keeps its buffers from frame to frame."""
 
     name: ClassVar[str] = "toscana2016"
@@ -26,20 +26,6 @@ class Toscana2016:
     def preset(self) -> str:
         """Name of the configuration."""
         return self.config.name
-
-    @property
-    def digest(self) -> str:
-        """That of the configuration."""
-        return self.config.digest
-
-    @property
-    def parameters(self) -> Mapping[str, Any]:
-        """The configuration as JSON has it."""
-        return self.config.model_dump(mode="json")
-
-    def replace(self, **changes: Any) -> Toscana2016:
-        """Another configuration; names may be dotted as in `Config.replace`."""
-        return replace(self, config=self.config.replace(**changes))
 
     def __call__(self, frame: Frame) -> Segmentation:
         """The objects of a frame."""

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from spigolo.errors import SpigoloError
 from spigolo.frames.camera import shortened
-from spigolo.frames.frame import Color, Mask
+from spigolo.frames.frame import Color, Frame, Mask
 from spigolo.frames.roi import pixel_of
 from spigolo.objects.drawing import draw_numbers, draw_objects
 from spigolo.objects.facts import MEASURED, Labels, RegionFacts
@@ -91,10 +91,15 @@ class Segmentation:
         """Return the overlay as a PNG, for notebooks."""
         return _png(self.overlay())
 
+    @property
+    def frame(self) -> Frame:
+        """The frame that was segmented."""
+        return self.scene.frame
+
     def overlay(self) -> Color:
         """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered."""
         masks = {o.label: o.mask for o in self}
-        picture = draw_objects(self.scene.frame.color, masks)
+        picture = draw_objects(self.frame.color, masks)
         draw_numbers(picture, masks)
         return picture
 
@@ -135,7 +140,7 @@ class Segmentation:
 
     def at(self, point: tuple[float, float]) -> ObjectMask | RejectedRegion:
         """The object or rejected region at a pixel (y, x). Raises IndexError outside the image."""
-        region = int(self.regions.labels[pixel_of(point, self.scene.frame.shape)])
+        region = int(self.regions.labels[pixel_of(point, self.frame.shape)])
         everything: tuple[ObjectMask | RejectedRegion, ...] = (*self.objects, *self.rejected)
         return next(r for r in everything if r.region == region)
 

@@ -100,7 +100,8 @@ class Settings(BaseModel):
         Areas grow with the pixels of the image, and so do lengths that are marked `always`. The other lengths grow
         with `lengths` only: all images of the paper have 640x480 pixels.
         """
-        return self._grown(shape[0] * shape[1] / VGA_PX, lengths)
+        area = shape[0] * shape[1] / VGA_PX
+        return self if area == 1 else self._grown(area, lengths)
 
     def _grown(self: S, area: float, lengths: bool) -> S:
         values: dict[str, Any] = {}

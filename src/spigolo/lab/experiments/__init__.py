@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from spigolo.lab.datasets import Entry, Truth, find_labelled_frames
 from spigolo.lab.experiments.contenders import Contender, find_references, gather, read_contenders
+from spigolo.lab.experiments.losses import find_losses, loss_table, lost_objects
 from spigolo.lab.experiments.methods import make_methods, remake
 from spigolo.lab.experiments.paper import write_paper_tables
 from spigolo.lab.experiments.report import write_report
@@ -23,8 +24,11 @@ __all__ = [
     "Truth",
     "evaluate",
     "find_labelled_frames",
+    "find_losses",
     "find_references",
     "gather",
+    "loss_table",
+    "lost_objects",
     "make_methods",
     "read_contenders",
     "remake",

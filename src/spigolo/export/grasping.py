@@ -1,0 +1,39 @@
+"""Input for grasp planners: the segmap and the workspace mask that they ask for."""
+
+from __future__ import annotations
+
+from io import BytesIO
+
+import cv2
+import numpy as np
+
+from spigolo.errors import CameraError, FileError
+from spigolo.frames.files import PathLike, write_bytes
+from spigolo.objects.segmentation import Segmentation
+
+
+def contact_graspnet(result: Segmentation, path: PathLike) -> None:
+    """Write the .npz file that Contact-GraspNet reads.
+
+    Keys: `depth` (H, W) float32 in metres, 0 where missing; `K` (3, 3) float64; `rgb` (H, W, 3) uint8; `segmap` (H, W)
+    int32, 0 = background. Raises CameraError for a frame without intrinsics.
+    """
+    camera = result.frame.camera
+    if camera is None:
+        raise CameraError("Contact-GraspNet needs intrinsics, got a frame without a camera: give it one")
+    K = np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1]], np.float64)
+    buffer = BytesIO()
+    np.savez_compressed(buffer, depth=result.frame.depth, K=K, rgb=result.frame.color, segmap=result.labels)
+    write_bytes(path, buffer.getvalue())
+
+
+def workspace_mask(result: Segmentation, path: PathLike) -> None:
+    """Write the mask of all objects as a 1-bit PNG, the `workspace_mask.png` of GraspNet and AnyGrasp.
+
+    PIL reads it as bool, which both combine with the valid depth by `&`.
+    """
+    white = (result.labels > 0).astype(np.uint8) * 255
+    done, data = cv2.imencode(".png", white, [cv2.IMWRITE_PNG_BILEVEL, 1])
+    if not done:
+        raise FileError(f"could not encode a mask of shape {white.shape} for {path}")
+    write_bytes(path, data.tobytes())

@@ -1,0 +1,37 @@
+"""Labels as an image, and outlines as YOLO text."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from spigolo.frames.files import PathLike, write_bytes, write_png
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+
+CLASS = 0
+MIN_POINTS = 3
+
+
+def labels(result: Segmentation, path: PathLike) -> None:
+    """Write the label image (H, W) as a 16-bit PNG: 0 = background, 1..N = objects.
+
+    OpenCV must read it by `cv2.imread(path, cv2.IMREAD_UNCHANGED)`. Its default turns 16 bits into 8.
+    """
+    write_png(path, result.labels.astype(np.uint16))
+
+
+def yolo(result: Segmentation, path: PathLike) -> None:
+    """Write the outlines as YOLO segmentation text, one line for each object: `0 x1 y1 x2 y2 ...`, shares of the image.
+
+    YOLO has one outline for each object and no holes: the largest outline is taken.
+    """
+    height, width = result.labels.shape
+    outlines = (_outline(o) / (width, height) for o in result)
+    lines = (" ".join(f"{v:.6f}" for v in outline.ravel()) for outline in outlines if len(outline) >= MIN_POINTS)
+    write_bytes(path, "".join(f"{CLASS} {line}\n" for line in lines).encode())
+
+
+def _outline(o: ObjectMask) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Return the largest outline (N, 2) of an object as (x, y) of pixel centres plus a half: 0 is the image border."""
+    found, _ = cv2.findContours(o.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    return np.asarray(max(found, key=cv2.contourArea)[:, 0], np.float64) + 0.5

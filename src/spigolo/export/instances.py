@@ -1,0 +1,110 @@
+"""Instances of many frames in one JSON file: COCO and BOP."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import FileError, FrameError
+from spigolo.frames.files import PathLike, write_json
+from spigolo.frames.frame import Mask
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+
+CATEGORY = {"id": 1, "name": "object", "supercategory": "object"}
+"""The one category: objects have no class."""
+
+
+def coco(results: Iterable[Segmentation], path: PathLike) -> None:
+    """Write COCO instances with compressed run-length masks. Boxes are (x, y, width, height).
+
+    An image is named after its frame, `NAME.png`. Every object has the category `object` and its score. Raises
+    FileError without pycocotools.
+    """
+    encode = _pycocotools().encode
+    images: list[dict[str, Any]] = []
+    annotations: list[dict[str, Any]] = []
+    for number, result in enumerate(results, start=1):
+        height, width = result.labels.shape
+        images.append({"id": number, "file_name": f"{_name(result, number)}.png", "width": width, "height": height})
+        for o in result:
+            rle = encode(np.asfortranarray(o.mask.astype(np.uint8)))
+            mask = {"size": [height, width], "counts": rle["counts"].decode("ascii")}
+            annotations.append(
+                {
+                    "id": len(annotations) + 1,
+                    "image_id": number,
+                    "category_id": CATEGORY["id"],
+                    "segmentation": mask,
+                    "area": o.area_px,
+                    "bbox": box_xywh(o),
+                    "iscrowd": 0,
+                    "score": round(o.score, 6),
+                }
+            )
+    info = {"description": "Objects found by spigolo, without classes."}
+    write_json(path, {"info": info, "images": images, "annotations": annotations, "categories": [CATEGORY]})
+
+
+def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -> None:
+    """Write the results of BOP's 2-D instance segmentation as JSON, with uncompressed run-length masks.
+
+    Scene and image come from the frame's name, "SCENE/IMAGE", both whole numbers. category_id: one for all objects.
+    `time` is -1: not measured. Raises FrameError for another name.
+    """
+    records = []
+    for result in results:
+        scene, image = _bop_place(result)
+        for o in result:
+            records.append(
+                {
+                    "scene_id": scene,
+                    "image_id": image,
+                    "category_id": category_id,
+                    "bbox": box_xywh(o),
+                    "score": round(o.score, 6),
+                    "time": -1,
+                    "segmentation": run_lengths(o.mask),
+                }
+            )
+    write_json(path, records)
+
+
+def box_xywh(o: ObjectMask) -> list[int]:
+    """Return the bounding box (x, y, width, height) of an object in pixels, as COCO has it."""
+    y0, x0, y1, x1 = o.box_px
+    return [x0, y0, x1 - x0, y1 - y0]
+
+
+def run_lengths(mask: Mask) -> dict[str, Any]:
+    """Return COCO's uncompressed run lengths of a mask (H, W): column by column, the first run outside."""
+    flat = np.concatenate([[False], mask.ravel(order="F"), [False]])
+    if flat.size == 2:
+        return {"size": list(mask.shape), "counts": []}
+    changes = np.flatnonzero(flat[1:] != flat[:-1])
+    edges = np.concatenate([[0], changes, [mask.size]])
+    runs = np.diff(edges)
+    return {"size": list(mask.shape), "counts": (runs if runs[-1] else runs[:-1]).tolist()}
+
+
+def _name(result: Segmentation, number: int) -> str:
+    return result.frame.name or f"{number:06d}"
+
+
+def _bop_place(result: Segmentation) -> tuple[int, int]:
+    scene, _, image = result.frame.name.rpartition("/")
+    if not (scene.isdecimal() and image.isdecimal()):
+        raise FrameError(
+            f"expected a frame named SCENE/IMAGE for BOP, such as 000001/000023, got {result.frame.name!r}: read the"
+            " frames of a BOP data set, or set Frame.name"
+        )
+    return int(scene), int(image)
+
+
+def _pycocotools() -> Any:
+    try:
+        return importlib.import_module("pycocotools.mask")
+    except ImportError:
+        raise FileError('COCO needs pycocotools, which is missing: pip install "spigolo[export]"') from None

@@ -1,0 +1,53 @@
+"""Results as the records of other libraries, in memory."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import SpigoloError
+from spigolo.export.instances import box_xywh
+from spigolo.objects.segmentation import Segmentation
+
+
+def sam(result: Segmentation) -> list[dict[str, Any]]:
+    """Return the records of SAM's automatic mask generator, one for each object in the order of labels.
+
+    `segmentation` is a mask (H, W) bool, `bbox` is (x, y, width, height). `predicted_iou` and `stability_score` hold
+    the object's score. `point_coords` is the centroid (x, y).
+    """
+    height, width = result.labels.shape
+    return [
+        {
+            "segmentation": o.mask,
+            "area": o.area_px,
+            "bbox": box_xywh(o),
+            "predicted_iou": o.score,
+            "stability_score": o.score,
+            "point_coords": [[o.centroid_px[1], o.centroid_px[0]]],
+            "crop_box": [0, 0, width, height],
+        }
+        for o in result
+    ]
+
+
+def detections(result: Segmentation) -> Any:
+    """Return the objects as `supervision.Detections`, their labels in `data["label"]`.
+
+    Boxes are (x0, y0, x1, y1), the last two exclusive. Every class is 0. Raises SpigoloError without supervision.
+    """
+    try:
+        supervision = importlib.import_module("supervision")
+    except ImportError:
+        raise SpigoloError('Detections need supervision, which is missing: pip install "spigolo[export]"') from None
+    boxes = np.array([o.box_px for o in result], np.float32).reshape(-1, 4)
+    masks = np.array([o.mask for o in result], bool).reshape(-1, *result.labels.shape)
+    return supervision.Detections(
+        xyxy=boxes[:, [1, 0, 3, 2]],
+        mask=masks,
+        confidence=np.array([o.score for o in result], np.float32),
+        class_id=np.zeros(len(result), int),
+        data={"label": np.array([o.label for o in result], int)},
+    )

@@ -69,6 +69,15 @@ def print_result(result: Segmentation, out: Path) -> None:
     print(f"written: {out / 'labels.png'}, {out / 'objects.json'}, {out / 'overlay.png'}")
 
 
+def print_without_intrinsics(without: int, count: int) -> None:
+    """Print once how many of the frames had no intrinsics, and what that leaves out."""
+    if without:
+        print(
+            f"no intrinsics for {without} of {count} frames: results in metres, the support plane and contact"
+            " boundaries are left out. Give --camera, or put camera.json into the folder"
+        )
+
+
 def print_diagnosis(diagnosis: Diagnosis) -> None:
     """Print one line for each finding. Warnings are marked."""
     marks = {"ok": "[green]ok     [/]", "note": "[cyan]note   [/]", "warning": "[bold red]warning[/]"}

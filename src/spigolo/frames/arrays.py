@@ -18,8 +18,11 @@ ALONE = ""
 """Name of the one array of a .npy file."""
 
 
-def load_arrays(path: PathLike) -> Mapping[str, Array]:
-    """Return the arrays of a .npz file by their names, or that of a .npy file. Raises FileError."""
+def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
+    """Return the arrays of a .npz file by their names, or that of a .npy file. Raises FileError.
+
+    what: what a message calls them.
+    """
     try:
         stored = np.load(path, allow_pickle=False)
         if isinstance(stored, np.ndarray):
@@ -27,7 +30,7 @@ def load_arrays(path: PathLike) -> Mapping[str, Array]:
         with stored:
             return {name: np.asarray(stored[name]) for name in stored.files}
     except Exception as error:  # NumPy reads the header as Python, and raises what that raises
-        raise FileError(f"expected arrays in {path}, but it cannot be read: {_reason(error)}") from None
+        raise FileError(f"expected {what} in {path}, but it cannot be read: {_reason(error)}") from None
 
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:

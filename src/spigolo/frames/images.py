@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from spigolo.errors import FileError, FrameError, warn
 from spigolo.frames.arrays import load_arrays, pick
+from spigolo.frames.listing import RECORDINGS
 from spigolo.frames.png import as_grey
 
 Image = npt.NDArray[Any]
@@ -20,7 +21,6 @@ PathLike = str | os.PathLike[str]
 ARRAYS = (".npy", ".npz")
 READABLE = "PNG, TIFF, BMP, PGM, EXR, .npy or .npz; colour also JPEG or WebP"
 LOSSY = (".jpg", ".jpeg")
-RECORDINGS = (".bag", ".db3", ".mcap", ".mkv", ".oni", ".svo", ".svo2", ".klg", ".mp4", ".avi")
 COLOR_KEYS = ("rgb", "color", "colour", "image", "color_image", "rgb_image", "img")
 DEPTH_KEYS = ("depth", "depth_image", "depth_map", "depth_m", "depth_raw", "depth_mm")
 
@@ -71,7 +71,7 @@ def read_depth(path: PathLike) -> Image:
     if suffix in LOSSY:
         raise FrameError(f"expected depth without loss, got the JPEG {path}: store depth as 16-bit PNG")
     if suffix in ARRAYS:
-        return pick(load_arrays(path), DEPTH_KEYS, "a depth array", path)
+        return pick(load_arrays(path, "a depth array"), DEPTH_KEYS, "a depth array", path)
     stored = decode(path, cv2.IMREAD_UNCHANGED)
     if stored.ndim == 2:
         return stored

@@ -22,6 +22,7 @@ import numpy as np
 
 from spigolo.errors import FileError
 from spigolo.frames.camera import Camera
+from spigolo.frames.listing import listed
 from spigolo.frames.yaml_text import import_yaml, parse_yaml
 from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry
 from spigolo.lab.datasets.meshes import find_model
@@ -44,7 +45,7 @@ class Rutgers(DataSet):
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
-        data_set, camera = self._named("rutgers-apc"), self._camera(CAMERA)
+        data_set, (camera, scale) = self._named("rutgers-apc"), self._camera(CAMERA, MILLIMETRES)
         for path, found in sorted(_colors(self.folder), key=lambda pair: pair[0]):
             name, place = found["object"], f"{found['object']}-{found['bin']}-{found['rest']}"
             pose = _beside(path, "pose", ".yml")
@@ -57,7 +58,7 @@ class Rutgers(DataSet):
                 path,
                 _beside(path, "depth", ".png"),
                 camera,
-                MILLIMETRES,
+                scale,
                 name,
                 pose if posed else None,
                 self._model(name) if posed else None,
@@ -71,7 +72,7 @@ class Rutgers(DataSet):
 
 def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
     for pattern in ("*-image-*.png", "*/*-image-*.png"):
-        for path in folder.glob(pattern):
+        for path in listed(folder, pattern):
             found = NAME.fullmatch(path.name)
             if found and path.parent.name in (folder.name, found["object"]):
                 yield path, found

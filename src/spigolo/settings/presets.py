@@ -11,7 +11,7 @@ from pathlib import Path
 
 from spigolo.errors import ConfigError
 from spigolo.settings.additions import Additions, Cap, DepthContours, Joining, Rules, Smooth, Support, Vessel, Wall
-from spigolo.settings.config import Config
+from spigolo.settings.config import BASES, Config, base_preset
 from spigolo.settings.paper import (
     BoundaryCost,
     DepthConfig,
@@ -92,6 +92,7 @@ PRESETS = {
     "TABLE": TABLE,
     "CLUTTER": CLUTTER,
 }
+BASES.update(PRESETS)
 
 SUMMARIES = {
     "OBJECTS": "your own data: the newest of OBJECTS_1, OBJECTS_2, ...",
@@ -142,6 +143,4 @@ def _from_text(text: str, path: Path) -> Config:
                 " what differs"
             )
         return config
-    if str(base).upper() not in PRESETS:
-        raise ConfigError(f"unknown preset {str(base)!r} as base: expected one of {', '.join(PRESETS)}")
-    return PRESETS[str(base).upper()].replace(**values)
+    return base_preset(base).replace(**values)

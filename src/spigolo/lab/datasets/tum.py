@@ -112,7 +112,8 @@ def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
     if apart_s and times.size and not pairs:
         raise FileError(
             f"expected depth within {1000 * MAX_APART_S:.0f} ms of a colour image in {sequence}, got the nearest"
-            f" {_duration(min(apart_s))} apart: all {alone} colour images have no partner. Check that both lists use one clock"
+            f" {_duration(min(apart_s))} apart: all {alone} colour images have no partner. Check that both"
+            " lists use one clock"
         )
     if alone > MANY_ALONE * len(colors):
         warn(f"{sequence}: {alone} of {len(colors)} colour images have no depth within {1000 * MAX_APART_S:.0f} ms")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 from pydantic import model_validator
 
 from spigolo.errors import ConfigError
@@ -62,8 +64,8 @@ class Config(Parameters):
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
         """Read the TOML that `to_toml` writes. Raises ConfigError for keys that are not known.
 
-        base: the configuration that the text changes. A line `base = "TABLE"` in the text names a preset instead. Without
-        both, a missing key keeps its default.
+        base: the configuration that the text changes. A line `base = "TABLE"` in the text names a preset
+        instead. Without both, a missing key keeps its default.
         """
         values = parse_toml(text)
         named = values.pop("base", None)
@@ -77,6 +79,7 @@ BASES: dict[str, Config] = {}
 
 def base_preset(name: object) -> Config:
     """Return the preset that a file's line `base` names. Raises ConfigError, which lists the names."""
+    importlib.import_module("spigolo.settings.presets")  # which is above this module, and fills BASES
     if str(name).upper() not in BASES:
         raise ConfigError(f"unknown preset {str(name)!r} as base: expected one of {', '.join(BASES)}")
     return BASES[str(name).upper()]

@@ -26,7 +26,9 @@ KNOWN_WIDE = (
     (16 / 9, 0.50, "RealSense D455 or depth of D435"),
     (16 / 10, 0.50, "RealSense D455 or depth of D435"),
     (16 / 9, 0.563, "Kinect v2"),
-    (4 / 3, 0.60, "RealSense D455 or depth of D435"),
+    (4 / 3, 0.60, "RealSense D405, D455 or depth of D435"),
+    (16 / 9, 0.585, "Orbbec Femto Bolt"),
+    (4 / 3, 0.473, "Azure Kinect"),
 )
 """Width by height, focal length by width, and the cameras beyond that range that have both."""
 KNOWN_WITHIN = 0.03

@@ -52,6 +52,8 @@ class Frame:
     """Time of capture, ns. None if it is not known."""
     negative_depth: int = field(init=False, default=0)
     """Number of pixels whose depth was negative and counts as missing."""
+    unit_m: float | None = field(init=False, default=None)
+    """Metres per stored unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
     """Stored values that no camera measured and that count as missing. None without such values."""
     undistorted: bool = field(init=False, default=False)
@@ -84,7 +86,8 @@ class Frame:
             pixels, metres = known.undistort(pixels), known.undistort(metres, nearest=True)
             known = known.without_distortion()
         values: dict[str, Any] = {"color": pixels, "depth": metres, "camera": known, "name": name, "stamp_ns": stamp_ns}
-        values |= {"negative_depth": negative, "out_of_reach": beyond, "undistorted": bent}
+        unit_m = float(depth_scale) if depth_scale is not None and stored.dtype.kind in "ui" else None
+        values |= {"negative_depth": negative, "unit_m": unit_m, "out_of_reach": beyond, "undistorted": bent}
         for key, value in values.items():
             object.__setattr__(self, key, value)
 

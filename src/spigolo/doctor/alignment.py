@@ -26,8 +26,6 @@ MIN_CONTOUR_SHARE = 500 / (640 * 480)
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
 """How much the gradient under the contours must stand out: from those around, in units of their mean, and from what
 other shifts score, in standard deviations. Else the best shift is one of many."""
-MIN_SCALED_SHARE = 700 / (640 * 480)
-"""The same for a scale, which leaves more chance fits."""
 SHIFTED = 0.95
 """Unshifted, contours fit less than this share of their best fit."""
 MIRRORED = 0.8
@@ -87,8 +85,8 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
             f"expected the contours of depth on those of colour, found that they fit when {name}:"
             " turn one of the two images",
         )
-    scaled = best_scale(contours, gradients) if count >= MIN_SCALED_SHARE * filled.size else None
-    if scaled is not None and scaled.is_clear:
+    scaled = best_scale(contours, gradients)
+    if scaled.is_clear:
         return warning(
             ALIGNMENT,
             f"expected the contours of depth on those of colour, found that they fit when depth is scaled by"
@@ -96,11 +94,8 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
             f" {scaled.dy_px:+.0f} px in y: depth was not registered to colour, as register_depth does it",
         )
     if not fit.is_clear:
-        return note(
-            ALIGNMENT,
-            "alignment of depth and colour cannot be judged: colour does not change at depth steps",
-            judged=False,
-        )
+        why = "alignment of depth and colour cannot be judged: colour does not change at depth steps"
+        return note(ALIGNMENT, why, judged=False)
     if fit.unshifted < SHIFTED * fit.score:
         return warning(
             ALIGNMENT,

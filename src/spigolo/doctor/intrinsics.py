@@ -32,6 +32,8 @@ KNOWN_WIDE = (
 )
 """Width by height, focal length by width, and the cameras beyond that range that have both."""
 KNOWN_WITHIN = 0.03
+POSSIBLE_SHARE = (0.42, 1.3)
+"""Focal length by image width of all RGB-D cameras. One beyond comes of surfaces that are not upright."""
 
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
 """Factors on the focal length."""
@@ -75,6 +77,8 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
     share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
     stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
     factor = upright_factor(filled, camera)
+    if factor is not None and not POSSIBLE_SHARE[0] <= share * factor <= POSSIBLE_SHARE[1]:
+        factor = None  # the walls of a bin lean, and no camera has the focal length at which they stand upright
     if factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN):
         return warning(
             FOCAL_LENGTH,

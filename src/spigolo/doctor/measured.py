@@ -125,7 +125,7 @@ def check_unit(frame: Frame, filled: DepthMap) -> Finding:
 
 
 def unit_advice(median_m: float, unit_m: float | None) -> str:
-    """Return how to mend a wrong unit. unit_m: metres per stored unit that were taken, None where they are not known."""
+    """Return how to mend a wrong unit. unit_m: metres per stored unit that were taken, None for no integers."""
     listed = "; ".join(f"{name}: {scale:g}" for scale, name in SCALES.items())
     if unit_m is None:
         return f"multiply depth_scale by {guess_factor(median_m):g} ({listed})"

@@ -39,7 +39,7 @@ def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
         return warning(
             PLANARITY,
             f"expected depth as the Z coordinate, found planes that are flat as distance along the ray ({as_ray:.0%} of"
-            f" the pixels on one plane, {as_z:.0%} without): multiply each pixel by cos of its angle to the optical axis",
+            f" the pixels on one plane, {as_z:.0%} without): multiply by the cosine of the angle to the optical axis",
         )
     if as_raw > MORE_RAW * as_z and as_raw >= MIN_RAW:
         return warning(

@@ -21,9 +21,11 @@ SEARCH_PX = 20
 """Shifts that are tried with each scale, px of those images. A camera's distance moves near things by as much."""
 TRIED = np.exp(np.arange(np.log(0.86), np.log(1.9), 0.04))
 """Scales that are tried: ratios of the colour camera's focal length to that of the depth camera."""
-MIN_PEAK, MIN_SCORE, MAX_UNSCALED = 4.2, 0.1, 0.82
-"""How much a scale must stand out: from all scales and shifts, in standard deviations, from no contrast, and from the best
-shift without scale, whose score is at most this share of it."""
+MIN_SCORE, MAX_UNSCALED = 0.1, 0.82
+"""How much a scale must stand out: from no contrast, and from the best shift without scale, whose score is at most this
+share of it."""
+MIN_EVIDENCE, UNSCALED_COSTS = 2.45, 4.0
+"""Minimum of the peak, less that share times UNSCALED_COSTS: the nearer no scale comes, the clearer the peak must be."""
 SAME = 0.07
 """Logarithm of a scale up to which it counts as none."""
 
@@ -46,8 +48,9 @@ class ScaleFit:
     @property
     def is_clear(self) -> bool:
         """Whether the scale fits far better than none, and better than chance."""
-        stands_out = self.peak >= MIN_PEAK and self.score >= MIN_SCORE
-        return stands_out and self.unscaled < MAX_UNSCALED * self.score
+        share = self.unscaled / max(self.score, MIN_SCORE)
+        evident = self.peak - UNSCALED_COSTS * share >= MIN_EVIDENCE
+        return self.score >= MIN_SCORE and share < MAX_UNSCALED and evident
 
 
 def best_scale(contours: Pair, gradients: Pair) -> ScaleFit:

@@ -60,8 +60,8 @@ def check_steps(depth: DepthMap) -> Finding:
     return warning(
         STEPS,
         f"expected depth in steps of millimetres, found steps of {1000 * gap_m:.0f} mm at"
-        f" {levels.ticks[middle] * TICK_M:.2f} m and {levels.ticks.size} depths in all: switch subpixel disparity on, and"
-        " store depth with 16 bits, not 8 bits scaled up",
+        f" {levels.ticks[middle] * TICK_M:.2f} m and {levels.ticks.size} depths in all: switch subpixel disparity on,"
+        " and store depth with 16 bits, not 8 bits scaled up",
     )
 
 

@@ -25,7 +25,7 @@ MIN_SCORE, MAX_UNSCALED = 0.1, 0.82
 """How much a scale must stand out: from no contrast, and from the best shift without scale, whose score is at most this
 share of it."""
 MIN_EVIDENCE, UNSCALED_COSTS = 2.45, 4.0
-"""Minimum of the peak, less that share times UNSCALED_COSTS: the nearer no scale comes, the clearer the peak must be."""
+"""Minimum of the peak, less that share times UNSCALED_COSTS: the closer no scale is, the clearer the peak must be."""
 SAME = 0.07
 """Logarithm of a scale up to which it counts as none."""
 

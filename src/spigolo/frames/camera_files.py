@@ -199,6 +199,8 @@ def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
     named = {lower.get(name.lower(), name): value for name, value in arrays.items()}
     if any(name in named for name in MATRIX_NAMES) or "fx" in named:
         return {name: _alone(value) for name, value in named.items()}
+    if len(arrays) == 1:
+        return _matrix_fields(np.asarray(next(iter(arrays.values()))), path)
     small = [value for value in arrays.values() if np.size(value) in (4, 9, 12, 16)]
     if len(small) != 1:
         raise FileError(

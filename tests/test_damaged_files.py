@@ -18,7 +18,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import spigolo as sp
-from spigolo.frames.files import write_png
+from spigolo.frames.files import read_camera, read_color, write_png
+from spigolo.lab.datasets import guess
 from spigolo.lab.datasets.meshes import read_model, write_model
 from spigolo.lab.evaluation import read_rows
 from spigolo.lab.experiments import evaluate, make_methods
@@ -155,7 +156,7 @@ def singles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, C
     found: dict[str, tuple[Path, Callable[[Path], Any]]] = {}
     for name, text in CAMERAS.items():
         (folder / name).write_text(text)
-        found[name] = folder / name, lambda path: files.read_camera(path, 64, 48)
+        found[name] = folder / name, lambda path: read_camera(path, 64, 48)
     (folder / "mine.toml").write_text(sp.OBJECTS.to_toml())
     (folder / "based.toml").write_text(
         'base = "TABLE"\n[partition]\ngamma = 0.002\n[rejection]\nmax_missing = "none"\n'
@@ -163,7 +164,7 @@ def singles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, C
     for name in ("mine.toml", "based.toml"):
         found[name] = folder / name, sp.preset
     write_png(folder / "rgb.png", color)
-    found["rgb.png"] = folder / "rgb.png", files.read_color
+    found["rgb.png"] = folder / "rgb.png", read_color
     write_png(folder / "depth.png", depth)
     np.save(folder / "depth.npy", depth)
     for name in ("depth.png", "depth.npy"):
@@ -176,7 +177,7 @@ def singles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Path, C
     for name in ("mesh.ply", "mesh.obj"):
         found[name] = folder / name, read_model
     frames(folder)
-    evaluate(sp.datasets.guess(folder / "shop"), make_methods(["toscana2016"], [sp.TABLE]), folder / "rows.jsonl")
+    evaluate(guess(folder / "shop"), make_methods(["toscana2016"], [sp.TABLE]), folder / "rows.jsonl")
     found["rows.jsonl"] = folder / "rows.jsonl", read_rows
     packed = Path(__file__).parents[1] / "docs" / "data" / "trials-felzenszwalb2004.jsonl.gz"
     begun = b"".join(gzip.decompress(packed.read_bytes()).splitlines(keepends=True)[:6])

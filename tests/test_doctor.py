@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -16,6 +14,7 @@ from conftest import load_frame
 from spigolo import Camera, Frame
 from spigolo.doctor import Diagnosis, Finding, Severity, checkup, diagnose, intrinsics, measured
 from spigolo.doctor.local_planes import fit_local_planes
+from spigolo.lab.studies import doctor as study
 
 ROOT = Path(__file__).resolve().parents[1]
 KINECT = Camera(525.0, 525.0, 319.5, 239.5, 640, 480)
@@ -26,16 +25,7 @@ SEEN = (
 """Frames of every kind of sensor with things of clear outline."""
 
 
-def load_script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("measure_doctor", ROOT / "scripts" / "measure_doctor.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-script = load_script()
-SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = script.SPOILT
+SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = study.SPOILT
 
 
 def finding(frame: Frame, check: str) -> Finding:
@@ -74,18 +64,18 @@ def test_every_spoiling_of_the_bundled_scene_is_found(demo: Frame, kind: str) ->
 
 
 def test_the_shift_is_told_with_its_direction(demo: Frame) -> None:
-    sentence = finding(script.shift(demo, 8, 0), "alignment").sentence
+    sentence = finding(study.shift(demo, 8, 0), "alignment").sentence
     assert any(f"moved by {dx:+d} px in x" in sentence for dx in (-7, -8, -9))
 
 
 @pytest.mark.parametrize(("axes", "says"), [((1,), "left to right"), ((0,), "top to bottom"), ((0, 1), "upside down")])
 def test_mirrored_depth_is_told_how(demo: Frame, axes: tuple[int, ...], says: str) -> None:
-    assert says in finding(script.with_depth(demo, np.flip(demo.depth, axes)), "alignment").sentence
+    assert says in finding(study.with_depth(demo, np.flip(demo.depth, axes)), "alignment").sentence
 
 
 @pytest.mark.parametrize("factor", [10, 1000, 0.1, 0.001])
 def test_the_scale_is_guessed(demo: Frame, factor: float) -> None:
-    sentence = finding(script.scale(demo, factor), "depth unit").sentence
+    sentence = finding(study.scale(demo, factor), "depth unit").sentence
     assert f"multiply depth_scale by {1 / factor:g} " in sentence
 
 
@@ -171,13 +161,13 @@ def test_a_known_wide_camera_is_a_note() -> None:
 
 
 def test_right_angles_tell_the_focal_length(demo: Frame) -> None:
-    factor = intrinsics.upright_factor(script.zoom(demo, 0.5).depth, script.zoom(demo, 0.5).camera)
+    factor = intrinsics.upright_factor(study.zoom(demo, 0.5).depth, study.zoom(demo, 0.5).camera)
     assert factor == pytest.approx(2.0, rel=0.1)
     assert intrinsics.upright_factor(demo.depth, demo.camera) == 1.0
 
 
 def test_without_intrinsics_nothing_is_said_of_3d(demo: Frame) -> None:
-    frame = script.with_depth(demo, demo.depth)
+    frame = study.with_depth(demo, demo.depth)
     object.__setattr__(frame, "camera", None)
     assert "no intrinsics given" in finding(frame, "intrinsics").sentence
 

@@ -310,7 +310,8 @@ def test_a_fitted_preset_reads_back_as_it_is(tmp_path: Path) -> None:
     path, page = write_fit(made, hold_out(made, 2), start, tmp_path / "out")
     config = sp.preset(path)
     assert config == fitted(made, start).config and config.name == "TABLE_FITTED"  # type: ignore[attr-defined]
-    assert config.joining is not None and config.cost.k_x == setting["cost.k_x"]  # type: ignore[union-attr]
+    assert config.additions is not None and config.additions.joining is not None
+    assert config.cost.k_x == setting["cost.k_x"]  # type: ignore[union-attr]
     text = page.read_text(encoding="utf-8")
     assert "| cost.k\\_x | 7.5 |" in text and "Chosen over all frames: trial 1" in text and "too few" in text
 

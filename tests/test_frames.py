@@ -48,7 +48,7 @@ def test_every_frame_runs_and_its_answer_holds_together(data: Path, name: str) -
 
 
 def test_objects_finds_the_objects_of_a_table(data: Path) -> None:
-    """Made while looking at these frames; the bounds are below what held-out folds reach (scripts/fit_objects.py)."""
+    """Made while looking at these frames. The bounds are below what held-out folds reach (studies.objects_preset)."""
 
     def score(k: int):
         folder = data / "frames" / "osd-mosd" / f"learn{k}"

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -18,6 +18,7 @@ import spigolo
 import spigolo.kernels._jit
 
 SOURCES = Path(spigolo.__file__).parents[1]
+KERNELS = sorted((SOURCES / "spigolo" / "kernels").glob("[a-z]*.py"))
 NOBODY = 65534
 SEGMENT = """
 import os, numpy as np, spigolo as sp
@@ -31,7 +32,7 @@ print(os.getuid(), *result.labels.shape)
 """
 
 
-@pytest.mark.parametrize("path", sorted((SOURCES / "spigolo" / "kernels").glob("[a-z]*.py")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", KERNELS, ids=lambda p: p.stem)
 def test_no_kernel_is_longer_than_sixty_lines(path: Path) -> None:
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.FunctionDef):
@@ -90,4 +91,35 @@ def test_the_cache_lies_where_it_is_asked_for_and_the_first_run_says_what_it_doe
     assert second.stderr == ""
     kept = [path.relative_to(tmp_path).parts for path in tmp_path.rglob("*.nbi")]
     assert len(kept) > 20
-    assert {part[:2] for part in kept} == {("spigolo", f"kernels-{spigolo.kernels._jit.SOURCE_HASH}")}
+    kernels = sorted(path.stem for path in KERNELS)
+    keyed = {("spigolo", "kernels", f"{name}-{spigolo.kernels._jit.module_key(name)}") for name in kernels}
+    assert {part[:3] for part in kept} <= keyed
+
+
+def test_an_edit_gives_a_new_key_to_its_module_and_to_those_that_import_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    jit = spigolo.kernels._jit
+    names = [path.stem for path in KERNELS]
+    content = jit._content
+
+    def edited(name: str) -> tuple[bytes, Iterable[str]]:
+        source, imported = content(name)
+        return source + b"# edited" * (name == "merging"), imported
+
+    jit.module_key.cache_clear()
+    before = {name: jit.module_key(name) for name in names}
+    monkeypatch.setattr(jit, "_content", edited)
+    jit.module_key.cache_clear()
+    after = {name: jit.module_key(name) for name in names}
+    jit.module_key.cache_clear()
+    assert {name for name in names if before[name] != after[name]} == {"merging", "choosing", "sorting"}
+
+
+@pytest.mark.parametrize("path", KERNELS, ids=lambda p: p.stem)
+def test_a_kernel_module_imports_others_as_its_key_reads_them(path: Path) -> None:
+    """`from spigolo.kernels.x import y`: any other form would not count as imported."""
+    package = "spigolo.kernels"
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            assert not any(alias.name.startswith(package) for alias in node.names)
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0 and node.module != package

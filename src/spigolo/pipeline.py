@@ -10,6 +10,7 @@ from spigolo.additions.support import Plane, find_support
 from spigolo.frames.frame import Frame, check_frame
 from spigolo.frames.roi import Roi, pixel_of
 from spigolo.kernels.workspace import Workspace
+from spigolo.objects.outlines import redraw_outlines
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 from spigolo.objects.selection import select_objects, set_scene
 from spigolo.settings.config import Config, check_config
@@ -43,7 +44,7 @@ class Trace:
     graph: Graph
     """The weighed graph."""
     regions: Regions
-    """The regions, parts joined."""
+    """The regions, parts joined. `segmentation.regions` has their final outlines."""
     segmentation: Segmentation
     """The answer."""
 
@@ -71,6 +72,7 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours
     scene = set_scene(frame, cues, graph, plane, contours, config, roi)
     segmentation = select_objects(regions, scene)  # section III-F, and ours
+    segmentation = redraw_outlines(segmentation, ours) if ours else segmentation  # ours
     return Trace(frame, config, plane, weighing, edges, contours, cues, graph, regions, segmentation)
 
 

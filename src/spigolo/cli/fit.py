@@ -59,8 +59,8 @@ def fit(
     if not words:
         raise FileError("expected a folder of labelled frames, got nothing: name folders before any flag")
     from spigolo.lab.experiments import find_labelled_frames, make_methods
-    from spigolo.lab.experiments.page import to_text
     from spigolo.lab.fitting import check_folds, goodness, hold_out, only_labelled, score_table, search, write_fit
+    from spigolo.lab.page import to_text
 
     check_flags(flags, [method])
     (start,) = make_methods([method], [configure(preset, flags, fit)])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import cv2
@@ -39,7 +40,7 @@ class RegionFacts:
     """The facts of one region, measured in the image and in space."""
 
     region: int
-    """Number of the region in `trace.regions`."""
+    """Number of the region in `Segmentation.regions`."""
     score: float
     """Evidence for an object, in [0, 1] (`region_score`)."""
     area_px: int
@@ -149,48 +150,69 @@ def measure_regions(
     stance: Stance | None = None,
     plane: Plane | None = None,
 ) -> list[RegionFacts]:
-    """The facts of every region, by number.
+    """Measure the facts of every region, by number.
 
-    depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` gives it. above: (H, W), measured pixels above the
-    support. inside: pixels (H, W) in the region of interest and those that count. plane: the support.
+    depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` returns it. above: (H, W), measured pixels above
+    the support. inside: pixels (H, W) in the region of interest, and those that count. plane: the support.
     """
-    sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
-    moments.sum_regions(regions.labels, sums, boxes)
-    n = sums[:, 0]
-    centroid = sums[:, 1:3] / n[:, None]
-    large, small, eccentricity = principal_spread(sums)
     points = _sum_points(regions, frame)
     measured = points[:, 0]
-    dark = np.zeros(regions.count, np.int64)
-    moments.count_dark(regions.labels, frame.color, dark)
     strength = contour_strength(regions, contour)
     standing = None if above is None else _share(regions, above, measured)
     wanted = None if inside is None else _share(regions, inside[0] & inside[1], regions.count_where(inside[1]))
     score = region_score(strength, measured / regions.labels.size, standing)
-    unfilled = regions.count_where(missing_mask(depth)) / n
     return [
         RegionFacts(
             region=k,
             score=float(score[k]),
-            area_px=int(n[k]),
-            box_px=(int(boxes[k, 0]), int(boxes[k, 1]), int(boxes[k, 2]), int(boxes[k, 3])),
-            centroid_px=(float(centroid[k, 0]), float(centroid[k, 1])),
-            centroid_m=None if frame.camera is None else _mean_point(points[k]),
-            spread_px2=(float(large[k]), float(small[k])),
-            eccentricity=float(eccentricity[k]),
-            missing=float(1 - measured[k] / n[k]),
-            unfilled=float(unfilled[k]),
-            dark=float(dark[k] / n[k]),
             above=None if standing is None else float(standing[k]),
             inside=None if wanted is None else float(wanted[k]),
             contour=float(strength[k]),
             cut=None if stance is None else _known(stance.cut[k]),
             hides=None if stance is None else _known(stance.hides[k]),
             lean_deg=None if stance is None else _known(stance.lean_deg[k]),
-            regions=regions.labels,
             frame=frame,
             plane=plane,
+            **place,
         )
+        for k, place in enumerate(_places(regions, depth, frame, points))
+    ]
+
+
+def remeasure(facts: Sequence[RegionFacts], regions: Regions, depth: DepthMap) -> list[RegionFacts]:
+    """Return the facts of regions whose outlines have moved. facts: in the order of their new numbers.
+
+    Facts that describe the mask are measured again. Facts that a region was judged by stay: score, above, inside,
+    contour, cut, hides and lean_deg.
+    """
+    frame = facts[0].frame
+    places = _places(regions, depth, frame, _sum_points(regions, frame))
+    return [replace(f, region=k, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]
+
+
+def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
+    """Return the facts of every region that describe its mask, by name. points: (R, 4) as `_sum_points` returns it."""
+    sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
+    moments.sum_regions(regions.labels, sums, boxes)
+    n = np.maximum(sums[:, 0], 1)
+    centroid = sums[:, 1:3] / n[:, None]
+    large, small, eccentricity = principal_spread(sums)
+    dark = np.zeros(regions.count, np.int64)
+    moments.count_dark(regions.labels, frame.color, dark)
+    unfilled = regions.count_where(missing_mask(depth)) / n
+    return [
+        {
+            "area_px": int(sums[k, 0]),
+            "box_px": (int(boxes[k, 0]), int(boxes[k, 1]), int(boxes[k, 2]), int(boxes[k, 3])),
+            "centroid_px": (float(centroid[k, 0]), float(centroid[k, 1])),
+            "centroid_m": None if frame.camera is None else _mean_point(points[k]),
+            "spread_px2": (float(large[k]), float(small[k])),
+            "eccentricity": float(eccentricity[k]),
+            "missing": float(1 - points[k, 0] / n[k]),
+            "unfilled": float(unfilled[k]),
+            "dark": float(dark[k] / n[k]),
+            "regions": regions.labels,
+        }
         for k in range(regions.count)
     ]
 
@@ -263,6 +285,7 @@ def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.
 def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
     """lambda1 >= lambda2 (px^2) and eccentricity of each region from its moments (R, 6), covariance divided by N."""
     n, y, x, yy, yx, xx = sums.T
+    n = np.maximum(n, 1)
     a, b, c = yy / n - (y / n) ** 2, yx / n - y * x / n**2, xx / n - (x / n) ** 2
     middle, root = (a + c) / 2, np.hypot((a - c) / 2, b)
     large, small = np.maximum(middle + root, 0), np.maximum(middle - root, 0)

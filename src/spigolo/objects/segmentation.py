@@ -174,7 +174,7 @@ class Segmentation:
         root = np.arange(self.regions.count)
         root[second] = first
         regions = self.regions.joined(root)
-        verdicts = self._verdicts()
+        verdicts = self.verdicts()
         verdicts[first] = None
         del verdicts[second]
         return assemble(self.scene, regions, self.scene.measure(regions), verdicts)
@@ -194,13 +194,14 @@ class Segmentation:
                 )
 
     def _with(self, region: RegionFacts, verdict: Verdict | None) -> Segmentation:
-        verdicts = self._verdicts()
+        verdicts = self.verdicts()
         verdicts[region.region] = verdict
         return assemble(
             self.scene, self.regions, sorted((*self.objects, *self.rejected), key=lambda r: r.region), verdicts
         )
 
-    def _verdicts(self) -> list[Verdict | None]:
+    def verdicts(self) -> list[Verdict | None]:
+        """Return the verdict of each region by number. None: an object."""
         verdicts: list[Verdict | None] = [None] * self.regions.count
         for r in self.rejected:
             verdicts[r.region] = (r.reason, r.why)

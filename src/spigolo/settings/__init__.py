@@ -2,7 +2,18 @@
 
 from __future__ import annotations
 
-from spigolo.settings.additions import Additions, Cap, DepthContours, Joining, Rules, Smooth, Support, Vessel, Wall
+from spigolo.settings.additions import (
+    Additions,
+    Cap,
+    DepthContours,
+    Joining,
+    Refinement,
+    Rules,
+    Smooth,
+    Support,
+    Vessel,
+    Wall,
+)
 from spigolo.settings.config import Config
 from spigolo.settings.paper import (
     AutoCost,
@@ -33,6 +44,7 @@ __all__ = [
     "Joining",
     "Parameters",
     "Partition",
+    "Refinement",
     "Rejection",
     "Rules",
     "SaliencyConfig",

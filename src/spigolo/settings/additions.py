@@ -190,6 +190,41 @@ class Rules(Settings):
     """Maximum width of that rectangle, m. It replaces the limit of the smaller eigenvalue."""
 
 
+class Refinement(Settings):
+    """Outlines of objects, drawn again by colour where depth does not say where they lie.
+
+    A band along the borders of objects is opened. A spanning forest over colour differences gives each open pixel to an
+    object or to the background. It grows from the pixels outside the band.
+    """
+
+    ramp_factor: NotNegative = 5.0
+    """Width of the band for each pixel of ramp, the mean number of pixels between the near and the far depth of the
+    frame's depth steps. Wider ramps mean a coarser sensor: stereo smears steps, structured light hardly does."""
+    min_width_px: Length_px = 2
+    """Minimum width of the band on each side of a border, also without ramps."""
+    max_width_px: Length_px = 10
+    """Maximum width of the band on each side of a border."""
+    hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
+    """Maximum width of the band where depth is missing: shadows and rims of objects."""
+    near_hole_px: Length_px = 1
+    """Distance to missing depth up to which measured depth is not trusted either."""
+    reach_px: Offset_px = 8
+    """Length on each side of a border along which ramps are counted."""
+    min_profiles: Annotated[int, Field(ge=1)] = 40
+    """Minimum number of depth steps to measure ramps from; with fewer the band has its minimum width."""
+    max_opened: Share = 0.6
+    """Maximum share of the layers of a small object that is opened: its innermost pixels stay."""
+    sigma_px: Annotated[NotNegative, Grows()] = 0.8
+    """Gaussian smoothing of the colour image before differences are taken; 0 smooths nothing."""
+    step_m: Positive = 0.018
+    """Depth difference between neighbours that counts as a full step."""
+    step_per_m: NotNegative = 0.0083
+    """The same per squared distance, 1/m; the larger of both holds."""
+    step_weight: NotNegative = 40.0
+    """Weight of a full depth step between measured pixels, in grey levels of colour difference; more keeps outlines on
+    sharp steps."""
+
+
 class Additions(Settings):
     """Our additions to the paper. Each is off by default."""
 
@@ -201,6 +236,8 @@ class Additions(Settings):
     """Join the parts of an object that the partition cut. Needs a support."""
     rules: Rules = Rules()
     """Reject more regions than the paper does."""
+    refinement: Refinement | None = None
+    """Draw the outlines of objects again by colour where depth does not say where they lie."""
     noise_per_m: NotNegative = 0.0
     """Depth difference per squared distance, 1/m, up to which eq. 9 counts none. Depth comes in steps, whose borders
     would otherwise stay in a large region of equal depths."""

@@ -1,0 +1,124 @@
+"""Outlines of objects drawn again by colour, where depth does not say where they lie (`settings.Refinement`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Color, DepthMap, Mask
+from spigolo.kernels import seeding as kernel
+from spigolo.settings.additions import Refinement
+
+Labels = npt.NDArray[np.int32]
+
+RAMP_STEP_M = 0.03
+RAMP_STEP_SHARE = 0.02
+"""Minimum depth difference, in metres and as a share of the distance, of the steps that ramps are measured at."""
+MEMORY = 0.5
+"""Share of the colour of a tree that comes from its earlier pixels."""
+CARRY = 0.9
+"""Share of the weight of an edge that is added to the next one."""
+UPSCALED_BAND = 1.5
+"""Half width of the band around borders of enlarged labels, in pixels of the small image."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Claimed:
+    """Labels after the seeded partition.
+
+    labels (H, W) int32. source_of (H * W,) int32: number y * width + x of the seed that each opened pixel belongs to;
+    without meaning elsewhere. opened: (H, W), the pixels whose label was found anew.
+    """
+
+    labels: Labels
+    source_of: npt.NDArray[np.int32]
+    opened: Mask
+
+
+def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
+    """Redraw the borders of objects by colour where depth cannot be trusted.
+
+    labels: (H, W), 0 = background, others are objects. color: (H, W, 3) uint8 RGB. depth: (H, W) in metres as measured,
+    0 = missing. Each object keeps its innermost pixels. Lengths are those of this image.
+    """
+    width = band_width_px(labels, depth, config)
+    near_hole = _widen(np.asarray(depth == 0), config.near_hole_px)
+    opened, count = open_band(labels, near_hole, width, max(width, config.hole_width_px), config.max_opened)
+    return claim(labels, opened, count, color, depth, config)
+
+
+def enlarge_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Labels:
+    """Labels of a smaller image at the size of the full one (H, W), their borders drawn by colour and depth steps.
+
+    labels: (h, w) of the smaller image. color: (H, W, 3) uint8 RGB. depth: (H, W) in metres, 0 = missing. Open are the
+    pixels that the enlargement cannot place; `config` gives the smoothing and the weights.
+    """
+    height, width = depth.shape
+    large = np.asarray(cv2.resize(labels, (width, height), interpolation=cv2.INTER_NEAREST), np.int32)
+    band = int(np.ceil(UPSCALED_BAND * max(height / labels.shape[0], width / labels.shape[1])))
+    opened, count = open_band(large, np.zeros(large.shape, np.uint8), band, band, config.max_opened)
+    return claim(large, opened, count, color, depth, config).labels
+
+
+def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
+    """Width of the band on each side of the borders, from the ramps at the depth steps along them."""
+    sums = np.zeros(2, np.int64)
+    kernel.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
+    if sums[0] < config.min_profiles:
+        return config.min_width_px
+    ramp_px = float(sums[1] / sums[0])
+    return int(np.clip(round(config.ramp_factor * ramp_px), config.min_width_px, config.max_width_px))
+
+
+def open_band(
+    labels: Labels, near_hole: npt.NDArray[np.uint8], width_px: int, hole_width_px: int, max_opened: float
+) -> tuple[npt.NDArray[np.uint8], int]:
+    """Pixels (H, W) uint8 within a distance of a border between labels, and their number.
+
+    near_hole: (H, W), where hole_width_px holds in place of width_px. Of a label that is thinner than that only the
+    outer share `max_opened` of its layers is open. Label 0 may be opened as a whole.
+    """
+    layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
+    kernel.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
+    inner[0] = kernel.UNREACHED
+    opened = np.empty(labels.shape, np.uint8)
+    return opened, int(kernel.open_layers(labels, layer, inner, np.float32(max_opened), opened))
+
+
+def claim(
+    labels: Labels,
+    opened: npt.NDArray[np.uint8],
+    count: int,
+    color: Color,
+    depth: DepthMap,
+    config: Refinement,
+) -> Claimed:
+    """Give each opened pixel the label of the seed whose tree reaches it first; unreachable ones keep theirs."""
+    smooth = color
+    if config.sigma_px > 0:
+        smooth = np.asarray(cv2.GaussianBlur(color, (0, 0), config.sigma_px, borderType=cv2.BORDER_REPLICATE), np.uint8)
+    out, open_now = labels.copy(), opened.copy()
+    source_of = np.empty(labels.size, np.int32)
+    kernel.grow_seeds(
+        smooth,
+        depth,
+        out,
+        open_now,
+        count,
+        MEMORY,
+        CARRY,
+        np.float32(config.step_m),
+        np.float32(config.step_per_m),
+        np.float32(config.step_weight),
+        source_of,
+    )
+    return Claimed(out, source_of, np.asarray(opened > open_now))
+
+
+def _widen(mask: Mask, reach_px: int) -> npt.NDArray[np.uint8]:
+    """A mask as uint8 with everything within reach_px of it, as a square."""
+    size = 2 * reach_px + 1
+    return np.asarray(cv2.dilate(mask.view(np.uint8), np.ones((size, size), np.uint8)))

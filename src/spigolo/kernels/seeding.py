@@ -1,0 +1,244 @@
+"""Seeded partition of the pixels along the borders of objects: open pixels, and the forest that claims them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+f32 = np.float32
+LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
+"""Depth between these parts of a step belongs to neither of its sides."""
+UNREACHED = 255
+OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
+"""Flags of an open pixel: those at the left and right image border have a neighbour less."""
+LEVELS = 2048
+"""Number of weights that are told apart, in steps of one grey level; larger ones count as the last."""
+
+
+@inlined
+def outermost(depth, start, step, count):
+    """The first valid depth of `count` pixels from `start` on, 0 without any; depth (H * W,)."""
+    for k in range(count):
+        z = depth[start + k * step]
+        if z > f32(0.0):
+            return z
+    return f32(0.0)
+
+
+@kernel
+def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
+    """Count the pixels between both depths of every depth step on the border of an object.
+
+    labels (H, W) int32, 0 = background. depth (H, W) float32 metres, 0 = missing. Each pair of neighbours with
+    different labels is one profile of reach_px pixels to both sides, along its row or column. It counts where the depth
+    at its ends differs by more than max(step_m, step_share * nearer depth).
+    sums (2,) int64 = profiles, pixels on ramps; zero before.
+    """
+    height, width = labels.shape
+    flat, ends = depth.reshape(-1), max(reach_px // 3, 1)
+    for y in range(height):
+        for x in range(width):
+            here = labels[y, x]
+            if here == labels[y, min(x + 1, width - 1)] and here == labels[min(y + 1, height - 1), x]:
+                continue
+            for axis in range(2):
+                v, u = (y, x + 1) if axis == 0 else (y + 1, x)
+                if v >= height or u >= width or labels[v, u] == here:
+                    continue
+                place, length = (x, width) if axis == 0 else (y, height)
+                if place + 1 < reach_px or place + 1 + reach_px > length:
+                    continue
+                step = 1 if axis == 0 else width
+                first = y * width + x - (reach_px - 1) * step
+                last = first + (2 * reach_px - 1) * step
+                a, b = outermost(flat, first, step, ends), outermost(flat, last, -step, ends)
+                near, far = min(a, b), max(a, b)
+                if near == f32(0.0) or far - near <= max(step_m, step_share * near):
+                    continue
+                low, high = near + LOW_PART * (far - near), near + HIGH_PART * (far - near)
+                sums[0] += 1
+                for k in range(ends, 2 * reach_px - ends):
+                    z = flat[first + k * step]
+                    sums[1] += (z > low) & (z < high)
+
+
+@kernel
+def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
+    """Number the pixels next to a border in layers: 1 touches another label, 2 touches layer 1, and so on.
+
+    Layers end at width_px, and at hole_width_px where near_hole (H, W) uint8 marks missing depth.
+    labels (H, W) int32. layer (H, W) uint8, 255 in pixels without a layer. inner (N,) int32: number of layers of each
+    label, 255 if some of its pixels next to the last layer have none.
+    """
+    height, width = labels.shape
+    layer[:] = UNREACHED
+    inner[:] = 0
+    count = 0
+    for y in range(height):
+        for x in range(width):
+            here = labels[y, x]
+            different = x + 1 < width and labels[y, x + 1] != here
+            different |= y + 1 < height and labels[y + 1, x] != here
+            different |= x > 0 and labels[y, x - 1] != here
+            different |= y > 0 and labels[y - 1, x] != here
+            if different:
+                layer[y, x] = 1
+                count += 1
+    queue = np.empty(count, np.int64)
+    size = 0
+    for y in range(height):
+        for x in range(width):
+            if layer[y, x] == 1:
+                queue[size] = y * width + x
+                size += 1
+    number = 1
+    while size > 0:
+        following = np.empty(8 * size, np.int64)
+        found = 0
+        for k in range(size):
+            y = queue[k] // width
+            x = queue[k] - y * width
+            here = labels[y, x]
+            inner[here] = max(inner[here], number)
+            for dy in range(-1, 2):
+                for dx in range(-1, 2):
+                    if number % 2 == 0 and dy != 0 and dx != 0:
+                        continue  # squares and diamonds in turn: nearly circles
+                    v, u = y + dy, x + dx
+                    if v < 0 or u < 0 or v >= height or u >= width or layer[v, u] != UNREACHED:
+                        continue
+                    if number >= (hole_width_px if near_hole[v, u] else width_px):
+                        inner[labels[v, u]] = UNREACHED
+                        continue
+                    layer[v, u] = number + 1
+                    following[found] = v * width + u
+                    found += 1
+        queue, size = following, found
+        number += 1
+
+
+@kernel
+def open_layers(labels, layer, inner, share, opened):
+    """Mark the pixels whose label is to be found anew: those in the outer `share` of the layers of their label.
+
+    A label with pixels beyond its last layer opens all of its layers. labels (H, W) int32; layer (H, W) uint8 and inner
+    (N,) int32 as `measure_layers` fills them; opened (H, W) uint8 flags, 0 where closed. Returns the number of marked
+    pixels.
+    """
+    height, width = labels.shape
+    count = 0
+    for y in range(height):
+        for x in range(width):
+            k = layer[y, x]
+            limit = inner[labels[y, x]]
+            is_open = k != UNREACHED and (limit == UNREACHED or k <= share * limit)
+            sides = (FIRST_COLUMN if x == 0 else 0) | (LAST_COLUMN if x == width - 1 else 0)
+            opened[y, x] = (OPEN | sides) if is_open else 0
+            count += is_open
+    return count
+
+
+@inlined
+def edge_weight(tree, here, color, other, depth, step_m, step_per_m, step_weight):
+    """Distance in RGB from the tree at pixel `here` to pixel `other`, plus step_weight times their depth step.
+
+    The step is a share, at most 1, of max(step_m, step_per_m d^2), and 0 where depth is missing.
+    """
+    red, green = tree[here, 0] - f32(color[other, 0]), tree[here, 1] - f32(color[other, 1])
+    blue = tree[here, 2] - f32(color[other, 2])
+    weight = np.sqrt(red * red + green * green + blue * blue)
+    z_here, z_other = depth[here], depth[other]
+    if z_here > f32(0.0) and z_other > f32(0.0):
+        step = abs(z_here - z_other)
+        full = max(step_m, step_per_m * z_here * z_here)
+        weight += step_weight if step >= full else step_weight * step / full
+    return weight
+
+
+@inlined
+def neighbour(p, k, flags, width, size):
+    """Number of the k-th of four neighbours of pixel p, -1 outside the image. flags: those of an open pixel."""
+    if k == 0:
+        return -1 if flags & LAST_COLUMN else p + 1
+    if k == 1:
+        return p + width if p + width < size else -1
+    if k == 2:
+        return -1 if flags & FIRST_COLUMN else p - 1
+    return p - width
+
+
+@inlined
+def push(bucket, p, s, size, head, tail, pixel, source, following):
+    """Put the edge from labelled pixel s to open pixel p at the end of its bucket, as edge number `size`."""
+    pixel[size], source[size], following[size] = p, s, -1
+    if head[bucket] < 0:
+        head[bucket] = size
+    else:
+        following[tail[bucket]] = size
+    tail[bucket] = size
+
+
+@kernel
+def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_per_m, step_weight, source_of):
+    """Give each open pixel the label of a seed, by a spanning forest with the labelled pixels as its roots.
+
+    Prim's algorithm from all roots at once: the lightest edge from a labelled to an open pixel comes next, and no edge
+    joins two roots. The weight of an edge (`edge_weight`) compares the open pixel with the colour of the tree at the
+    labelled one. That is `memory` times the colour of its predecessor, the rest its own, so that noise averages out
+    along a tree. `carry` times the weight of the edge before is added, so that an image edge that is blurred over
+    several pixels weighs as much as a sharp one. With memory = carry = 0 the result is a minimum spanning forest.
+    Weights are rounded down to whole grey levels. Ties go to the edge that was found first.
+
+    color (H, W, 3) uint8; depth (H, W) float32 metres, 0 = missing; labels (H, W) int32, those of open pixels are
+    written; opened (H, W) uint8 as `open_layers` fills it, 0 afterwards wherever a root reaches; count: number of open
+    pixels; step_m, step_per_m, step_weight float32; source_of (H * W,) int32: number y * width + x of the root that
+    claimed each open pixel.
+    """
+    width = labels.shape[1]
+    points, flat, label, state = color.reshape(-1, 3), depth.reshape(-1), labels.reshape(-1), opened.reshape(-1)
+    head, tail = np.full(LEVELS, -1, np.int32), np.empty(LEVELS, np.int32)
+    pixel, source, following = np.empty((3, 4 * count + 1), np.int32)
+    least = np.full(label.size, LEVELS, np.int16)  # lightest edge that was found to each pixel
+    tree = np.empty((label.size, 3), np.float32)  # colour of the tree at each labelled pixel
+    keep, own, carried = f32(memory), f32(1.0 - memory), f32(carry)
+    size, level = 0, LEVELS
+    for p in range(state.size):
+        for k in range(4 if state[p] else 0):
+            q = neighbour(p, k, state[p], width, state.size)
+            if q < 0 or state[q]:
+                continue
+            tree[q] = points[q]
+            source_of[q] = q
+            weight = edge_weight(tree, q, points, p, flat, step_m, step_per_m, step_weight)
+            bucket = min(int(weight), LEVELS - 1)
+            if bucket < least[p]:
+                least[p] = bucket
+                push(bucket, p, q, size, head, tail, pixel, source, following)
+                size += 1
+                level = min(level, bucket)
+    while level < LEVELS:
+        edge = head[level]
+        if edge < 0:
+            level += 1
+            continue
+        head[level] = following[edge]
+        p, s = pixel[edge], source[edge]
+        if not state[p]:
+            continue
+        flags, state[p] = state[p], 0
+        source_of[p] = source_of[s]
+        label[p] = label[source_of[s]]
+        for c in range(3):
+            tree[p, c] = keep * tree[s, c] + own * f32(points[p, c])
+        for k in range(4):
+            q = neighbour(p, k, flags, width, state.size)
+            if q < 0 or not state[q]:
+                continue
+            weight = edge_weight(tree, p, points, q, flat, step_m, step_per_m, step_weight)
+            bucket = min(int(carried * f32(level) + weight), LEVELS - 1)
+            if bucket < least[q]:
+                least[q] = bucket
+                push(bucket, q, p, size, head, tail, pixel, source, following)
+                size += 1
+                level = min(level, bucket)

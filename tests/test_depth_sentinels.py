@@ -78,6 +78,15 @@ def test_a_wrong_unit_is_no_sentinel() -> None:
     assert frame.out_of_reach is None
     assert frame.depth.max() == 800
     assert REACH_M == 50
+    spread = np.linspace(20, 300, 48 * 64).reshape(48, 64)
+    assert frame_of(spread).depth.max() == 300
+
+
+def test_most_of_a_frame_may_be_missing() -> None:
+    depth = np.full((48, 64), 65.535, np.float32)
+    depth[:10] = np.linspace(0.5, 2, 640).reshape(10, 64)
+    with pytest.warns(UnitWarning, match=r"79\.2% of the depth is 65\.535, farther than 50 m"):
+        assert frame_of(depth).depth.max() == 2
 
 
 def test_the_largest_value_of_a_mask_of_distances_near_the_reach_counts() -> None:

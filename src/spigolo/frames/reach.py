@@ -12,9 +12,9 @@ REACH_M = 50.0
 """No RGB-D camera measures farther. What lies beyond is missing, m."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
 """No camera measures what is nearer, and squares of depths beyond would leave float32."""
-LEAST_WITHIN = 0.01
-"""If a smaller share of the stored depth lies within reach, the unit is wrong. Then all of it is kept, so that the
-advice about the unit can be given."""
+LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
+"""If a smaller share lies within reach, or most of the depth lies beyond it and no value has this share of that, then the
+unit is wrong. All of it is kept, so that the advice about the unit can be given."""
 LARGEST_UINT16 = 65535
 """Stands for missing in wider integer types too, as many files were copied from 16 bits."""
 
@@ -55,7 +55,7 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
     if beyond.any():
         beyond &= np.isfinite(stored) & ~sentinel
         within = np.count_nonzero((metres >= NEAREST_M) & (metres <= REACH_M) & ~sentinel)
-        if within <= LEAST_WITHIN * np.count_nonzero(beyond):
+        if _is_wrong_unit(stored[beyond], within):
             beyond[...] = False
     dropped = np.asarray(beyond | sentinel)
     if not dropped.any():
@@ -66,6 +66,16 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
     kind = _kind(stored.dtype, value) if (sentinel & (stored == value)).any() else ""
     pixels = int(dropped.sum())
     return OutOfReach(float(value), pixels, pixels / dropped.size, kind)
+
+
+def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
+    """Return whether values beyond reach are distances in a wrong unit: nearly all there are, or most of them and varied.
+
+    within: number of pixels within reach.
+    """
+    if within <= LEAST_WITHIN * beyond.size:
+        return True
+    return within < beyond.size and int(np.unique(beyond, return_counts=True)[1].max()) < MOST_EQUAL * beyond.size
 
 
 def _kind(dtype: np.dtype[Any], value: Any) -> str:

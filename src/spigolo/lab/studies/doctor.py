@@ -27,6 +27,7 @@ from spigolo.doctor.intrinsics import check_focal_length
 from spigolo.doctor.measured import check_reach, check_unit
 from spigolo.doctor.planarity import check_planarity
 from spigolo.doctor.steps import check_steps
+from spigolo.errors import UnitWarning
 from spigolo.frames.listing import listed
 from spigolo.lab.studies import FRAMES
 from spigolo.settings.paper import Inpainting
@@ -91,7 +92,9 @@ def sentinel(frame: Frame) -> Frame:
     """65535 for missing depth, and for 1 % more of it."""
     stored = np.rint(1000 * frame.depth).astype(np.uint16)
     stored[(stored == 0) | (np.random.default_rng(1).random(stored.shape) < 0.01)] = 65535
-    return Frame(frame.color, stored, frame.camera, name=frame.name, depth_scale=0.001)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnitWarning)
+        return Frame(frame.color, stored, frame.camera, name=frame.name, depth_scale=0.001)
 
 
 SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = {

@@ -77,9 +77,10 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
     share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
     stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
     factor = upright_factor(filled, camera)
-    if factor is not None and not POSSIBLE_SHARE[0] <= share * factor <= POSSIBLE_SHARE[1]:
+    wrong = factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN)
+    if factor is not None and wrong and not POSSIBLE_SHARE[0] <= share * factor <= POSSIBLE_SHARE[1]:
         factor = None  # the walls of a bin lean, and no camera has the focal length at which they stand upright
-    if factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN):
+    if factor is not None and wrong:
         return warning(
             FOCAL_LENGTH,
             f"expected upright sides at right angles to the support, found them so with about {factor:.2f} times the"

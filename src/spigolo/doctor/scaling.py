@@ -58,7 +58,7 @@ def best_scale(contours: Pair, gradients: Pair) -> ScaleFit:
     height, width = contours[0].shape
     shrink = max(width / WIDTH_PX, 1.0)
     size = (round(width / shrink), round(height / shrink))
-    small = [cv2.copyMakeBorder(_shrunk(g, size), *[SEARCH_PX] * 4, cv2.BORDER_CONSTANT, value=0) for g in gradients]
+    small = [np.pad(_shrunk(gradient, size), SEARCH_PX) for gradient in gradients]
     places = [np.nonzero(contour) for contour in contours]
     scores = np.stack([_scores(places, small, float(scale), (height, width), size) for scale in TRIED])
     scaled = np.abs(np.log(TRIED)) > SAME
@@ -87,7 +87,7 @@ def _scores(
         template = _drawn(y, x, scale, shape, size)
         count += int(template.sum())
         sums += cv2.matchTemplate(gradient, template, cv2.TM_CCORR)
-    return sums / max(count, 1)
+    return np.asarray(sums / max(count, 1), np.float32)
 
 
 def _drawn(

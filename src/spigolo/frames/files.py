@@ -28,6 +28,8 @@ from spigolo.frames.intrinsics import CameraLike, as_camera, camera_from_mapping
 from spigolo.frames.scale import check_scale, scale_from_mapping
 
 __all__ = [
+    "Image",
+    "PathLike",
     "append_lines",
     "read_camera",
     "read_color",

@@ -13,8 +13,8 @@ REACH_M = 50.0
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
 """No camera measures what is nearer, and squares of depths beyond would leave float32."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
-"""If a smaller share lies within reach, or most of the depth lies beyond it and no value has this share of that, then the
-unit is wrong. All of it is kept, so that the advice about the unit can be given."""
+"""If a smaller share lies within reach, or most of the depth lies beyond it and no value has this share of that, the unit
+is wrong. All of it is kept, so that the advice about the unit can be given."""
 LARGEST_UINT16 = 65535
 """Stands for missing in wider integer types too, as many files were copied from 16 bits."""
 
@@ -54,7 +54,7 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
     sentinel = is_sentinel(stored) if stored.dtype.kind in "ui" else np.zeros_like(beyond)
     if beyond.any():
         beyond &= np.isfinite(stored) & ~sentinel
-        within = np.count_nonzero((metres >= NEAREST_M) & (metres <= REACH_M) & ~sentinel)
+        within = int(np.count_nonzero((metres >= NEAREST_M) & (metres <= REACH_M) & ~sentinel))
         if _is_wrong_unit(stored[beyond], within):
             beyond[...] = False
     dropped = np.asarray(beyond | sentinel)
@@ -69,7 +69,7 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
 
 
 def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
-    """Return whether values beyond reach are distances in a wrong unit: nearly all there are, or most of them and varied.
+    """Return whether values beyond reach are distances in a wrong unit: nearly all, or most of them and varied.
 
     within: number of pixels within reach.
     """

@@ -1,4 +1,4 @@
-"""Frames of other people, read with their cameras as the authors wrote them: JSON, NumPy, MATLAB, numbers in a script."""
+"""Frames of other people, read with their cameras as the authors wrote them: JSON, NumPy, MATLAB, numbers."""
 
 from __future__ import annotations
 

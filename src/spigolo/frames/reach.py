@@ -13,8 +13,8 @@ REACH_M = 50.0
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
 """No camera measures what is nearer, and squares of depths beyond would leave float32."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
-"""If a smaller share lies within reach, or most of the depth lies beyond it and no value has this share of that, the unit
-is wrong. All of it is kept, so that the advice about the unit can be given."""
+"""If a smaller share lies within reach, or most of the depth lies beyond it and no value has this share of that, the
+unit is wrong. All of it is kept, so that the advice about the unit can be given."""
 LARGEST_UINT16 = 65535
 """Stands for missing in wider integer types too, as many files were copied from 16 bits."""
 

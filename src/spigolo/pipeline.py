@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from spigolo.additions.contours import Contours, add_contours
 from spigolo.additions.joining import join_parts
+from spigolo.additions.packing import warn_of_packing
 from spigolo.additions.support import Plane, find_support
 from spigolo.frames.frame import Frame, check_frame
-from spigolo.frames.roi import Roi, pixel_of
+from spigolo.frames.roi import Roi, pixel_of, roi_mask
 from spigolo.kernels.workspace import Workspace
 from spigolo.objects.outlines import redraw_outlines
 from spigolo.objects.segmentation import ObjectMask, Segmentation
@@ -58,11 +59,15 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     check_config(config)
     sized = config.at_size(frame.shape)  # lengths and areas in pixels of this image
     ours = sized.additions  # None: the paper's method alone
-    plane = find_support(frame.depth, frame.camera, ours.support) if ours else None  # ours
+    wanted = None if roi is None else roi_mask(roi, frame)[0]
+    reach_m = sized.rejection.max_distance_m
+    plane = find_support(frame.depth, frame.camera, ours.support, reach_m, wanted) if ours else None  # ours
     depth = prepare_depth(frame.depth, sized.depth)  # eqs. 5-8
     weighing = choose_weighing(depth, sized)  # eq. 22 or 23
     edges = find_edges(frame.color, depth, frame.camera, sized.edges) if weighing.reads_boundary else None  # eqs. 12-20
     contours = add_contours(edges, depth, frame.camera, plane, ours) if ours and edges else None  # ours
+    if ours:
+        warn_of_packing(edges, frame.depth, frame.camera, plane, ours)
     lines = contours.lines if contours else edges.final if edges else None
     cues = gather_cues(frame.color, depth, lines, weighing, sized)  # eqs. 10, 11, 21
     color = color_points(frame.color, sized.color)  # eq. 4

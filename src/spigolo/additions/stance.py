@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.additions.support import Plane
 from spigolo.frames.camera import Camera, kernel_numbers
 from spigolo.frames.frame import DepthMap, Mask
-from spigolo.kernels import borders, planes
-from spigolo.settings.additions import Wall
+from spigolo.kernels import outlines, planes
+from spigolo.settings.additions import Ledge, Wall
 from spigolo.stages.regions import Regions
 
 TALL_SHARE = 0.05
@@ -19,30 +20,47 @@ SLOPES_SHARE = 0.1
 """Least share of a region's measured pixels whose slope must be known for its mean normal to say something."""
 REACH_INSIDE = 2.5
 """Where a region's own slope is measured, as a multiple of the reach."""
+FLAT = Plane(np.zeros(3), 0.0)
+"""Stands in where there is no support: nothing has a height."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
-    """How regions stand. cut, hides, lean_deg: (R,) as `RegionFacts` has them, NaN where nothing can be said."""
+    """How each region stands, NaN where that is unknown."""
 
     cut: npt.NDArray[np.float64]
+    """Share (R,) of the outline on the image border."""
     hides: npt.NDArray[np.float64]
+    """Share (R,) of the region's own outline beyond which depth steps back."""
+    ledge: npt.NDArray[np.float64]
+    """Share (R,) of the outline along which the height above the support steps."""
     lean_deg: npt.NDArray[np.float64]
+    """Angle (R,) of the mean surface normal to the line of sight, degrees."""
 
 
-def measure_stance(regions: Regions, depth: DepthMap, camera: Camera, tall: Mask, rule: Wall) -> Stance:
-    """How every region stands; only those with enough pixels among the tall ones (H, W) are asked."""
+def measure_stance(
+    regions: Regions, depth: DepthMap, camera: Camera, plane: Plane | None, tall: Mask, rule: Wall, ledge: Ledge | None
+) -> Stance:
+    """Measure how every region stands.
+
+    tall: pixels (H, W) that are high enough for a wall. cut, hides and lean_deg are unknown for regions with few of
+    them, ledge is unknown without a plane.
+    """
     valid, high = regions.count_where(np.asarray(depth > 0)), regions.count_where(tall)
     asked = (high >= TALL_SHARE * valid) & (high > 0)
-    sums = np.zeros((regions.count, borders.STEPS))
-    near = rule.reach_px
-    deep, steps = round(REACH_INSIDE * near), (rule.step_m, rule.step_share)
-    borders.sum_steps(regions.labels, depth, asked.view(np.uint8), near, deep, *steps, sums)
-    pairs, known, back, edge = sums.T
-    enough = asked & (known + edge >= rule.min_measured * (pairs + edge)) & (known + edge > 0)
-    hides = np.where(enough, back / np.maximum(known + edge, 1), np.nan)
+    slopes = FLAT.slopes(depth.shape, camera) if plane is None else plane.slopes(depth.shape, camera)
+    offset, low = np.float32(0 if plane is None else plane.offset_m), Ledge() if ledge is None else ledge
+    near, numbers = rule.reach_px, (rule.step_m, rule.step_share, low.step_m, low.step_per_m)
+    sums = np.zeros((regions.count, outlines.SUMS))
+    outlines.sum_outlines(
+        regions.labels, depth, *slopes, offset, near, round(REACH_INSIDE * near), rule.shadow_px, *numbers, sums
+    )
+    pairs, known, farther, nearer, stepped, edge = sums.T
+    enough = (known >= rule.min_measured * pairs) & (known > 0)
+    hides = np.where(asked & enough, farther / np.maximum(known - nearer + edge, 1), np.nan)
     cut = np.where(asked, edge / np.maximum(pairs + edge, 1), np.nan)
-    return Stance(cut, hides, _lean_deg(regions, depth, camera, asked, near, valid))
+    ledges = np.where(enough & (plane is not None), stepped / np.maximum(known, 1), np.nan)
+    return Stance(cut, hides, ledges, _lean_deg(regions, depth, camera, asked, near, valid))
 
 
 def _lean_deg(

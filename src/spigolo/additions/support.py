@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from spigolo.clock import stage
 from spigolo.frames.frame import Camera, DepthMap, Mask
 from spigolo.kernels import planes as kernel
-from spigolo.settings.additions import Support
+from spigolo.settings.additions import Facing, Support
 
 SAMPLES = 3000
 HYPOTHESES = 200
@@ -30,6 +30,8 @@ CELLS = 24
 has when that is asked."""
 SPARSE = 0.6
 """Where less of a frame has depth, sides of a plane may be unseen: no more may lie below it anywhere than on it."""
+TALLEST_M = 0.3
+"""What stands higher above a plane is not a sign that things stand on it."""
 MOST_PLANES = 6
 SEED = 7
 """RANSAC draws from a fixed seed: the same frame gives the same plane."""
@@ -70,13 +72,56 @@ def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray
 
 
 @stage("support plane")
-def find_support(depth: DepthMap, camera: Camera | None, config: Support | None) -> Plane | None:
+def find_support(
+    depth: DepthMap,
+    camera: Camera | None,
+    config: Support | None,
+    max_distance_m: float | None = None,
+    roi: Mask | None = None,
+) -> Plane | None:
+    """Find the support within reach and near the region of interest, where the numbers ask for that.
+
+    depth: (H, W) in metres, as measured. max_distance_m: the reach. roi: pixels (H, W) of the region of interest.
+    Returns None without numbers, a camera, or a plane that has enough of the measured pixels.
+    """
+    if camera is None or config is None:
+        return None
+    kept = depth
+    if roi is not None and config.near_roi is not None and roi.any():
+        y0, x0, y1, x1 = _grown_box(roi, config.near_roi)
+        kept = np.zeros_like(depth)
+        kept[y0:y1, x0:x1] = depth[y0:y1, x0:x1]
+    if config.within_reach and max_distance_m is not None:
+        kept = np.where(kept <= max_distance_m, kept, np.float32(0))
+    return _find_plane(kept, camera, config)
+
+
+def _grown_box(mask: Mask, share: float) -> tuple[int, int, int, int]:
+    """Return the box around a mask (H, W), grown by a share of its height and width on each side."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    ends = []
+    for first, end, size in ((rows[0], rows[-1] + 1, mask.shape[0]), (columns[0], columns[-1] + 1, mask.shape[1])):
+        more = round(share * (end - first))
+        ends.append((max(int(first) - more, 0), min(int(end) + more, size)))
+    return ends[0][0], ends[1][0], ends[0][1], ends[1][1]
+
+
+def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
+    """Return whether things can stand on a plane that has this share of the measured pixels."""
+    x, y, _ = plane.normal
+    if rule.up is not None:
+        up = np.asarray(rule.up, np.float64)
+        return bool(plane.normal @ up >= np.cos(np.radians(rule.max_tilt_deg)) * np.linalg.norm(up))
+    if y > np.sin(np.radians(rule.max_down_deg)):
+        return False
+    return bool(abs(x) <= np.sin(np.radians(rule.max_roll_deg)) or share >= rule.min_share_sideways)
+
+
+def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | None:
     """Find the plane with the most measured pixels. None without a rule, a camera, or a plane of `min_share` of them.
 
     RANSAC on a sample of the pixels, then least squares on what lies within the tolerance.
     """
-    if camera is None or config is None:
-        return None
     valid = np.flatnonzero(depth > 0)
     if valid.size < 3:
         return None
@@ -86,12 +131,17 @@ def find_support(depth: DepthMap, camera: Camera | None, config: Support | None)
     sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
     cells = np.stack([y, x], axis=1) * CELLS // max(depth.shape)
     is_opaque = partial(_is_opaque, sample=sample, cells=cells, sparse=valid.size < SPARSE * depth.size, config=config)
-    planes = _largest_planes(sample, rng, config)
+    planes: Iterator[Plane] = _largest_planes(sample, rng, config)
+    if config.facing is not None:
+        faces = partial(faces_up, rule=config.facing)
+        planes = (p for p in planes if faces(p, _share(p, sample, config)))
     plane = next(planes, None)
     if plane is None:
         return None
     if config.opaque:
         plane = next(filter(is_opaque, chain([plane], planes)), plane)
+    if config.min_things is not None:
+        plane = _with_things(plane, filter(is_opaque, planes), sample, cells, config)
     stacked = None if config.stacked_share is None else _stacked(plane, sample, config)
     return stacked if stacked is not None and is_opaque(stacked) else plane
 
@@ -166,14 +216,53 @@ def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], spars
     lacks most of its depth.
     """
     on, below = _on(plane, sample, config), plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
+    surrounded = _surrounded(on, cells)
+    if sparse and np.count_nonzero(below) > np.count_nonzero(on):
+        return False
+    return bool(np.count_nonzero(below & surrounded) <= MOST_BELOW * np.count_nonzero((below | on) & surrounded))
+
+
+def _with_things(
+    plane: Plane, others: Iterable[Plane], sample: Points, cells: npt.NDArray[np.int64], config: Support
+) -> Plane:
+    """The plane, or the first of the others that things stand on where hardly anything stands on it."""
+    assert config.min_things is not None
+    if _things(plane, sample, cells, config) >= config.min_things:
+        return plane
+    apart = ~_on(plane, sample, config)
+    for other in others:
+        own = float((_on(other, sample, config) & apart).mean())
+        if own >= config.min_share and _things(other, sample, cells, config) >= config.min_things:
+            return other
+    return plane
+
+
+def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
+    """Share of the measured pixels that stand on a plane, from a grid of them."""
+    step = max(round((depth.size / SAMPLES) ** 0.5), 1)
+    y, x = np.nonzero(depth[::step, ::step])
+    if y.size == 0:
+        return 0.0
+    y, x = y * step, x * step
+    z = depth[y, x].astype(np.float64)
+    sample = np.stack([(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z], axis=1)
+    return _things(plane, sample, np.stack([y, x], axis=1) * CELLS // max(depth.shape), config)
+
+
+def _things(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], config: Support) -> float:
+    """Return the share of the sample that stands on a plane: at most `TALLEST_M` above it, with it on three sides."""
+    height = plane.height_m(sample)
+    above = (height > tolerance_m(sample[:, 2], config)) & (height < TALLEST_M)
+    return float((above & _surrounded(_on(plane, sample, config), cells)).mean())
+
+
+def _surrounded(on: Mask, cells: npt.NDArray[np.int64]) -> Mask:
+    """Which of the sample lies in cells with a plane on three sides or more, by the points on the plane (N,)."""
     votes = np.zeros(cells.max(axis=0) + 1, np.int64)
     np.add.at(votes, (cells[:, 0], cells[:, 1]), 2 * on - 1)
     shown, along = (votes > 0).astype(np.int64), np.maximum.accumulate
     sides = along(shown, 0) + along(shown[::-1], 0)[::-1] + along(shown, 1) + along(shown[:, ::-1], 1)[:, ::-1]
-    surrounded = (sides >= 3)[cells[:, 0], cells[:, 1]]
-    if sparse and np.count_nonzero(below) > np.count_nonzero(on):
-        return False
-    return bool(np.count_nonzero(below & surrounded) <= MOST_BELOW * np.count_nonzero((below | on) & surrounded))
+    return np.asarray((sides >= 3)[cells[:, 0], cells[:, 1]])
 
 
 def _largest_planes(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:

@@ -8,7 +8,7 @@ from spigolo.kernels._jit import inlined, kernel
 from spigolo.kernels.contours import hollow
 
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
-SUMS, STEPS = 6, 4
+SUMS = 6
 MOST_ROUND = 0.6
 """Most that the middle of a chord lies off it, as a share of its length: half a circle, and noise."""
 
@@ -93,52 +93,3 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
                     sums[k, 0] += behind
                     sums[k, 1] += np.hypot(across, a - b)
             first = end
-
-
-@inlined
-def depth_at(labels, depth, y, x, region):
-    """Depth of a pixel; 0 outside the image, and outside a region unless that is -1."""
-    if y < 0 or x < 0 or y >= depth.shape[0] or x >= depth.shape[1]:
-        return 0.0
-    return float(depth[y, x]) if region < 0 or labels[y, x] == region else 0.0
-
-
-@inlined
-def is_inner(labels, y, x):
-    """Whether a pixel and its four neighbours are of one region, inside the image."""
-    k = labels[y, x]
-    if y == 0 or x == 0 or y + 1 == labels.shape[0] or x + 1 == labels.shape[1]:
-        return False
-    return labels[y, x - 1] == k and labels[y, x + 1] == k and labels[y - 1, x] == k and labels[y + 1, x] == k
-
-
-@kernel
-def sum_steps(labels, depth, wanted, near, deep, step_m, step_share, sums):
-    """How much of a region's contour depth steps back beyond.
-
-    labels (H, W) int32; depth (H, W) metres; wanted (R,) uint8: other regions stay as they are. Samples lie `near`
-    pixels to both sides of the contour, and `deep` pixels inside for the region's own slope. sums (R, 4) float64, zero
-    before: pairs of 4-neighbours across the contour, those with depth on both sides, those where the outside lies
-    farther by step_m + step_share * depth + slope, pixels' sides on the image border.
-    """
-    height, width = labels.shape
-    for y in range(height):
-        for x in range(width):
-            k = labels[y, x]
-            if not wanted[k] or is_inner(labels, y, x):
-                continue
-            for dy, dx in ((0, 1), (0, -1), (1, 0), (-1, 0)):
-                v, u = y + dy, x + dx
-                if v < 0 or u < 0 or v >= height or u >= width:
-                    sums[k, 3] += 1.0
-                    continue
-                if labels[v, u] == k:
-                    continue
-                sums[k, 0] += 1.0
-                inner = depth_at(labels, depth, y - dy * (near - 1), x - dx * (near - 1), k)
-                outer = depth_at(labels, depth, y + dy * near, x + dx * near, -1)
-                if inner > 0.0 and outer > 0.0:
-                    deeper = depth_at(labels, depth, y - dy * (deep - 1), x - dx * (deep - 1), k)
-                    slope = abs(inner - deeper) * 2.0 * near / (deep - near) if deeper > 0.0 else 0.0
-                    sums[k, 1] += 1.0
-                    sums[k, 2] += outer - inner > step_m + step_share * inner + slope

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
@@ -23,14 +22,9 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 Labels = npt.NDArray[np.int32]
-Heights = npt.NDArray[np.floating[Any]]
 
 SPREAD_OF_SQUARE = 12
 """The square of a rectangle's side as a multiple of the variance along it."""
-LEVEL_SHARE = 0.65
-"""Least share of a level region's pixels near its median height."""
-RIM_GAP_PX = 7
-"""Pieces of a rim up to so many pixels apart go on in each other, whatever the image's size."""
 SUPPORTED_SHARE = 3000 / (640 * 480)
 """Share of the image with measured pixels at which a score reaches 63 % of its limit (our choice)."""
 
@@ -70,7 +64,9 @@ class RegionFacts:
     cut: float | None
     """Share of its contour on the image border. None if walls are not checked or the region is low."""
     hides: float | None
-    """Share of its contour beyond which depth steps back. None as for `cut`, or with too little depth."""
+    """Share of its own outline beyond which depth steps back. None as for `cut`, or with too little depth."""
+    ledge: float | None
+    """Share of its outline along which the height above the support steps. None without a plane or enough depth."""
     lean_deg: float | None
     """Angle of its mean surface normal to the line of sight, degrees. None as for `hides`."""
     regions: Labels
@@ -170,6 +166,7 @@ def measure_regions(
             contour=float(strength[k]),
             cut=None if stance is None else _known(stance.cut[k]),
             hides=None if stance is None else _known(stance.hides[k]),
+            ledge=None if stance is None else _known(stance.ledge[k]),
             lean_deg=None if stance is None else _known(stance.lean_deg[k]),
             frame=frame,
             plane=plane,
@@ -183,7 +180,7 @@ def remeasure(facts: Sequence[RegionFacts], regions: Regions, depth: DepthMap) -
     """Return the facts of regions whose outlines have moved. facts: in the order of their new numbers.
 
     Facts that describe the mask are measured again. Facts that a region was judged by stay: score, above, inside,
-    contour, cut, hides and lean_deg.
+    contour, cut, hides, ledge and lean_deg.
     """
     frame = facts[0].frame
     places = _places(regions, depth, frame, _sum_points(regions, frame))
@@ -215,34 +212,6 @@ def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray
         }
         for k in range(regions.count)
     ]
-
-
-def find_level(facts: RegionFacts, height: Heights, depth: DepthMap, rim_m: float) -> float | None:
-    """The median height of a region's pixels, None where less than 65 % of them lie within rim_m.
-
-    height (H, W) above the support, without meaning where depth (H, W) is missing.
-    """
-    y0, x0, y1, x1 = facts.box_px
-    own = (facts.regions[y0:y1, x0:x1] == facts.region) & (depth[y0:y1, x0:x1] > 0)
-    heights = height[y0:y1, x0:x1][own]
-    if heights.size == 0:
-        return None
-    level = float(np.median(heights))
-    return level if np.mean(np.abs(heights - level) <= rim_m) >= LEVEL_SHARE else None
-
-
-def measure_rim(facts: RegionFacts, beside: Mask) -> float:
-    """Pixels that go on beside a region, as a multiple of its own.
-
-    beside (H, W): as high as the region, and of no object; gaps of a few pixels are bridged.
-    """
-    y0, x0, y1, x1 = facts.box_px
-    own = facts.regions[y0:y1, x0:x1] == facts.region
-    both = beside.copy()
-    both[y0:y1, x0:x1] |= own
-    count, pieces = cv2.connectedComponents(cv2.dilate(both.view(np.uint8), np.ones((RIM_GAP_PX, RIM_GAP_PX))))
-    touching = np.bincount(pieces[y0:y1, x0:x1][own], minlength=count) > 0
-    return float(np.bincount(pieces[both], minlength=count)[touching].sum() / own.sum()) - 1
 
 
 def region_score(

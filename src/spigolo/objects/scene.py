@@ -80,9 +80,11 @@ class Scene:
         if wall is None or self.support is None or camera is None:
             return None
         if plane is None:  # without a plane every region is tested
-            return measure_stance(regions, self.depth, camera, np.asarray(self.depth > 0), wall)
-        high = self.support.model_copy(update={"min_height_m": wall.min_height_m})
-        return measure_stance(regions, self.depth, camera, above_mask(plane, self.depth, camera, high), wall)
+            tall = np.asarray(self.depth > 0)
+        else:
+            high = self.support.model_copy(update={"min_height_m": wall.min_height_m})
+            tall = above_mask(plane, self.depth, camera, high)
+        return measure_stance(regions, self.depth, camera, plane, tall, wall, self.rules.ledge)
 
 
 def find_above(frame: Frame, plane: Plane | None, additions: Additions | None) -> Mask | None:

@@ -13,7 +13,7 @@ from spigolo.frames.roi import Roi
 from spigolo.objects.facts import contour_cue
 from spigolo.objects.scene import Scene, find_above, find_inside
 from spigolo.objects.segmentation import Segmentation, assemble
-from spigolo.objects.verdicts import Reason, judge, reject_rims
+from spigolo.objects.verdicts import Reason, judge
 from spigolo.settings.additions import Additions
 from spigolo.settings.config import Config
 from spigolo.stages.cues import Cues
@@ -68,10 +68,6 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
     if not scene.frame.depth.any():
         return assemble(scene, regions, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
     verdicts = [judge(f, scene.rejection, scene.rules, scene.support) for f in facts]
-    wall, plane, camera = scene.rules.wall, scene.plane, scene.frame.camera
-    if wall is not None and plane is not None and camera is not None:
-        height = plane.height_map_m(scene.depth, camera)
-        verdicts = reject_rims(facts, verdicts, regions, scene.depth, height, wall)
     return assemble(scene, regions, facts, verdicts)
 
 

@@ -12,6 +12,24 @@ from pydantic import Field, model_validator
 from spigolo.settings.parameters import Angle_deg, Grows, Length_px, NotNegative, Offset_px, Positive, Settings, Share
 
 
+class Facing(Settings):
+    """Direction that a plane must face to be a support: things stand on it."""
+
+    up: tuple[float, float, float] | None = None
+    """Upward direction in the camera's frame (X right, Y down, Z forward), of any length. None assumes a camera that
+    looks level or down and is not turned on its side."""
+    max_tilt_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
+    """Maximum angle between the plane's normal and `up`, degrees."""
+    max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
+    """Angle of the normal to the image's vertical plane, degrees, beyond which a plane faces sideways. Without `up`
+    only."""
+    max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
+    """Maximum angle, degrees, by which the normal may point down in the image. A larger one is a ceiling. Without `up`
+    only."""
+    min_share_sideways: Share = 0.5
+    """Minimum share of the measured pixels on a plane that faces sideways. The camera may be mounted on its side."""
+
+
 class Support(Settings):
     """The support plane: the largest plane of the frame, and the test which pixels stand above it."""
 
@@ -28,9 +46,30 @@ class Support(Settings):
     stacked_share: Positive | None = None
     """Minimum size of a plane above and parallel to the largest one, as a share of that one's pixels, to be taken
     instead: the table rather than the floor. None takes the largest plane."""
+    facing: Facing | None = None
+    """Skip planes on which nothing can stand: ceilings and side walls. None skips none."""
+    min_things: Share | None = None
+    """Minimum share of the measured pixels that stand on the largest plane. With fewer, the next plane with so many
+    things is taken: the floor of a bin rather than its wall. None takes the largest plane."""
+    near_roi: NotNegative | None = None
+    """Margin around the region of interest, as a share of its size, in which the plane is looked for. None looks in the
+    whole frame."""
+    within_reach: bool = False
+    """Look for the plane only within `Rejection.max_distance_m`."""
     opaque: bool = False
     """Skip planes that surround points below them, such as the front of a shelf, for the next largest plane. In frames
     without much of their depth, also skip planes with more points below than on them."""
+
+
+class Packing(Settings):
+    """Warning that a layer of packed objects was taken for the support."""
+
+    min_share: Share = 0.6
+    """Minimum share of the measured pixels on the support."""
+    min_edges: Share = 0.9
+    """Minimum share of the support close to a colour edge in it."""
+    max_things: Share = 0.02
+    """Maximum share of the measured pixels that stand on the support."""
 
 
 class DepthContours(Settings):
@@ -140,54 +179,68 @@ class Joining(Settings):
 
 
 class Wall(Settings):
-    """Rules against walls and rims of bins and shelves, which stand as tall as objects do."""
+    """Rules against walls and rims of bins and shelves, which stand as tall as objects do.
+
+    An object stands free: along its own outline, depth steps back to what is behind. Where the other side is nearer by
+    a step, the outline belongs to the object in front and does not count.
+    """
 
     min_hides: Share = 0.15
-    """Minimum share of a region's contour beyond which depth steps back. The image border hides nothing."""
+    """Minimum share of a region's own outline beyond which depth steps back. The image border hides nothing."""
     min_hides_cut: NotNegative = 0.7
-    """Increase of that minimum for regions that the image cuts off, times the share of their contour on its border."""
+    """Increase of that minimum, times the share of the outline on the image border."""
+    slant_deg: Angle_deg = 36.0
+    """Angle between a region's mean normal and the line of sight, degrees, above which the minimum increases. The faces
+    of a whole object look towards the camera on average. The side of a compartment is seen at a slant."""
+    hides_per_deg: NotNegative = 0.025
+    """Increase of the minimum for each degree above `slant_deg`."""
     min_height_m: Positive = 0.06
     """Height above the support, m, that 5 % of a region must reach to be tested. Low objects hide little. Without a
     support every region is tested."""
     min_measured: Share = 0.4
-    """Minimum share of a region's contour with depth on both sides for it to be tested."""
+    """Minimum share of a region's outline with depth on both sides for it to be tested."""
     reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
-    """Offset of the depth samples on both sides of the contour, px. It always grows with the image."""
+    """Offset of the depth samples on both sides of the outline, px. It always grows with the image."""
+    shadow_px: Annotated[int, Field(ge=0, le=1000), Grows(always=True)] = 60
+    """Widest gap without depth beyond an outline across which depth is compared, px. It always grows with the image."""
     step_m: NotNegative = 0.012
-    """Minimum step back, m, beyond the region's own slope there. It adds to `step_share`."""
+    """Minimum step of depth, m, beyond the region's own slope there. It adds to `step_share`."""
     step_share: Share = 0.006
     """The same as a share of the distance."""
-    max_lean_deg: Angle_deg = 48.0
-    """Maximum angle between a region's mean normal and the line of sight, degrees. The faces of a whole object look
-    towards the camera on average. The side of a compartment is seen at a slant."""
-    leaning_deg: Angle_deg = 40.0
-    """Angle beyond which a region leans, degrees, so that `min_hides_leaning` replaces `min_hides`."""
-    min_hides_leaning: Share = 0.35
-    """Minimum share of a leaning region's contour beyond which depth steps back. A leaning object stands free."""
-    max_cut_ratio: Annotated[float, Field(ge=1)] = 3.5
+    max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
     """Maximum length over width of a region that the image cuts off. Longer ones are rails, rims or legs."""
-    rim_m: Positive = 0.01
-    """Half the height range, m, that holds 65 % of a level region. Such a region may be part of a rim."""
-    max_rim: NotNegative = 1.5
-    """Maximum number of background pixels at that height, as a multiple of the region's own. A region with more is
-    part of a rim."""
+
+
+class Ledge(Settings):
+    """Flat objects, whose outline is too low for the boundary map."""
+
+    min_share: Share = 0.5
+    """Minimum share of a region's outline along which its height above the support steps. Such a region is kept even if
+    its mean boundary is below `min_contour`."""
+    step_m: Positive = 0.006
+    """Minimum step of height, m."""
+    step_per_m: NotNegative = 0.0056
+    """The same per squared distance, 1/m: twice the depth error. The larger of both limits holds."""
 
 
 class Rules(Settings):
     """Our rules that reject regions, next to those of the paper. None switches a rule off."""
 
     wall: Wall | None = None
-    """Reject tall regions that hide nothing, lean away or lie in a rim. Needs a support."""
+    """Reject tall regions that hide nothing. Needs a support."""
+    ledge: Ledge | None = None
+    """Keep flat regions with a weak contour if height steps along their outline. Needs a support and `wall`."""
     min_contour: Share | None = None
     """Minimum mean boundary along a region's border. A cost without boundary map uses the weights."""
     min_contour_holes: Share | None = None
     """The same in frames whose holes have contours (`DepthContours.holes_from`), where hardly a region lacks them.
     None: `min_contour` holds there too."""
+    metric: bool = False
+    """Judge sizes in metres wherever intrinsics are known. The limits in pixels then hold only without intrinsics."""
     max_length_m: Positive | None = None
-    """Maximum length, m, of a rectangle with the region's spread at its distance. It replaces the limit of the larger
-    eigenvalue where intrinsics are known."""
+    """Maximum length, m, of a rectangle with the region's spread at its distance."""
     max_width_m: Positive | None = None
-    """Maximum width of that rectangle, m. It replaces the limit of the smaller eigenvalue."""
+    """Maximum width of that rectangle, m."""
 
 
 class Refinement(Settings):
@@ -230,6 +283,8 @@ class Additions(Settings):
 
     support: Support | None = None
     """Find the support plane. Regions that do not stand above it are no objects."""
+    packing: Packing | None = None
+    """Warn if a layer of packed objects was taken for the support. Nothing is rejected."""
     contours: DepthContours | None = None
     """Add depth steps and creases to the boundary map, where the cost reads it."""
     joining: Joining | None = None

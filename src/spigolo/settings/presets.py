@@ -10,7 +10,21 @@ from __future__ import annotations
 from pathlib import Path
 
 from spigolo.errors import ConfigError
-from spigolo.settings.additions import Additions, Cap, DepthContours, Joining, Rules, Smooth, Support, Vessel, Wall
+from spigolo.settings.additions import (
+    Additions,
+    Cap,
+    DepthContours,
+    Facing,
+    Joining,
+    Ledge,
+    Packing,
+    Refinement,
+    Rules,
+    Smooth,
+    Support,
+    Vessel,
+    Wall,
+)
 from spigolo.settings.config import BASES, Config, base_preset
 from spigolo.settings.paper import (
     BoundaryCost,
@@ -71,16 +85,29 @@ OBJECTS_1 = Config(
 OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
     partition={"connectivity": 4},
+    rejection={"max_distance_m": 2.5, "max_eccentricity": 0.99},
     additions={
-        "support": {"stacked_share": 0.5, "opaque": True},
+        "support": Support(
+            stacked_share=0.5, opaque=True, facing=Facing(), min_things=0.02, near_roi=0.5, within_reach=True
+        ),
+        "packing": Packing(),
         "contours": {"holes_from": 0.4},
         "joining": Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
-        "rules": Rules(wall=Wall(), min_contour=0.6, min_contour_holes=0.75, max_length_m=0.4, max_width_m=0.25),
+        "rules": Rules(
+            wall=Wall(),
+            ledge=Ledge(),
+            min_contour=0.6,
+            min_contour_holes=0.75,
+            metric=True,
+            max_length_m=0.6,
+            max_width_m=0.4,
+        ),
+        "refinement": Refinement(),
         "lengths_grow": True,
     },
 )
-"""OBJECTS_1 with the parts of an object joined, the table rather than the floor or the front of a shelf as support,
-limits of size in metres, lengths in pixels that grow with the image, and no leaks through large holes."""
+"""OBJECTS_1 with the plane that things stand on as support, the parts of an object joined, walls told by their own
+outline, sizes in metres, outlines by colour where depth is not sharp, and lengths that grow with the image."""
 
 OBJECTS = OBJECTS_2
 

@@ -1,0 +1,48 @@
+"""A warning for frames in which packed objects make up the support plane (`settings.Packing`)."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from spigolo.additions.support import Plane, support_mask, things_on
+from spigolo.errors import warn
+from spigolo.frames.frame import Camera, DepthMap
+from spigolo.settings.additions import Additions, Packing, Support
+from spigolo.stages.edges import EdgeMaps
+
+PART = 32
+"""Colour edges are looked for within this fraction of the image's width."""
+OUTLINE_PX = 9
+"""Window that keeps the support away from its own outline, which is not an edge in it."""
+
+
+def warn_of_packing(
+    edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
+) -> None:
+    """Warn if a layer of packed objects looks like the support: a large plane, full of edges, with nothing on it."""
+    support, rule = config.support, config.packing
+    if rule is None or support is None or edges is None or plane is None or camera is None:
+        return
+    if is_packed(edges, depth, camera, plane, support, rule):
+        warn(
+            "the largest plane is covered with colour edges and hardly anything stands on it: if these are packed"
+            " objects, they were taken for the support and are not returned. Objects whose faces lie in one plane are"
+            " not separated; give a region of interest, or set additions.support.facing.up if the support is another"
+            " plane"
+        )
+
+
+def is_packed(edges: EdgeMaps, depth: DepthMap, camera: Camera, plane: Plane, support: Support, rule: Packing) -> bool:
+    """Return whether the support fills the frame, is covered with colour edges and carries hardly anything."""
+    if things_on(plane, depth, camera, support) > rule.max_things:
+        return False
+    on = support_mask(plane, depth, camera, support)
+    count = np.count_nonzero(on)
+    if count == 0 or count < rule.min_share * np.count_nonzero(depth):
+        return False
+    inner = cv2.erode(on.view(np.uint8), np.ones((OUTLINE_PX, OUTLINE_PX), np.uint8))
+    size = max(depth.shape[1] // PART, 1)
+    within = np.asarray(inner, np.uint8) > 0
+    near = cv2.dilate((within & edges.canny).view(np.uint8), np.ones((size, size), np.uint8))
+    return bool(np.count_nonzero(within & (near > 0)) >= rule.min_edges * max(int(np.count_nonzero(within)), 1))

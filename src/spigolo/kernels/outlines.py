@@ -1,0 +1,100 @@
+"""How depth and height step across the outlines of regions, seen through shadows."""
+
+from __future__ import annotations
+
+from spigolo.kernels._jit import inlined, kernel
+
+PAIRS, KNOWN, FARTHER, NEARER, LEDGE, EDGE = range(6)
+SUMS = 6
+
+
+@inlined
+def first_measured(depth, y, x, dy, dx, most):
+    """The first pixel with depth from (y, x) along (dy, dx), at most `most` pixels further; row -1 without one."""
+    height, width = depth.shape
+    for _ in range(most + 1):
+        if y < 0 or x < 0 or y >= height or x >= width:
+            break
+        if depth[y, x] > 0.0:
+            return y, x
+        y, x = y + dy, x + dx
+    return -1, -1
+
+
+@inlined
+def is_inner(labels, y, x):
+    """Whether a pixel and its four neighbours are of one region, inside the image."""
+    k = labels[y, x]
+    if y == 0 or x == 0 or y + 1 == labels.shape[0] or x + 1 == labels.shape[1]:
+        return False
+    return labels[y, x - 1] == k and labels[y, x + 1] == k and labels[y - 1, x] == k and labels[y + 1, x] == k
+
+
+@inlined
+def height_at(depth, slope_x, slope_y, slope, offset, y, x):
+    """Height of a pixel above the support."""
+    return (slope_x[x] + slope_y[y] + slope) * depth[y, x] + offset
+
+
+@kernel
+def sum_outlines(
+    labels,
+    depth,
+    slope_x,
+    slope_y,
+    slope,
+    offset,
+    near,
+    deep,
+    shadow,
+    step_m,
+    step_share,
+    ledge_m,
+    ledge_per_m,
+    sums,
+):
+    """Steps of depth and of height across the outline of each region.
+
+    labels (H, W) int32; depth (H, W) float32 metres; height above the support is
+    (slope_x[x] + slope_y[y] + slope) * depth + offset. The inner sample lies `near` pixels inside the outline, or on
+    it where the region is thinner or lacks depth there. The outer one is the first pixel with depth from `near` pixels
+    outside on, at most `shadow` pixels further: a shadow lies on what is behind. The region's own slope is taken up to
+    `deep` pixels inside.
+
+    sums (R, 6) float64, zero before: pairs of 4-neighbours across the outline; those with both samples; those where
+    the outside is farther, and nearer, by step_m + step_share * depth + slope; those where height steps by
+    max(ledge_m, ledge_per_m * depth^2); sides of pixels on the image border.
+    """
+    height, width = labels.shape
+    for y in range(height):
+        for x in range(width):
+            if is_inner(labels, y, x):
+                continue
+            k = labels[y, x]
+            for dy, dx in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+                v, u = y + dy, x + dx
+                if v < 0 or u < 0 or v >= height or u >= width:
+                    sums[k, EDGE] += 1.0
+                    continue
+                if labels[v, u] == k:
+                    continue
+                sums[k, PAIRS] += 1.0
+                y_in, x_in = y - dy * (near - 1), x - dx * (near - 1)
+                inside = 0 <= y_in < height and 0 <= x_in < width and labels[y_in, x_in] == k
+                if not inside or depth[y_in, x_in] <= 0.0:
+                    y_in, x_in = y, x
+                y_out, x_out = first_measured(depth, y + dy * near, x + dx * near, dy, dx, shadow)
+                if y_out < 0 or depth[y_in, x_in] <= 0.0:
+                    continue
+                inner, outer = float(depth[y_in, x_in]), float(depth[y_out, x_out])
+                y_deep, x_deep, own = y - dy * (deep - 1), x - dx * (deep - 1), 0.0
+                inside = 0 <= y_deep < height and 0 <= x_deep < width and labels[y_deep, x_deep] == k
+                if inside and depth[y_deep, x_deep] > 0.0:
+                    own = abs(inner - float(depth[y_deep, x_deep])) * 2.0 * near / (deep - near)
+                least = step_m + step_share * inner + own
+                rise = height_at(depth, slope_x, slope_y, slope, offset, y_in, x_in)
+                rise -= height_at(depth, slope_x, slope_y, slope, offset, y_out, x_out)
+                sums[k, KNOWN] += 1.0
+                sums[k, FARTHER] += outer - inner > least
+                sums[k, NEARER] += inner - outer > least
+                sums[k, LEDGE] += abs(rise) > max(ledge_m, ledge_per_m * inner * inner)

@@ -28,7 +28,6 @@ KNOWN_WIDE = (
     (16 / 9, 0.563, "Kinect v2"),
     (4 / 3, 0.60, "RealSense D405, D455 or depth of D435"),
     (16 / 9, 0.585, "Orbbec Femto Bolt"),
-    (4 / 3, 0.473, "Azure Kinect"),
 )
 """Width by height, focal length by width, and the cameras beyond that range that have both."""
 KNOWN_WITHIN = 0.03

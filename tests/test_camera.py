@@ -269,7 +269,8 @@ def test_a_file_without_size_wants_it(tmp_path: Path) -> None:
 
 
 def test_a_file_of_many_images_is_refused(tmp_path: Path) -> None:
-    io.write_json(tmp_path / "scene_camera.json", {"0": {"cam_K": ROWS}, "1": {"cam_K": ROWS}})
+    other = [61.0, *ROWS[1:]]
+    io.write_json(tmp_path / "scene_camera.json", {"0": {"cam_K": ROWS}, "1": {"cam_K": other}})
     with pytest.raises(CameraError, match="one camera, got those of 2 images"):
         io.read_camera(tmp_path / "scene_camera.json", WIDTH, HEIGHT)
 

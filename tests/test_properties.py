@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 
 import naive
 from spigolo import Camera, Config, Frame
-from spigolo.errors import ConfigError
+from spigolo.errors import ConfigError, UnitWarning
 from spigolo.kernels import color, costs
 from spigolo.settings import (
     Additions,
@@ -509,6 +509,7 @@ def test_any_layout_of_arrays_is_taken_and_owned(image: Array, layout: str, kind
         assert not np.shares_memory(own, theirs)
 
 
+@pytest.mark.filterwarnings("ignore::spigolo.errors.UnitWarning")
 @given(
     arrays(np.uint16, array_shapes(min_dims=2, max_dims=2)), st.sampled_from(["u2", "f4"]), st.integers(0, 2**16 - 1)
 )
@@ -519,17 +520,27 @@ def test_what_a_mask_hides_is_missing(depth: Array, kind: str, hidden: int) -> N
     np.testing.assert_array_equal(frame.depth, frame_of(masked.filled(0), depth_scale=0.001).depth)
 
 
-@given(arrays(np.uint16, array_shapes(min_dims=2, max_dims=2)), st.sampled_from([0.001, 0.0001, 0.00025]))
+within_reach = st.integers(0, 49_000)
+
+
+@given(
+    arrays(np.uint16, array_shapes(min_dims=2, max_dims=2), elements=within_reach),
+    st.sampled_from([0.001, 0.0001, 0.00025]),
+)
 def test_integer_depth_is_scaled(depth: Array, scale: float) -> None:
     frame = frame_of(depth, depth_scale=scale)
     np.testing.assert_allclose(frame.depth, depth * scale, rtol=1e-6)
     np.testing.assert_array_equal(frame.depth == 0, depth == 0)
 
 
-def test_a_depth_beyond_float32_counts_as_missing_without_a_warning() -> None:
-    assert frame_of(np.array([[1.0, np.finfo(np.float64).max]])).depth.tolist() == [[1.0, 0.0]]
+def test_a_depth_beyond_float32_counts_as_missing() -> None:
+    with pytest.warns(UnitWarning, match=r"50\.0% of the depth is .* farther than 50 m"):
+        assert frame_of(np.array([[1.0, np.finfo(np.float64).max]])).depth.tolist() == [[1.0, 0.0]]
 
 
 def test_what_no_camera_measures_is_missing() -> None:
-    depth = np.array([[1e-7, 2e-6, 1.0, 0.9e8, 1.1e8]], np.float32)
-    np.testing.assert_array_equal(frame_of(depth).depth > 0, [[False, True, True, True, False]])
+    depth = np.array([[1e-7, 2e-6, 1.0, 49.0, 51.0]], np.float32)
+    with pytest.warns(UnitWarning, match=r"20\.0% of the depth is 51, farther than 50 m"):
+        np.testing.assert_array_equal(frame_of(depth).depth > 0, [[False, True, True, True, False]])
+    far = np.array([[0.9e8, 1.1e8]], np.float32)  # nothing within reach: the unit is wrong
+    np.testing.assert_array_equal(frame_of(far).depth > 0, [[True, False]])

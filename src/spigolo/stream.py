@@ -30,6 +30,10 @@ class Segmenter:
         self.workspace = Workspace()
         self._busy = threading.Lock()
 
+    def __reduce__(self) -> tuple[type[Segmenter], tuple[Config]]:
+        """Pickle as the configuration. A worker process makes its own buffers."""
+        return type(self), (self.config,)
+
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
         """The objects of a frame; the answer shares no memory with the next one."""
         if not self._busy.acquire(blocking=False):

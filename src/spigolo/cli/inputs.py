@@ -14,13 +14,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from spigolo.errors import ConfigError, FileError, warn
+from spigolo.frames.camera_files import camera_for
+from spigolo.frames.listing import RECORDINGS, best_of_each, listed
 
 if TYPE_CHECKING:
     from spigolo.settings.config import Config
 
-IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
+IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".pnm", ".webp")
 DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
-DEPTHS = (*IMAGES, ".npy")
+DEPTHS = (*IMAGES, ".npy", ".npz", ".exr")
 COLOR_NAMES = ("rgb", "color", "colour", "image")
 
 
@@ -134,13 +136,53 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     if absent:
         raise FileError(f"expected an image or folder, but there is no {absent[0]}")
     files = [path for path in paths if not path.is_dir()]
-    if len(files) % 2:
-        raise FileError(f"expected files in pairs, colour then depth, got {len(files)}: {files[-1]} has no depth image")
-    pairs = zip(files[::2], files[1::2], strict=True)
-    frames = [FramePaths(color.stem, color, depth, _camera_in(color.parent)) for color, depth in pairs]
+    whole = [path for path in files if _is_frame(path)] if len(files) != 2 else []
+    frames = [_whole(path) for path in whole] + _pairs([path for path in files if path not in whole])
     for folder in (path for path in paths if path.is_dir()):
         frames += _frames_in(folder)
     return _named_apart(frames)
+
+
+def _is_frame(path: Path) -> bool:
+    """Return whether a .npz file holds colour and depth."""
+    if path.suffix.lower() != ".npz":
+        return False
+    from spigolo.frames.arrays import names_in
+    from spigolo.frames.images import COLOR_KEYS, DEPTH_KEYS
+
+    names = set(names_in(path))
+    return bool(names & set(COLOR_KEYS)) and bool(names & set(DEPTH_KEYS))
+
+
+def _whole(path: Path) -> FramePaths:
+    """Return the paths of a frame in one .npz file, its camera too where that holds a matrix."""
+    from spigolo.frames.arrays import names_in
+    from spigolo.frames.intrinsics import MATRIX_NAMES
+
+    has_matrix = bool({name.lower() for name in (*MATRIX_NAMES, "fx")} & set(names_in(path)))
+    return FramePaths(path.stem, path, path, path if has_matrix else camera_for(path.parent, path.parent))
+
+
+def _pairs(files: Sequence[Path]) -> list[FramePaths]:
+    """Return the frames of files in pairs, colour then depth. Raises FileError for one without a partner."""
+    recording = next((path for path in files if path.suffix.lower() in RECORDINGS), None)
+    if recording is not None:
+        from spigolo.frames.images import how_to_extract
+
+        raise FileError(f"expected images, got the recording {recording}: {how_to_extract(recording.suffix.lower())}")
+    if len(files) % 2:
+        alone = f"expected files in pairs, colour then depth, got {len(files)}: {files[-1]} has no depth image"
+        if files[-1].suffix.lower() == ".npz":
+            raise FileError(f"{alone}. A .npz file alone is a frame if it holds the arrays rgb and depth, and best K")
+        raise FileError(alone)
+    pairs = zip(files[::2], files[1::2], strict=True)
+    return [FramePaths(color.stem, color, depth, _camera_of(color)) for color, depth in pairs]
+
+
+def _camera_of(color: Path) -> Path | None:
+    """Return the camera file that holds for an image that was given by name."""
+    inner = color.parent.name in COLOR_NAMES
+    return camera_for(color.parent, color.parent.parent if inner else color.parent)
 
 
 def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
@@ -171,38 +213,49 @@ def _around(frame: FramePaths) -> str:
 
 
 def _frames_in(folder: Path) -> list[FramePaths]:
-    frames = _frame_of(folder) or _paired(folder)
+    frames = _frame_of(folder, folder) or _paired(folder)
     if not frames:
-        frames = [frame for inner in sorted(folder.iterdir()) if inner.is_dir() for frame in _frame_of(inner)]
+        inner = [path for path in listed(folder) if path.is_dir()]
+        frames = [frame for path in inner for frame in _frame_of(path, folder)]
+    if not frames:
+        frames = [_whole(path) for path in listed(folder) if _is_frame(path)]
     if not frames:
         raise FileError(
             f"expected rgb.png and depth.png in {folder} or in its subfolders, or folders rgb/ and depth/ with equally"
-            " named files"
+            f" named files{_what_lies_there(folder)}"
         )
     return frames
 
 
-def _frame_of(folder: Path) -> list[FramePaths]:
-    color = next(
-        (f for name in COLOR_NAMES for f in sorted(folder.glob(f"{name}.*")) if f.suffix.lower() in IMAGES), None
-    )
-    depth = next((f for f in sorted(folder.glob("depth.*")) if f.suffix.lower() in DEPTHS), None)
+def _what_lies_there(folder: Path) -> str:
+    """Return what a message says of a folder that holds something else."""
+    found = next((path for path in listed(folder) if path.suffix.lower() in RECORDINGS), None)
+    return f". {found.name} is a recording: extract its images first" if found else ""
+
+
+def _frame_of(folder: Path, top: Path) -> list[FramePaths]:
+    """Return the frame of a folder that holds one. top: the folder that was given."""
+    files = listed(folder)
+    colors = [f for name in COLOR_NAMES for f in files if f.stem == name and f.suffix.lower() in IMAGES]
+    depths = [f for f in files if f.stem == "depth" and f.suffix.lower() in DEPTHS]
+    color, depth = (next(best_of_each(found), None) for found in (colors, depths))
     if color and not depth:
         _warn_of_single([color], "colour images have no depth image")
-    return [FramePaths(folder.name, color, depth, _camera_in(folder))] if color and depth else []
+    return [FramePaths(folder.name, color, depth, camera_for(folder, top))] if color and depth else []
 
 
 def _paired(folder: Path) -> list[FramePaths]:
     colors = next((folder / name for name in COLOR_NAMES if (folder / name).is_dir()), None)
     if colors is None or not (folder / "depth").is_dir():
         return []
-    stored = sorted((folder / "depth").iterdir(), key=lambda f: f.suffix.lower() == ".npy")  # the array wins
-    depths = {f.stem: f for f in stored if f.suffix.lower() in DEPTHS}
-    images = [f for f in sorted(colors.iterdir()) if f.suffix.lower() in IMAGES]
+    stored = best_of_each(f for f in listed(folder / "depth") if f.suffix.lower() in DEPTHS)
+    depths = {f.stem: f for f in stored}
+    images = list(best_of_each(f for f in listed(colors) if f.suffix.lower() in IMAGES))
     _warn_of_single([f for f in images if f.stem not in depths], "colour images have no depth image")
     named = {f.stem for f in images}
     _warn_of_single([f for f in depths.values() if f.stem not in named], "depth images have no colour image")
-    return [FramePaths(f.stem, f, depths[f.stem], _camera_in(folder)) for f in images if f.stem in depths]
+    camera = camera_for(folder, folder)
+    return [FramePaths(f.stem, f, depths[f.stem], camera) for f in images if f.stem in depths]
 
 
 def _warn_of_single(images: Sequence[Path], lack: str) -> None:
@@ -210,8 +263,3 @@ def _warn_of_single(images: Sequence[Path], lack: str) -> None:
     if images:
         named = ", ".join(str(image) for image in images[:3]) + (", ..." if len(images) > 3 else "")
         warn(f"{len(images)} {lack} of their name: {named}")
-
-
-def _camera_in(folder: Path) -> Path | None:
-    names = ("camera.json", "camera.yaml", "camera.yml", "camera_info.yaml")
-    return next((folder / name for name in names if (folder / name).is_file()), None)

@@ -36,6 +36,8 @@ def segment(
 ) -> int:
     """Segment frames and write labels.png, objects.json and overlay.png for each.
 
+    labels.png has 16 bits. Read it with cv2.IMREAD_UNCHANGED, without which OpenCV returns 8 bits, all 0.
+
     Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
     kinect-v1 --preset TABLE --partition.gamma 0.004`.
 
@@ -46,9 +48,10 @@ def segment(
         subfolders with these, or the folders rgb/ and depth/ with equally named files. Any field of the preset is a
         flag too: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
-        Intrinsics: a JSON file (fx, fy, cx, cy, width, height, depth_scale), a YAML file of ROS CameraInfo, a camera
-        name such as kinect-v1, or a guess of the horizontal field of view such as 60deg. Default: camera.json next to
-        the images. Without intrinsics, results in metres are left out.
+        Intrinsics: a file (JSON, YAML, a 3x3 matrix as .txt, .npy or .mat, COLMAP's cameras.txt), four numbers
+        fx,fy,cx,cy such as 927.2,927.4,651.3,349.6, a camera name such as kinect-v1, or a guess of the horizontal field
+        of view such as 60deg. Default: camera.json next to the images or in a folder above them. Without intrinsics,
+        results in metres are left out.
     preset
         Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's, or a TOML file.
     depth_scale
@@ -76,25 +79,29 @@ def segment(
 
     run = Segmenter(config)
     if len(frames) == 1:
-        frame = _read(frames[0], camera, depth_scale, max_pixels)
+        frame = _read(frames[0], camera, depth_scale, max_pixels, check)
         _check(frame, frames[0].name, check)
         result = run(frame, wanted)
         show.write_result(result, frame, out)
+        if camera is None and frames[0].camera is not None:
+            print(f"intrinsics: {frames[0].camera}")
         show.print_result(result, out)
         if frame.undistorted:
             print(f"the camera has distortion: labels fit {out / 'undistorted.png'}, not the image given")
         return DONE
-    failed = 0
+    failed, without = 0, 0
     for paths in show.progress(frames, "segmenting"):
         try:
-            frame = _read(paths, camera, depth_scale, max_pixels)
+            frame = _read(paths, camera, depth_scale, max_pixels, check)
             _check(frame, paths.name, check)
             result = run(frame, wanted)
             show.write_result(result, frame, out / paths.name)
+            without += frame.camera is None
             print(f"{paths.name}: {len(result)} objects")
         except SpigoloError as error:
             failed += 1
             print(f"spigolo: {paths.name}: {error}", file=sys.stderr)
+    show.print_without_intrinsics(without, len(frames))
     print(f"{len(frames) - failed} of {len(frames)} frames written to {out} ({config.name} {config.digest})")
     return SOME_FAILED if failed else DONE
 
@@ -172,14 +179,18 @@ def doctor(
     from spigolo.cli import show
     from spigolo.doctor import diagnose
 
-    diagnosis = diagnose(_read(paths, camera, depth_scale, max_pixels))
+    diagnosis = diagnose(_read(paths, camera, depth_scale, max_pixels, True))
     show.print_diagnosis(diagnosis)
     return SOME_FAILED if diagnosis.warnings else DONE
 
 
-def _read(paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int) -> Frame:
+def _read(
+    paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int, check: bool = False
+) -> Frame:
     from spigolo.frames import files as io
 
+    if check:
+        warnings.simplefilter("ignore", UnitWarning)  # the doctor says it, and better
     given = camera if camera is not None else paths.camera
     return io.read_frame(paths.color, paths.depth, given, depth_scale, max_pixels=max_pixels)
 
@@ -190,7 +201,6 @@ def _check(frame: Frame, name: str, wanted: bool) -> None:
         from spigolo.doctor import diagnose
 
         show.warn_of(diagnose(frame), name)
-        warnings.simplefilter("ignore", UnitWarning)  # said already, and better
 
 
 def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Roi | None:

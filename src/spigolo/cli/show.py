@@ -69,12 +69,25 @@ def print_result(result: Segmentation, out: Path) -> None:
     print(f"written: {out / 'labels.png'}, {out / 'objects.json'}, {out / 'overlay.png'}")
 
 
+def print_without_intrinsics(without: int, count: int) -> None:
+    """Print once how many of the frames had no intrinsics, and what that leaves out."""
+    if without:
+        print(
+            f"no intrinsics for {without} of {count} frames: results in metres, the support plane and contact"
+            " boundaries are left out. Give --camera, or put camera.json into the folder"
+        )
+
+
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """Print one line for each finding. Warnings are marked."""
+    """Print one line for each finding, and last what could not be judged. Warnings are marked."""
     marks = {"ok": "[green]ok     [/]", "note": "[cyan]note   [/]", "warning": "[bold red]warning[/]"}
     console = Console(highlight=False, soft_wrap=True)
     for finding in diagnosis.findings:
-        console.print(f"{marks[finding.severity.value]} [bold]{finding.check}[/]: {finding.sentence}", markup=True)
+        mark = marks[finding.severity.value] if finding.judged else "[bold yellow]unknown[/]"
+        console.print(f"{mark} [bold]{finding.check}[/]: {finding.sentence}", markup=True)
+    if diagnosis.unjudged:
+        names = ", ".join(finding.check for finding in diagnosis.unjudged)
+        console.print(f"[bold yellow]could not be judged[/]: {names}. This frame lacks the evidence: check it yourself")
 
 
 def warn_of(diagnosis: Diagnosis, name: str) -> None:

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-import numpy.typing as npt
 
 from spigolo.doctor.findings import Finding, fine, note, warning
+from spigolo.doctor.scaling import Pair, best_scale
 from spigolo.frames.frame import Color, DepthMap
 from spigolo.kernels.contours import fill_shadows
 
@@ -40,10 +40,6 @@ FLAT_GRADIENT = 2.0
 """Gradients well below this, in grey levels per pixel, are noise."""
 MAX_GRADIENT = 3.0
 """Gradients count up to this multiple of those around, so that no single strong edge decides."""
-
-Map = npt.NDArray[np.float32]
-Pair = tuple[Map, Map]
-"""Of upright things (compared along x) and of level ones (along y)."""
 
 TURNS = {"mirrored left to right": (1,), "upside down": (0, 1), "mirrored top to bottom": (0,)}
 """Image axes that are reversed."""
@@ -74,7 +70,11 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
     contours = depth_contours(filled)
     count = count_contours(contours)
     if count < MIN_CONTOUR_SHARE * filled.size:
-        return note(ALIGNMENT, f"alignment of depth and colour cannot be judged: {count} pixels of depth steps are few")
+        return note(
+            ALIGNMENT,
+            f"alignment of depth and colour cannot be judged: {count} pixels of depth steps are few",
+            judged=False,
+        )
     gradients = color_gradients(color)
     fit = best_shift(contours, gradients)
     turned = {name: best_shift(_turn(contours, axes), gradients) for name, axes in TURNS.items()}
@@ -85,8 +85,17 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
             f"expected the contours of depth on those of colour, found that they fit when {name}:"
             " turn one of the two images",
         )
+    scaled = best_scale(contours, gradients)
+    if scaled.is_clear:
+        return warning(
+            ALIGNMENT,
+            f"expected the contours of depth on those of colour, found that they fit when depth is scaled by"
+            f" {scaled.scale:.2f} about the image centre and moved by {scaled.dx_px:+.0f} px in x and"
+            f" {scaled.dy_px:+.0f} px in y: depth was not registered to colour, as register_depth does it",
+        )
     if not fit.is_clear:
-        return note(ALIGNMENT, "alignment of depth and colour cannot be judged: colour does not change at depth steps")
+        why = "alignment of depth and colour cannot be judged: colour does not change at depth steps"
+        return note(ALIGNMENT, why, judged=False)
     if fit.unshifted < SHIFTED * fit.score:
         return warning(
             ALIGNMENT,

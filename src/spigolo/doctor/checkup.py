@@ -7,7 +7,9 @@ from importlib import metadata
 from spigolo.doctor.alignment import check_alignment
 from spigolo.doctor.findings import COST, Diagnosis, Finding, fine, note, warning
 from spigolo.doctor.intrinsics import check_focal_length, check_intrinsics
-from spigolo.doctor.measured import check_missing, check_negative, check_unit
+from spigolo.doctor.measured import check_missing, check_negative, check_reach, check_unit
+from spigolo.doctor.planarity import check_planarity
+from spigolo.doctor.steps import check_saturated, check_steps
 from spigolo.frames.frame import Camera, DepthMap, Frame, check_frame
 from spigolo.settings.paper import AutoCost, Inpainting
 from spigolo.stages.depth import inpaint_small_gaps, missing_mask, missing_share
@@ -32,15 +34,17 @@ def diagnose(frame: Frame) -> Diagnosis:
     check_frame(frame)
     camera: Camera | None = frame.camera
     filled = inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape))
-    findings = [check_wheels(), check_size(frame), check_negative(frame), *check_missing(frame.depth, filled)]
+    findings = [check_wheels(), check_size(frame), check_negative(frame), check_reach(frame)]
+    findings += check_missing(frame.depth, filled)
     if not (frame.depth > 0).any():
         return Diagnosis((*findings, note(COST, "no cost function is advised: there is no depth")))
-    findings += [check_unit(frame.depth, filled), check_alignment(frame.color, filled)]
+    findings += [check_unit(frame, filled), check_steps(frame.depth), check_saturated(frame.depth)]
+    findings.append(check_alignment(frame.color, filled))
     if camera is None:
         without = "no intrinsics given: no 3-D facts, no contact boundary, no support plane; a guess, 60deg, finds more"
         findings.append(note("intrinsics", without))
     else:
-        findings += [check_intrinsics(camera), check_focal_length(filled, camera)]
+        findings += [check_intrinsics(camera), check_focal_length(filled, camera), check_planarity(filled, camera)]
     return Diagnosis((*findings, advise_cost(filled)))
 
 

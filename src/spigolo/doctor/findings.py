@@ -24,6 +24,8 @@ class Finding:
     check: str
     severity: Severity
     sentence: str
+    judged: bool = True
+    """False where the frame lacks the evidence: then nobody has looked at it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +38,11 @@ class Diagnosis:
     def warnings(self) -> tuple[Finding, ...]:
         """The findings to mend first."""
         return tuple(f for f in self.findings if f.severity is Severity.WARNING)
+
+    @property
+    def unjudged(self) -> tuple[Finding, ...]:
+        """The checks that lacked evidence."""
+        return tuple(f for f in self.findings if not f.judged)
 
     @property
     def advice(self) -> str:
@@ -51,9 +58,9 @@ def fine(check: str, sentence: str) -> Finding:
     return Finding(check, Severity.OK, sentence)
 
 
-def note(check: str, sentence: str) -> Finding:
-    """A finding worth knowing."""
-    return Finding(check, Severity.NOTE, sentence)
+def note(check: str, sentence: str, *, judged: bool = True) -> Finding:
+    """A finding worth knowing. judged: False where the frame lacks the evidence."""
+    return Finding(check, Severity.NOTE, sentence, judged)
 
 
 def warning(check: str, sentence: str) -> Finding:

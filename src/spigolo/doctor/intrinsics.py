@@ -26,10 +26,13 @@ KNOWN_WIDE = (
     (16 / 9, 0.50, "RealSense D455 or depth of D435"),
     (16 / 10, 0.50, "RealSense D455 or depth of D435"),
     (16 / 9, 0.563, "Kinect v2"),
-    (4 / 3, 0.60, "RealSense D455 or depth of D435"),
+    (4 / 3, 0.60, "RealSense D405, D455 or depth of D435"),
+    (16 / 9, 0.585, "Orbbec Femto Bolt"),
 )
 """Width by height, focal length by width, and the cameras beyond that range that have both."""
 KNOWN_WITHIN = 0.03
+POSSIBLE_SHARE = (0.42, 1.3)
+"""Focal length by image width of all RGB-D cameras. One beyond comes of surfaces that are not upright."""
 
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
 """Factors on the focal length."""
@@ -73,7 +76,10 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
     share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
     stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
     factor = upright_factor(filled, camera)
-    if factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN):
+    wrong = factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN)
+    if factor is not None and wrong and not POSSIBLE_SHARE[0] <= share * factor <= POSSIBLE_SHARE[1]:
+        factor = None  # the walls of a bin lean, and no camera has the focal length at which they stand upright
+    if factor is not None and wrong:
         return warning(
             FOCAL_LENGTH,
             f"expected upright sides at right angles to the support, found them so with about {factor:.2f} times the"

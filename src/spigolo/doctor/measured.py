@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.doctor.local_planes import fit_local_planes
-from spigolo.frames.frame import DepthMap, Frame
+from spigolo.frames.frame import Camera, DepthMap, Frame
+from spigolo.frames.nominal import NOMINAL
 from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 
 MISSING, UNIT = "missing depth", "depth unit"
@@ -17,6 +20,19 @@ MUCH_MISSING = 0.2
 HOLES = 0.02
 """A share of the frame in holes of one or two pixels, from here on told."""
 
+SCALES = {
+    0.001: "stored millimetres",
+    0.00025: "RealSense L515",
+    0.000125: "eighths of a millimetre",
+    0.0002: "TUM",
+    0.0001: "0.1 mm",
+}
+"""Metres per unit that cameras and data sets use."""
+PLAUSIBLE = math.log(3.0)
+"""Logarithm of the ratio to TABLE_M up to which a scale is advised."""
+CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
+"""Working distance of a RealSense D405, and its unit."""
+SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
 """The median depth of a frame that shows things to grasp lies in between."""
 TABLE_M = 0.8
@@ -38,6 +54,16 @@ def check_negative(frame: Frame) -> Finding:
             " store the Z coordinate (forward), as unsigned integers or as floating-point metres",
         )
     return fine("negative depth", "no pixel has negative depth")
+
+
+def check_reach(frame: Frame) -> Finding:
+    """Values that no camera measured stand for missing depth."""
+    if frame.out_of_reach is not None:
+        return warning(
+            "reach of depth",
+            f"expected missing depth as 0, found that {frame.out_of_reach}: store 0 where nothing was measured",
+        )
+    return fine("reach of depth", "no depth is the largest value of its type or beyond the reach of cameras")
 
 
 def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
@@ -67,14 +93,16 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
     return findings
 
 
-def check_unit(depth: DepthMap, filled: DepthMap) -> Finding:
+def check_unit(frame: Frame, filled: DepthMap) -> Finding:
     """Whether depth can be in metres, by its distance, its stored unit and its noise.
 
     filled: the same with its small gaps in-painted, so that the noise is measured between sampling holes too.
     """
+    depth = frame.depth
     median = float(np.median(depth[depth > 0]))
-    guess = guess_factor(median)
-    mend = f"multiply depth_scale by {guess:g} (stored millimetres: 0.001; TUM: 0.0002; 0.1 mm: 0.0001)"
+    mend = unit_advice(median, frame.unit_m)
+    if CLOSEST_M <= median < NEAR_M and sees_close(frame):
+        return note(UNIT, f"median depth {median:.3f} m, as close as a RealSense D405 sees: if it is not so, {mend}")
     if not NEAR_M <= median <= FAR_M:
         return warning(
             UNIT, f"expected a median depth of {NEAR_M:g} to {FAR_M:g} m, found {median:.3g} m: if it is not so, {mend}"
@@ -96,9 +124,35 @@ def check_unit(depth: DepthMap, filled: DepthMap) -> Finding:
     return fine(UNIT, f"median depth {median:.2f} m")
 
 
+def unit_advice(median_m: float, unit_m: float | None) -> str:
+    """Return how to mend a wrong unit. unit_m: metres per stored unit that were taken, None for no integers."""
+    listed = "; ".join(f"{name}: {scale:g}" for scale, name in SCALES.items())
+    if unit_m is None:
+        return f"multiply depth_scale by {guess_factor(median_m):g} ({listed})"
+    off = {scale: abs(math.log(median_m * scale / unit_m / TABLE_M)) for scale in SCALES if scale != unit_m}
+    near = sorted((scale for scale in off if off[scale] < PLAUSIBLE), key=off.__getitem__)[:2]
+    if not near:
+        return f"multiply depth_scale by {guess_factor(median_m):g} ({listed})"
+    choices = " or ".join(f"{s:g} ({SCALES[s]}; {median_m * s / unit_m:.2g} m)" for s in near)
+    return f"multiply depth_scale by {near[0] / unit_m:g}: depth_scale {choices}"
+
+
 def guess_factor(median_m: float) -> float:
-    """The power of ten that brings a median depth closest to that of a table-top."""
+    """Return the power of ten that brings a median depth closest to that of a table-top."""
     return float(10.0 ** np.round(np.log10(TABLE_M / median_m)))
+
+
+def sees_close(frame: Frame) -> bool:
+    """Return whether the frame may come from a camera for the closest range: units of 0.1 mm, or a D405's view."""
+    if frame.unit_m is not None and abs(frame.unit_m / CLOSE_UNIT_M - 1) < 0.01:
+        return True
+    camera = frame.camera
+    modes = (Camera(*mode) for mode in NOMINAL["realsense-d405"])
+    return camera is not None and any(
+        abs(camera.width / camera.height / (mode.width / mode.height) - 1) < SAME_VIEW
+        and abs(camera.fx / camera.width / (mode.fx / mode.width) - 1) < SAME_VIEW
+        for mode in modes
+    )
 
 
 def stored_unit_m(depth: DepthMap) -> float:

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.errors import CameraError
+from spigolo.frames.nominal import NOMINAL
 
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
 """How many coefficients OpenCV knows: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
@@ -24,16 +25,10 @@ MAX_SKEW = 1e-3
 """Skew of K, relative to fx, that is taken for rounding: half a pixel over 500 rows."""
 MAX_ASPECT_CHANGE = 0.01
 """848x480 counts as 16:9."""
-NOMINAL = {
-    "kinect-v1": ((525.0, 525.0, 319.5, 239.5, 640, 480),),
-    "kinect-v2": ((1081.4, 1081.4, 959.5, 539.5, 1920, 1080),),
-    "xtion": ((570.3, 570.3, 319.5, 239.5, 640, 480),),
-    "orbbec-astra": ((570.3, 570.3, 319.5, 239.5, 640, 480),),
-    "realsense-d415": ((615.0, 615.0, 319.5, 239.5, 640, 480), (922.5, 922.5, 639.5, 359.5, 1280, 720)),
-    "realsense-d435": ((615.0, 615.0, 319.5, 239.5, 640, 480), (922.5, 922.5, 639.5, 359.5, 1280, 720)),
-    "azure-kinect": ((605.0, 605.0, 639.5, 359.5, 1280, 720),),
-}
-"""fx, fy, cx, cy, width, height of each aspect ratio of a camera's colour stream, the default one first."""
+LEAST_FOCAL_SHARE = 0.05
+"""Smallest focal length as a share of the image width: 169 degrees of view, more than any pinhole image has."""
+LEAST_WIDTH = 16
+"""Images of a smaller width are pieces, of which no field of view is asked."""
 FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 
@@ -71,6 +66,8 @@ class Camera:
             )
         if self.width < 1 or self.height < 1:
             raise CameraError(f"expected an image size of at least 1x1, got {self.width}x{self.height}")
+        if self.width >= LEAST_WIDTH and max(self.fx / self.width, self.fy / self.height) < LEAST_FOCAL_SHARE:
+            raise CameraError(_too_wide(self))
 
     def __repr__(self) -> str:
         bent = f", distortion {self.distortion}" if self.distortion else ""
@@ -83,6 +80,8 @@ class Camera:
         rows = as_numbers(K)
         if rows.shape not in ((3, 3), (9,)):
             raise CameraError(f"expected a camera matrix of shape (3, 3) or nine numbers, got shape {rows.shape}")
+        if not rows.any():
+            raise CameraError("expected a camera matrix, got zeros: this camera was not calibrated")
         (fx, skew, cx), (below, fy, cy), last = rows.reshape(3, 3).tolist()
         if abs(skew) > MAX_SKEW * abs(fx) or below != 0 or last != [0, 0, 1]:
             raise CameraError(
@@ -173,6 +172,20 @@ class Camera:
         y, x = np.nonzero(valid)
         z = depth[y, x]
         return np.stack([(x - self.cx) / self.fx * z, (y - self.cy) / self.fy * z, z], axis=1).astype(np.float32)
+
+
+def _too_wide(camera: Camera) -> str:
+    """Return the message for a focal length that is no number of pixels."""
+    fx, fy, cx, cy = camera.fx, camera.fy, camera.cx, camera.cy
+    view_deg = math.degrees(2 * math.atan(camera.width / (2 * fx)))
+    if max(fx, fy) < 10 and max(abs(cx), abs(cy)) <= 2:
+        mend = "they are shares of the image: multiply fx and cx by its width, fy and cy by its height"
+    else:
+        mend = "a focal length in millimetres is divided by the size of a pixel"
+    return (
+        f"expected intrinsics in pixels of {camera.width}x{camera.height}, got fx={fx:g}, fy={fy:g}, cx={cx:g},"
+        f" cy={cy:g}, which see {view_deg:.0f} degrees: {mend}"
+    )
 
 
 def is_number(value: object) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 import tempfile
@@ -11,18 +10,37 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import cv2
-import numpy as np
-import numpy.typing as npt
 
 from spigolo.errors import CameraError, FileError, FrameError
 from spigolo.frames.camera import Camera
-from spigolo.frames.frame import MAX_PIXELS, Frame, Mask
-from spigolo.frames.intrinsics import CameraLike, as_camera, camera_from_mapping, check_scale, scale_from_mapping
+from spigolo.frames.camera_files import camera_fields, read_camera
+from spigolo.frames.frame import MAX_PIXELS, Frame
+from spigolo.frames.images import (
+    Image,
+    PathLike,
+    read_color,
+    read_depth,
+    read_labels,
+    read_mask,
+    refuse_swapped,
+)
+from spigolo.frames.intrinsics import CameraLike, as_camera, camera_from_mapping, fields_of
+from spigolo.frames.scale import check_scale, scale_from_mapping
 
-Image = npt.NDArray[Any]
-PathLike = str | os.PathLike[str]
-
-YAML = (".yaml", ".yml")
+__all__ = [
+    "Image",
+    "PathLike",
+    "append_lines",
+    "read_camera",
+    "read_color",
+    "read_depth",
+    "read_frame",
+    "read_labels",
+    "read_mask",
+    "write_bytes",
+    "write_json",
+    "write_png",
+]
 
 
 def read_frame(
@@ -33,132 +51,60 @@ def read_frame(
     *,
     max_pixels: int = MAX_PIXELS,
 ) -> Frame:
-    """A frame from a colour image, a 16-bit depth PNG (or .npy) and a camera.
+    """Return the frame of a colour image, a 16-bit depth PNG (or an array) and a camera.
 
-    camera: a camera file (`read_camera`), or any form that `as_camera` takes, None where the intrinsics are not known;
-    a string is a file if there is one of that name or it ends in .json, .yaml or .yml, and else a camera's name.
-    depth_scale: metres per stored unit, 0.001 for millimetres; if None, that of the camera file or mapping for
-    integers, and 1 for floating-point depth.
+    camera: a camera file (`read_camera`), or any form that `as_camera` takes, None where the intrinsics are not known.
+    A string is a file if there is one of that name or it ends as camera files do, and else a camera's name.
+    depth_scale: metres per stored unit, 0.001 for millimetres. If None, that of the camera file or mapping for
+    integers, and 1 for floating-point depth. One .npz file may be colour, depth and camera.
     Raises FileError, CameraError or FrameError.
     """
-    pixels, stored = read_color(color), read_depth(depth)
-    whole_numbers = stored.dtype.kind in "ui"
-    known, scale = _camera_and_scale(camera, pixels.shape[1], pixels.shape[0])
-    if depth_scale is None and whole_numbers and scale is not None:
-        check_scale(scale, "the camera" if isinstance(camera, Mapping) else camera)
-        depth_scale = scale
-    if whole_numbers and stored.dtype != np.uint8 and depth_scale is None:
-        raise FrameError(
-            f"expected depth_scale with the integers in {depth}: metres per unit, 0.001 for millimetres"
-            ' (or "depth_scale" in the camera file)'
-        )
+    try:
+        stored = read_depth(depth)
+    except FrameError:
+        refuse_swapped(color, depth)
+        raise
+    pixels = read_color(color)
+    whole_numbers = stored.dtype.kind in "ui" and stored.dtype.itemsize > 1
+    known, fields = _camera_and_fields(camera, Path(color).stem, pixels.shape[1], pixels.shape[0])
+    if depth_scale is None and whole_numbers:
+        depth_scale = _own_scale(fields, camera)
+        if depth_scale is None:
+            raise FrameError(
+                f"expected depth_scale with the integers in {depth}: metres per unit, 0.001 for millimetres"
+                ' (or "depth_scale" in the camera file)'
+            )
     return Frame(pixels, stored, known, name=Path(color).stem, depth_scale=depth_scale, max_pixels=max_pixels)
 
 
-def _camera_and_scale(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
-    if isinstance(camera, os.PathLike) or (isinstance(camera, str) and _names_file(camera)):
-        return read_camera(camera, width, height)
-    return as_camera(camera, width, height), scale_from_mapping(camera) if isinstance(camera, Mapping) else None
+def _camera_and_fields(
+    camera: CameraLike | PathLike, image: str, width: int, height: int
+) -> tuple[Camera | None, Mapping[str, Any] | None]:
+    if not isinstance(camera, os.PathLike) and not (isinstance(camera, str) and _names_file(camera)):
+        known = as_camera(camera, width, height)
+        plain = camera is None or isinstance(camera, Camera | str)
+        return known, None if plain else fields_of(camera)
+    fields = camera_fields(camera, image)
+    try:
+        return camera_from_mapping(fields, width, height), fields
+    except CameraError as error:
+        raise CameraError(f"{os.fspath(camera)}: {error}") from None
+
+
+def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
+    """Return depth_scale of a camera's fields, checked, None without one. Raises CameraError."""
+    is_file = isinstance(camera, str | os.PathLike)
+    try:
+        scale = None if fields is None else scale_from_mapping(fields)
+    except CameraError as error:
+        raise CameraError(f"{camera}: {error}" if is_file else str(error)) from None
+    if scale is not None:
+        check_scale(scale, camera if is_file else "the camera")
+    return scale
 
 
 def _names_file(text: str) -> bool:
-    return text.lower().endswith((".json", *YAML)) or os.path.isfile(text)
-
-
-def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
-    """RGB (H, W, 3) uint8 of any image file that OpenCV reads; grey becomes RGB, transparency is dropped.
-
-    As stored, like the depth beside it: an orientation in the file's metadata turns nothing.
-    """
-    stored = _decode(path, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
-    return np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB), np.uint8)
-
-
-def read_depth(path: PathLike) -> Image:
-    """Depth (H, W) as stored: integers of a PNG or TIFF, floating-point metres of a TIFF, either of a .npy file."""
-    if Path(path).suffix.lower() in (".jpg", ".jpeg"):
-        raise FrameError(f"expected depth without loss, got the JPEG {path}: store depth as 16-bit PNG")
-    if Path(path).suffix.lower() != ".npy":
-        stored = _decode(path, cv2.IMREAD_UNCHANGED)
-        if stored.ndim != 2:
-            raise FrameError(
-                f"expected distances in one channel in {path}, got {stored.shape[2]} channels: it is a picture of depth"
-                " in colours, and no depth"
-            )
-        return stored
-    try:
-        return np.asarray(np.load(path, allow_pickle=False))
-    except Exception as error:  # NumPy reads the header as Python, and raises what that raises
-        sentence = " ".join(str(error).split())
-        raise FileError(f"expected a depth array in {path}, but it cannot be read: {sentence}") from None
-
-
-def read_labels(path: PathLike) -> Image:
-    """A label image (H, W) of whole numbers, as stored."""
-    stored = _decode(path, cv2.IMREAD_UNCHANGED)
-    if stored.ndim != 2 or stored.dtype.kind not in "ui":
-        raise FrameError(
-            f"expected labels in one channel of whole numbers in {path}, got {stored.dtype} of shape {stored.shape}:"
-            " store label numbers, 0 for background, as a grey PNG"
-        )
-    return stored
-
-
-def read_mask(path: PathLike) -> Mask:
-    """Where an image (H, W) of any depth is not black; transparency does not count."""
-    stored = _decode(path, cv2.IMREAD_UNCHANGED)
-    return np.asarray(stored != 0) if stored.ndim == 2 else np.asarray(stored[..., :3].any(axis=2))
-
-
-def read_camera(path: PathLike, width: int | None = None, height: int | None = None) -> tuple[Camera, float | None]:
-    """Camera of a file, and its depth_scale (metres per unit) or None.
-
-    JSON: ours (fx, fy, cx, cy, width, height, depth_scale), RealSense's (ppx, ppy, coeffs), Open3D's
-    (intrinsic_matrix), a matrix K or camera_matrix, one image's cam_K of BOP. YAML: ROS's CameraInfo as
-    `ros2 topic echo` prints it, and the file that camera_calibration writes; for rectified images leave out D and
-    give K of P. `camera_from_mapping` lists the fields.
-    BOP's depth_scale is millimetres per unit: beside cam_K it is divided by 1000.
-    width, height: size of the images, for files that do not say it. Raises FileError or CameraError.
-    """
-    values = _read_mapping(path)
-    try:
-        if not isinstance(values, Mapping):
-            raise CameraError(
-                f"expected fields with the intrinsics of a camera, got {type(values).__name__}: not found"
-            )
-        _refuse_many_images(values)
-        return camera_from_mapping(values, width, height), scale_from_mapping(values)
-    except CameraError as error:
-        raise CameraError(f"{path}: {error}") from None
-
-
-def _read_mapping(path: PathLike) -> Any:
-    """What a JSON or YAML file holds; of several YAML documents the first."""
-    yaml = import_yaml(path) if Path(path).suffix.lower() in YAML else None
-    refused = ValueError if yaml is None else yaml.YAMLError
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-        return json.loads(text) if yaml is None else next(yaml.safe_load_all(text), None)
-    except (OSError, ValueError, RecursionError, refused) as error:
-        kind, sentence = (
-            "JSON" if yaml is None else "YAML",
-            " ".join((getattr(error, "strerror", None) or str(error)).split()),
-        )
-        raise FileError(f"expected a camera in {kind} in {path}, but it cannot be read: {sentence}") from None
-
-
-def import_yaml(path: PathLike, extra: str = "yaml") -> Any:
-    """The module that reads a YAML file; raises FileError where the extra that brings it is not installed."""
-    try:
-        return importlib.import_module("yaml")
-    except ImportError:
-        raise FileError(f'expected PyYAML to read {path}, but it is missing: pip install "spigolo[{extra}]"') from None
-
-
-def _refuse_many_images(values: Mapping[str, Any]) -> None:
-    inner = next(iter(values.values()), None)
-    if isinstance(inner, Mapping) and "cam_K" in inner:
-        raise CameraError(f"expected one camera, got those of {len(values)} images: store one image's cam_K alone")
+    return text.lower().endswith((".json", ".yaml", ".yml", ".npy", ".npz", ".mat")) or os.path.isfile(text)
 
 
 def write_png(path: PathLike, image: Image) -> None:
@@ -214,14 +160,3 @@ def _umask() -> int:
     mask = os.umask(0)
     os.umask(mask)
     return mask
-
-
-def _decode(path: PathLike, flags: int) -> Image:
-    try:
-        data = np.fromfile(path, np.uint8)
-    except OSError as error:
-        raise FileError(f"expected an image in {path}, but it cannot be read: {error.strerror or error}") from None
-    image = cv2.imdecode(data, flags) if data.size else None
-    if image is None:
-        raise FileError(f"expected an image in {path}, but its {data.size} bytes are none that OpenCV reads")
-    return image

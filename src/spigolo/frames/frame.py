@@ -6,16 +6,17 @@ in metres, 0 where it is missing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.errors import FrameError, warn
+from spigolo.errors import FrameError, UnitWarning, warn
 from spigolo.frames.camera import Camera, is_number
-from spigolo.frames.intrinsics import CameraLike, as_camera, check_scale, scale_from_mapping
+from spigolo.frames.intrinsics import CameraLike, as_camera, fields_of
+from spigolo.frames.reach import FARTHEST_M, NEAREST_M, OutOfReach, drop_out_of_reach
+from spigolo.frames.scale import check_scale, scale_from_mapping
 
 __all__ = ["MAX_PIXELS", "Camera", "Color", "DepthMap", "Frame", "Mask", "depth_in_metres"]
 
@@ -25,8 +26,6 @@ Mask = npt.NDArray[np.bool_]
 
 MAX_PIXELS = 16_000_000
 """Larger images are refused unless they are asked for, as they may fill the memory."""
-NEAREST_M, FARTHEST_M = 1e-6, 1e8
-"""No camera measures what is nearer or farther; squares of such depths would leave float32."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False, repr=False)
@@ -34,7 +33,8 @@ class Frame:
     """One colour image with its registered depth. A frame owns contiguous copies of both.
 
     color: (H, W, 3) uint8 RGB. depth: (H, W), floating-point metres, or integers with `depth_scale` metres per unit,
-    which may be a field of a camera's mapping. 0, NaN, infinite, negative and masked depth is missing. camera: any form
+    which may be a field of a camera's mapping. 0, NaN, infinite, negative and masked depth is missing, and so are the
+    largest value of an integer type and what lies beyond the reach of cameras (50 m). camera: any form
     that `as_camera` takes, or None without intrinsics. Images of a camera with distortion are undistorted here, once.
     Raises FrameError where they do not fit together or have more than `max_pixels`, and CameraError for an impossible
     camera.
@@ -52,6 +52,10 @@ class Frame:
     """Time of capture, ns. None if it is not known."""
     negative_depth: int = field(init=False, default=0)
     """Number of pixels whose depth was negative and counts as missing."""
+    unit_m: float | None = field(init=False, default=None)
+    """Metres per stored unit of integer depth. None for floating-point depth."""
+    out_of_reach: OutOfReach | None = field(init=False, default=None)
+    """Stored values that no camera measured and that count as missing. None without such values."""
     undistorted: bool = field(init=False, default=False)
     """Whether the images were undistorted: results fit `color`, not the image given."""
 
@@ -68,19 +72,23 @@ class Frame:
     ) -> None:
         pixels, stored = np.asarray(color), np.asarray(np.ma.filled(depth, 0))  # what a mask hides is missing
         _check_color(pixels, max_pixels)
-        if depth_scale is None and isinstance(camera, Mapping) and stored.dtype.kind in "ui":
+        if depth_scale is None and stored.dtype.kind in "ui":
             depth_scale = _own_scale(camera)
-        metres, negative = depth_in_metres(stored, depth_scale)
+        metres, negative, beyond = depth_in_metres(stored, depth_scale)
         known = _fitting_camera(pixels, metres, camera)
         if negative:
             warn(f"{negative} pixels have negative depth and count as missing")
+        if beyond is not None:
+            warn(str(beyond), UnitWarning)
         pixels = np.array(pixels, np.uint8, order="C")
         bent = known is not None and bool(known.distortion)
         if known is not None and bent:
             pixels, metres = known.undistort(pixels), known.undistort(metres, nearest=True)
             known = known.without_distortion()
-        values = {"color": pixels, "depth": metres, "camera": known, "name": name, "stamp_ns": stamp_ns}
-        for key, value in (values | {"negative_depth": negative, "undistorted": bent}).items():
+        values: dict[str, Any] = {"color": pixels, "depth": metres, "camera": known, "name": name, "stamp_ns": stamp_ns}
+        unit_m = float(depth_scale) if depth_scale is not None and stored.dtype.kind in "ui" else None
+        values |= {"negative_depth": negative, "unit_m": unit_m, "out_of_reach": beyond, "undistorted": bent}
+        for key, value in values.items():
             object.__setattr__(self, key, value)
 
     @property
@@ -97,17 +105,23 @@ class Frame:
         return f"Frame({name}{self.shape[1]}x{self.shape[0]}, {reach}, {missing:.0%} missing, {camera})"
 
 
-def _own_scale(camera: Mapping[str, Any]) -> float | None:
-    scale = scale_from_mapping(camera)
+def _own_scale(camera: CameraLike) -> float | None:
+    """Return the depth_scale of a camera's fields, checked, None without one. Raises CameraError."""
+    plain = camera is None or isinstance(camera, Camera | str)
+    fields = None if plain else fields_of(camera)
+    scale = None if fields is None else scale_from_mapping(fields)
     if scale is not None:
         check_scale(scale, "the camera")
     return scale
 
 
-def depth_in_metres(depth: npt.NDArray[Any], depth_scale: float | None = None) -> tuple[DepthMap, int]:
-    """Depth as spigolo computes with it, a copy (H, W) in metres, 0 = missing; how many pixels were negative.
+def depth_in_metres(
+    depth: npt.NDArray[Any], depth_scale: float | None = None
+) -> tuple[DepthMap, int, OutOfReach | None]:
+    """Return depth as spigolo computes with it, how many pixels were negative, and which were out of reach.
 
-    What is no number or infinite, nearer than NEAREST_M or farther than FARTHEST_M is missing.
+    Depth comes as a copy (H, W) in metres, 0 = missing. Missing is what is no number, infinite or nearer than
+    NEAREST_M, the largest value of an integer type, and what lies beyond the reach of cameras.
     depth (H, W): floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
     """
     _check_depth(depth, depth_scale)
@@ -116,8 +130,9 @@ def depth_in_metres(depth: npt.NDArray[Any], depth_scale: float | None = None) -
     if depth_scale is not None:
         metres *= np.float32(depth_scale)
     negative = int(np.count_nonzero(metres < 0))
+    beyond = drop_out_of_reach(depth, metres)
     metres[~((metres >= NEAREST_M) & (metres <= FARTHEST_M))] = 0
-    return metres, negative
+    return metres, negative, beyond
 
 
 def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike) -> Camera | None:
@@ -146,6 +161,11 @@ def _size(image: npt.NDArray[Any]) -> str:
 
 
 def _check_color(color: npt.NDArray[Any], max_pixels: int) -> None:
+    if color.ndim == 2 and color.dtype != np.uint8:
+        raise FrameError(
+            f"expected colour as RGB of shape (H, W, 3) and type uint8, got shape {color.shape} and type {color.dtype}:"
+            " give colour first and depth second, if they are swapped, and an infrared image as three 8-bit channels"
+        )
     if color.ndim != 3 or color.shape[2] != 3 or color.dtype != np.uint8:
         raise FrameError(
             f"expected colour as RGB of shape (H, W, 3) and type uint8, got shape {color.shape} and type {color.dtype}"

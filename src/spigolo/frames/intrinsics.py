@@ -1,127 +1,235 @@
-"""The intrinsics of a frame in whatever form a user has them: as numbers, by name, as the fields of a camera file."""
+"""Intrinsics in the forms that users have: numbers, a name, the fields of a camera file, a driver's object."""
 
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from spigolo.errors import CameraError
-from spigolo.frames.camera import Camera, as_coefficients, as_numbers, is_number, shortened
+from spigolo.frames.camera import Camera, as_coefficients, as_numbers, is_number
+from spigolo.frames.dialects import ATTRIBUTES, own_fields
+from spigolo.frames.lens import MEND, check_model
+from spigolo.frames.window import Window, window_of
 
-MATRIX_NAMES = ("K", "k", "camera_matrix", "cam_K", "intrinsic_matrix")
-DISTORTION_NAMES = ("distortion", "distortion_coefficients", "dist_coeffs", "coeffs", "D", "d")
-OPENCV_MODELS = ("", "none", "brown_conrady", "plumb_bob", "rational_polynomial", "opencv")
-REALSENSE_MODELS = ("none", "modified_brown_conrady", "inverse_brown_conrady", "ftheta", "brown_conrady")
-"""librealsense's numbers of its models."""
-LARGEST_SCALE_M = 0.02
-"""Metres per unit beyond which 16 bits would reach farther than a kilometre: the scale has another unit."""
+MATRIX_NAMES = (
+    "K",
+    "k",
+    "camera_matrix",
+    "cam_K",
+    "intrinsic_matrix",
+    "cameraMatrix",
+    "mtx",
+    "intrinsics",
+    "intrinsic",
+)
+PROJECTION_NAMES = ("P", "p", "projection_matrix")
+FOCAL_NAMES = {
+    "fx": ("fx", "fl_x", "focal_x", "FX"),
+    "fy": ("fy", "fl_y", "focal_y", "FY"),
+    "cx": ("cx", "ppx", "CX"),
+    "cy": ("cy", "ppy", "CY"),
+}
+WIDTH_NAMES = ("width", "image_width", "img_width", "w")
+HEIGHT_NAMES = ("height", "image_height", "img_height", "h")
+DISTORTION_NAMES = (
+    "distortion", "distortion_coefficients", "distortion_coeffs", "dist_coeffs", "distCoeffs", "dist", "coeffs", "D",
+    "d",
+)  # fmt: skip
+POLYNOMIAL_NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
+MODEL_NAMES = ("distortion_model", "lens_model", "model")
+CAMERA_KINDS = ("camera_model", "projection_model", "type")
+"""Fields that may name a fisheye camera, or anything else."""
+FORMS = (
+    "a Camera, a 3x3 matrix K, (fx, fy, cx, cy), a name, a mapping, or an object with fx, fy, ppx, ppy, with k or K, or"
+    " with intrinsic_matrix"
+)
 
-CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequence[float]] | Sequence[float] | None
-"""What `as_camera` takes."""
+CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequence[float]] | Sequence[float] | Any
+"""What `as_camera` takes. None: the intrinsics are not known."""
 
 
 def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
-    """The camera of images of width x height, from any form; None stays None.
+    """Return the camera of images of width x height from any form. None stays None.
 
-    value: a Camera (kept as it is); K as (3, 3) or as nine numbers row by row; (fx, fy, cx, cy); a name or a field of
-    view that `Camera.named` knows; a mapping as in `camera_from_mapping`. Raises CameraError.
+    value: a Camera, kept as it is; K as (3, 3) or as nine numbers row by row; P as (3, 4); (fx, fy, cx, cy), also as
+    text; a name or a field of view that `Camera.named` knows; a mapping as in `camera_from_mapping`, or an object with
+    such attributes, as pyrealsense2, ROS and Open3D have. Raises CameraError.
     """
     if value is None or isinstance(value, Camera):
         return value
     if isinstance(value, os.PathLike) or (isinstance(value, str) and os.path.isfile(value)):
         raise CameraError(f"expected a camera, got the file {os.fspath(value)}: read it with spigolo.read_camera")
     if isinstance(value, str):
-        return Camera.named(value, width, height)
-    if isinstance(value, Mapping):
-        return camera_from_mapping(value, width, height)
+        listed = numbers_of(value)
+        return Camera.named(value, width, height) if listed is None else as_camera(listed, width, height)
+    fields = fields_of(value)
+    if fields is not None:
+        return camera_from_mapping(fields, width, height)
     numbers = as_numbers(value)
     if numbers.shape == (4,):
         fx, fy, cx, cy = numbers.tolist()
         return Camera(fx, fy, cx, cy, width, height)
-    if numbers.shape in ((3, 3), (9,)):
-        return Camera.from_matrix(numbers, width, height)
-    raise CameraError(
-        f"expected a camera as Camera, 3x3 matrix, (fx, fy, cx, cy), name or mapping, got shape {numbers.shape}"
-    )
+    K = square_part(numbers)
+    if K is None:
+        raise CameraError(f"expected {FORMS}, got shape {numbers.shape}")
+    return Camera.from_matrix(K, width, height)
+
+
+def fields_of(value: object) -> Mapping[str, Any] | None:
+    """Return a mapping, or the attributes of a driver's object as one. None for numbers."""
+    if isinstance(value, Mapping):
+        return value
+    if isinstance(value, Sequence | np.ndarray) or is_number(value):
+        return None
+    found = {name: getattr(value, name) for name in ATTRIBUTES if hasattr(value, name)}
+    found = {name: one for name, one in found.items() if not callable(one)}
+    if not found and not hasattr(value, "__array__"):
+        raise CameraError(f"expected {FORMS}, got {type(value).__name__}")
+    return found or None
+
+
+def numbers_of(text: str) -> list[float] | None:
+    """Return the four or nine numbers of a text such as 927.2,927.4,651.3,349.6, or None for other text."""
+    try:
+        numbers = [float(word) for word in re.split(r"[,;\s]+", text.strip("()[] \t\n"))]
+    except ValueError:
+        return None
+    if len(numbers) not in (4, 9):
+        raise CameraError(f"expected four numbers fx, fy, cx, cy or nine of a matrix, got {len(numbers)} in {text!r}")
+    return numbers
+
+
+def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | None:
+    """Return K (3, 3) of a matrix 3x3, of P (3, 4) or of 4x4, or of their numbers row by row. None for other shapes."""
+    shapes = {(9,): (3, 3), (12,): (3, 4), (16,): (4, 4)}
+    matrix = numbers.reshape(shapes.get(numbers.shape, numbers.shape))
+    if matrix.shape == (4, 4) and matrix[3].tolist() == [0, 0, 0, 1]:
+        matrix = matrix[:3]
+    return matrix[:, :3] if matrix.shape in ((3, 3), (3, 4)) else None
 
 
 def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, height: int | None = None) -> Camera:
-    """A camera of the fields of a camera file, with width and height where it has none of its own.
+    """Return a camera of the fields of a camera file, of width and height where it has none of its own.
 
     Intrinsics: fx, fy, cx, cy (or ppx, ppy); or K, k, camera_matrix or cam_K, nine numbers row by row; or Open3D's
-    intrinsic_matrix, column by column; matrices may be 3x3 and may lie in a field "data". Size: width, height or
-    image_width, image_height. Distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d, of the
-    model in distortion_model or model. Raises CameraError.
+    intrinsic_matrix, column by column; or kalibr's intrinsics, four numbers. Matrices may be 3x3 and may lie in a field
+    "data". Where K is empty, that of P is taken. Size: width, height or image_width, image_height, or resolution. The
+    fields roi and binning_x of ROS make the size smaller. Distortion: distortion, distortion_coefficients, dist_coeffs,
+    coeffs, D or d, or k1, k2, p1, p2, k3, of the model in distortion_model or model. Fields of the colour camera may
+    lie in a field of its own. Raises CameraError.
     """
-    found = {
-        "width": _first(values, ("width", "image_width"), width),
-        "height": _first(values, ("height", "image_height"), height),
-    }
+    values = own_fields(values)
+    window = window_of(values)
+    sizes = _size(values, None if window else width, None if window else height)
     K = _matrix(values)
     if K is None:
-        names = {"fx": ("fx",), "fy": ("fy",), "cx": ("cx", "ppx"), "cy": ("cy", "ppy")}
-        found = {name: _first(values, others) for name, others in names.items()} | found
+        found = {name: _first(values, names) for name, names in FOCAL_NAMES.items()} | sizes
+        _require(found)
+        camera = Camera(**found)
+    else:
+        _require(sizes)
+        camera = Camera.from_matrix(K, sizes["width"], sizes["height"])
+    camera = _distorted(camera, values)
+    return camera if window is None else _through(window, camera, width, height)
+
+
+def _through(window: Window, camera: Camera, width: int | None, height: int | None) -> Camera:
+    """Return the camera of a decimated or cropped image. Raises CameraError where the images have another size."""
+    seen = window.of(camera)
+    if None not in (width, height) and (seen.width, seen.height) != (width, height):
+        raise CameraError(
+            f"expected images of {seen.width}x{seen.height}, as {window} of {camera.width}x{camera.height} says, got"
+            f" {width}x{height}: set these fields to 0 if K and the size are those of the images"
+        )
+    return seen
+
+
+def _require(found: Mapping[str, Any]) -> None:
     lacking = [name for name, value in found.items() if value is None]
     if lacking:
         raise CameraError(
-            f"expected {', '.join(found)} of a camera (or its matrix as one of {', '.join(MATRIX_NAMES)}):"
-            f" {', '.join(lacking)} not found"
+            "expected fx, fy, cx, cy, width, height of a camera (or its matrix as one of"
+            f" {', '.join(MATRIX_NAMES[:5])}): {', '.join(lacking)} not found"
         )
-    distortion = _distortion(values)
-    if K is None:
-        return Camera(**found, distortion=distortion)
-    return Camera.from_matrix(K, found["width"], found["height"], distortion)
 
 
-def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
-    """depth_scale of the fields of a camera file, metres per unit; None where it has none. Raises CameraError.
-
-    BOP's is millimetres per unit: beside cam_K it is divided by 1000.
-    """
-    stored = values.get("depth_scale")
-    if stored is None:
-        return None
-    if not is_number(stored):
-        raise CameraError(f"expected depth_scale as a number, got {shortened(stored)}")
-    return stored / 1000 if "cam_K" in values else float(stored)
-
-
-def check_scale(scale: float, where: object) -> None:
-    """Raises CameraError for a depth_scale, found there, that can hardly be metres per unit."""
-    if scale > LARGEST_SCALE_M:
-        raise CameraError(
-            f"expected depth_scale in {where} as metres per unit, 0.001 for millimetres, got {scale}:"
-            " divide it by 1000 if it is millimetres per unit, take 1 / depth_scale if it is units per metre"
-        )
+def _size(values: Mapping[str, Any], width: int | None, height: int | None) -> dict[str, Any]:
+    """Return width and height of the fields. A size of 0, as drivers give that do not know it, counts as none."""
+    resolution = values.get("resolution")
+    if isinstance(resolution, Sequence) and not isinstance(resolution, str) and len(resolution) == 2:
+        return {"width": resolution[0], "height": resolution[1]}
+    stored = _first(values, WIDTH_NAMES), _first(values, HEIGHT_NAMES)
+    if any(isinstance(one, bool) or one != 0 for one in stored):
+        width, height = (own if own is not None else one for own, one in zip(stored, (width, height), strict=True))
+    return {"width": width, "height": height}
 
 
 def _matrix(values: Mapping[str, Any]) -> npt.NDArray[np.float64] | None:
     name = next((name for name in MATRIX_NAMES if values.get(name) is not None), None)
-    if name is None:
-        return None
-    stored = as_numbers(_data(values[name]))
-    if stored.size != 9:
-        raise CameraError(f"expected nine numbers in {name}, got shape {stored.shape}")
-    by_columns = name == "intrinsic_matrix" and stored.ndim == 1
-    return stored.reshape(3, 3).T if by_columns else stored.reshape(3, 3)
-
-
-def _distortion(values: Mapping[str, Any]) -> tuple[float, ...]:
-    coefficients = as_coefficients(_data(_first(values, DISTORTION_NAMES, ())))
-    model = _first(values, ("distortion_model", "model"), "")
-    if isinstance(model, int) and 0 <= model < len(REALSENSE_MODELS):
-        model = REALSENSE_MODELS[model]
-    known = str(model).lower().removeprefix("distortion.").replace(" ", "_").replace("-", "_") in OPENCV_MODELS
-    if coefficients and not known:
+    K = None if name is None else _stored_matrix(name, values[name])
+    if K is not None and K.any():
+        return K
+    other = next((name for name in PROJECTION_NAMES if values.get(name) is not None), None)
+    P = None if other is None else square_part(as_numbers(_data(values[other])))
+    if P is None or not P.any():
+        return K
+    if any(_coefficients(values)):
         raise CameraError(
-            f"expected the distortion model plumb_bob or rational_polynomial, got {model}: undistort the images first"
-            " and give their camera without distortion"
+            f"expected a camera matrix, got zeros with distortion coefficients, and {other}: give K of the images, or"
+            " leave the coefficients out if they are rectified"
         )
-    return coefficients
+    return P
+
+
+def _stored_matrix(name: str, value: Any) -> npt.NDArray[np.float64] | None:
+    stored = as_numbers(_data(value))
+    if stored.size == 4 and name.startswith("intrinsic"):  # kalibr
+        fx, fy, cx, cy = stored.reshape(-1).tolist()
+        return np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+    if stored.size == 0:
+        return None
+    by_columns = name == "intrinsic_matrix" and stored.shape == (9,)
+    K = stored.reshape(3, 3).T if by_columns else square_part(stored if stored.size != 9 else stored.reshape(3, 3))
+    if K is None:
+        raise CameraError(f"expected nine numbers in {name}, got shape {stored.shape}")
+    return K
+
+
+def _coefficients(values: Mapping[str, Any]) -> tuple[float, ...]:
+    named = _first(values, DISTORTION_NAMES)
+    if named is not None:
+        stored = _data(named)
+        lens = {str(key).lower(): one for key, one in named.items()} if isinstance(named, Mapping) else {}
+        return as_coefficients(stored) if not lens.keys() & set(POLYNOMIAL_NAMES) else _polynomial(lens)
+    return _polynomial(values)
+
+
+def _polynomial(values: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the coefficients of fields k1, k2, p1, p2, k3, ..., as many as OpenCV takes."""
+    found = [values.get(name) for name in POLYNOMIAL_NAMES]
+    last = max((k for k, value in enumerate(found) if value is not None), default=-1)
+    length = 0 if last < 0 else 4 if last < 4 else 5 if last < 5 else 8
+    return as_coefficients([0.0 if value is None else value for value in found[:length]])
+
+
+def _distorted(camera: Camera, values: Mapping[str, Any]) -> Camera:
+    """Return the camera with its coefficients. Raises CameraError for a lens model that OpenCV does not undistort."""
+    coefficients = _coefficients(values)
+    for name in MODEL_NAMES:
+        if values.get(name) is not None:
+            check_model(values[name], name == "distortion_model", coefficients, camera)
+    for name in CAMERA_KINDS:
+        if values.get(name) is not None:
+            check_model(values[name], False, (), camera)
+    if any(values.get(name) is True for name in ("fisheye", "is_fisheye")):
+        raise CameraError(f"expected a pinhole camera, got a fisheye: {MEND}")
+    return replace(camera, distortion=coefficients)
 
 
 def _first(values: Mapping[str, Any], names: Sequence[str], default: Any = None) -> Any:

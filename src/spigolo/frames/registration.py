@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.errors import CameraError, FrameError
+from spigolo.errors import CameraError, FrameError, UnitWarning, warn
 from spigolo.frames.camera import Camera
 from spigolo.frames.frame import DepthMap, depth_in_metres
 from spigolo.kernels import registration as kernel
@@ -43,7 +43,9 @@ def register_depth(
                 f"expected a Camera, which has a size, got {type(camera).__name__}:"
                 " make one with spigolo.Camera.from_matrix(K, width, height)"
             )
-    metres, _ = depth_in_metres(np.asarray(np.ma.filled(depth, 0)), depth_scale)
+    metres, _, beyond = depth_in_metres(np.asarray(np.ma.filled(depth, 0)), depth_scale)
+    if beyond is not None:
+        warn(str(beyond), UnitWarning)
     if metres.shape != (depth_camera.height, depth_camera.width):
         raise FrameError(
             f"expected depth of its camera's size {depth_camera.width}x{depth_camera.height},"

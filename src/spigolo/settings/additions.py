@@ -332,5 +332,8 @@ class Additions(Settings):
     @model_validator(mode="after")
     def _has_support(self) -> Additions:
         if self.joining is not None and self.support is None:
-            raise ValueError("joining needs additions.support: its rules test what stands on the plane")
+            raise ValueError(
+                "joining needs additions.support, as its rules test what stands on the plane: switch it off too"
+                " (--additions.joining none)"
+            )
         return self

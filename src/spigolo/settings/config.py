@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 from pydantic import model_validator
 
 from spigolo.errors import ConfigError
@@ -59,9 +61,28 @@ class Config(Parameters):
         return tomli_w.dumps(self.model_dump(exclude_none=True))
 
     @classmethod
-    def from_toml(cls, text: str) -> Config:
-        """Read the TOML that `to_toml` writes. A missing key keeps its default. Raises ConfigError for others."""
-        return cls(**parse_toml(text))
+    def from_toml(cls, text: str, base: Config | None = None) -> Config:
+        """Read the TOML that `to_toml` writes. Raises ConfigError for keys that are not known.
+
+        base: the configuration that the text changes. A line `base = "TABLE"` in the text names a preset
+        instead. Without both, a missing key keeps its default.
+        """
+        values = parse_toml(text)
+        named = values.pop("base", None)
+        start = base if named is None else base_preset(named)
+        return cls(**values) if start is None else start.replace(**values)
+
+
+BASES: dict[str, Config] = {}
+"""The presets by name, for the line `base` of a file. `presets` fills it."""
+
+
+def base_preset(name: object) -> Config:
+    """Return the preset that a file's line `base` names. Raises ConfigError, which lists the names."""
+    importlib.import_module("spigolo.settings.presets")  # which is above this module, and fills BASES
+    if str(name).upper() not in BASES:
+        raise ConfigError(f"unknown preset {str(name)!r} as base: expected one of {', '.join(BASES)}")
+    return BASES[str(name).upper()]
 
 
 def check_config(value: object) -> None:

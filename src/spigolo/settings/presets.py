@@ -26,7 +26,7 @@ from spigolo.settings.additions import (
     Vessel,
     Wall,
 )
-from spigolo.settings.config import Config
+from spigolo.settings.config import BASES, Config, base_preset
 from spigolo.settings.paper import (
     BoundaryCost,
     DepthConfig,
@@ -121,6 +121,7 @@ PRESETS = {
     "TABLE": TABLE,
     "CLUTTER": CLUTTER,
 }
+BASES.update(PRESETS)
 
 SUMMARIES = {
     "OBJECTS": "your own data: the newest of OBJECTS_1, OBJECTS_2, ...",
@@ -171,6 +172,4 @@ def _from_text(text: str, path: Path) -> Config:
                 " what differs"
             )
         return config
-    if str(base).upper() not in PRESETS:
-        raise ConfigError(f"unknown preset {str(base)!r} as base: expected one of {', '.join(PRESETS)}")
-    return PRESETS[str(base).upper()].replace(**values)
+    return base_preset(base).replace(**values)

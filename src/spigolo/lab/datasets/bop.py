@@ -28,6 +28,7 @@ from spigolo.errors import FileError, FrameError
 from spigolo.frames.camera import Camera
 from spigolo.frames.files import read_color, read_depth, read_labels
 from spigolo.frames.frame import Frame, depth_in_metres
+from spigolo.frames.listing import best_of_each, listed
 from spigolo.lab.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, Labelling, Truth
 from spigolo.lab.datasets.jsons import read_mapping
 from spigolo.lab.datasets.meshes import read_model
@@ -102,7 +103,7 @@ class BopImage(Entry):
         return labels
 
     def _rendered_labels(self, instances: tuple[Instance, ...]) -> npt.NDArray[np.int32]:
-        depth, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
+        depth, _, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
         camera = Camera.from_matrix(self.intrinsics, depth.shape[1], depth.shape[0])
         models = [read_model(self._model(obj_id), MILLIMETRES) for obj_id, _, _ in self.poses]
         return visible_labels(instances, models, depth, camera)
@@ -127,7 +128,7 @@ class Bop(DataSet):
         if split is None:
             place = self.folder / (self.split or "test")
             raise FileError(f"expected scenes of a BOP data set as {place}/000001/scene_camera.json, got none")
-        for path in sorted(split.glob("*/scene_camera.json")):
+        for path in listed(split, "*/scene_camera.json"):
             yield from self._scene(path.parent)
 
     def _scene(self, scene: Path) -> Iterator[Entry]:
@@ -157,13 +158,13 @@ class Bop(DataSet):
 
 def _split(folder: Path, split: str | None) -> Path | None:
     patterns = SPLITS if split is None else (split,)
-    found = (path for pattern in patterns for path in sorted(folder.glob(pattern)))
+    found = (path for pattern in patterns for path in listed(folder, pattern))
     return next((path for path in found if any(path.glob("*/scene_camera.json"))), None)
 
 
 def _images(scene: Path, *folders: str) -> dict[int, Path]:
-    paths = [path for name in folders for path in (scene / name).glob("*") if path.stem.isdigit()]
-    return {int(path.stem): path for path in paths}
+    paths = (path for name in folders for path in listed(scene / name) if path.stem.isdecimal())
+    return {int(path.stem): path for path in best_of_each(paths)}
 
 
 def _pose(fields: Mapping[str, Any]) -> Pose:

@@ -20,6 +20,7 @@ from spigolo.errors import FileError, FrameError
 from spigolo.frames.camera import Camera
 from spigolo.frames.files import read_camera, read_color, read_depth
 from spigolo.frames.frame import Frame, Mask
+from spigolo.frames.scale import check_scale
 from spigolo.lab.datasets.sample import Instance, Sample
 
 Labelling = Literal["full", "part", "none"]
@@ -182,16 +183,22 @@ class DataSet(ABC):
         """Whether all of its objects are labelled or some, by the patterns."""
         return "full" if any(fnmatch(data_set, pattern) for pattern in self._full) else "part"
 
-    def _camera(self, usual: Camera) -> Camera:
-        """The camera of camera.json in the set's folder, and where there is none the one known for the set.
+    def _camera(self, usual: Camera, scale: float, folder: Path | None = None) -> tuple[Camera, float]:
+        """Return camera and depth_scale of camera.json in the set's folder, or those known for the set without one.
 
-        Raises FileError for one with distortion: labels of a published set would not be undistorted with its images.
+        folder: another place to look first, such as that of a sequence. Raises CameraError for an impossible scale, and
+        FileError for distortion: labels of a published set would not be undistorted with its images.
         """
-        path = self.folder / "camera.json"
-        camera = read_camera(path, usual.width, usual.height)[0] if path.is_file() else usual
+        places = [place / "camera.json" for place in (folder, self.folder) if place is not None]
+        path = next((place for place in places if place.is_file()), None)
+        if path is None:
+            return usual, scale
+        camera, own = read_camera(path, usual.width, usual.height)
         if camera.distortion:
             raise FileError(f"expected a camera without distortion in {path}, got one with: undistort the images first")
-        return camera
+        if own is not None:
+            check_scale(own, path)
+        return camera, scale if own is None else own
 
 
 def existing_folder(folder: Path | str) -> Path:

@@ -3,7 +3,7 @@
     FOLDER/splits.json                  optional: {"near_duplicate_groups": [["SET/FRAME", ...], ...]}
     FOLDER/SET/FRAME/rgb.png            8 bits
     FOLDER/SET/FRAME/depth.png          16 bits, 0 = missing
-    FOLDER/SET/FRAME/camera.json        intrinsics and depth_scale
+    FOLDER/SET/FRAME/camera.json        intrinsics and depth_scale; also in SET or FOLDER, for all that is below
     FOLDER/SET/FRAME/label.png          0 = background, 1..N = objects, 255 = ignore; absent where nothing is labelled
     FOLDER/SET/FRAME/info.json          optional: {"fully_labelled": true, "ignore_label": 255}, both optional too
 
@@ -21,8 +21,10 @@ import numpy as np
 
 from spigolo.errors import FileError, SpigoloError, warn
 from spigolo.frames.camera import Camera
+from spigolo.frames.camera_files import camera_for
 from spigolo.frames.files import read_camera, read_frame, read_labels
 from spigolo.frames.frame import Frame
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.entry import DataSet, Entry, Labelling, Truth
 from spigolo.lab.datasets.jsons import read_mapping
 
@@ -37,12 +39,17 @@ class FrameFolder(Entry):
 
     folder: Path
     ignore_label: int = IGNORE_LABEL
+    camera: Path | None = None
 
     @property
     def files(self) -> tuple[Path, ...]:
         """Colour, depth, camera, labels."""
-        names = ("rgb.png", "depth.png", "camera.json", *(() if self.labelling == "none" else ("label.png",)))
-        return tuple(self.folder / name for name in names)
+        labels = () if self.labelling == "none" else (self.folder / "label.png",)
+        return self.folder / "rgb.png", self.folder / "depth.png", self._camera_file, *labels
+
+    @property
+    def _camera_file(self) -> Path:
+        return self.camera or self.folder / "camera.json"
 
     @property
     def reading(self) -> str:
@@ -51,7 +58,7 @@ class FrameFolder(Entry):
 
     def read(self) -> Frame:
         """The frame; raises FileError, FrameError or CameraError."""
-        return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self.folder / "camera.json")
+        return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file)
 
     def read_truth(self) -> Truth | None:
         """Its labels, None where it has none; raises FileError or FrameError."""
@@ -59,6 +66,11 @@ class FrameFolder(Entry):
             return None
         labels = read_labels(self.folder / "label.png")
         ignore = labels == self.ignore_label
+        if self.ignore_label == IGNORE_LABEL and set(np.unique(labels).tolist()) == {0, IGNORE_LABEL}:
+            warn(
+                f"{self.folder / 'label.png'} holds 0 and 255 alone, and 255 is the ignored label: nothing is labelled."
+                " Store objects as 1..N, or another ignore_label in info.json"
+            )
         camera = self._distorting_camera(labels.shape[1], labels.shape[0])
         if camera is not None and (camera.height, camera.width) == labels.shape:
             labels = camera.undistort(labels, nearest=True)
@@ -71,7 +83,7 @@ class FrameFolder(Entry):
         None also where the camera cannot be read; `read` says so.
         """
         try:
-            camera, _ = read_camera(self.folder / "camera.json", width, height)
+            camera, _ = read_camera(self._camera_file, width, height)
         except SpigoloError:
             return None
         return camera if camera.distortion else None
@@ -106,11 +118,13 @@ class Folders(DataSet):
         if (place / "label.png").is_file():
             labelling = "full" if whole else "part"
         key = f"{place.parent.name}/{name}"
-        return FrameFolder(data_set, name, groups.get(key, key), labelling, place, ignored)
+        return FrameFolder(
+            data_set, name, groups.get(key, key), labelling, place, ignored, camera_for(place, self.folder)
+        )
 
 
 def _places(folder: Path) -> Iterator[Path]:
-    return (path.parent for pattern in ("", "*/", "*/*/") for path in sorted(folder.glob(f"{pattern}rgb.png")))
+    return (path.parent for pattern in ("", "*/", "*/*/") for path in listed(folder, f"{pattern}rgb.png"))
 
 
 def _groups(root: Path) -> Mapping[str, str]:

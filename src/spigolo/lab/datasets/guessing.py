@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from spigolo.errors import FileError
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.bop import Bop
 from spigolo.lab.datasets.entry import FULL_SETS, DataSet, Entry, existing_folder
 from spigolo.lab.datasets.folders import Folders
@@ -33,7 +34,7 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
     reader = _reader(folder)
     if reader is not None:
         return reader(folder, full)
-    inner = {below: found for below in sorted(folder.iterdir()) if below.is_dir() and (found := _reader(below))}
+    inner = {below: found for below in listed(folder) if below.is_dir() and (found := _reader(below))}
     if len(inner) > 1:
         raise FileError(f"expected one data set in {path}, got {len(inner)}: give {' or '.join(map(str, inner))}")
     if not inner:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +10,11 @@ import numpy as np
 
 from spigolo.frames.camera import Camera
 from spigolo.frames.files import read_labels
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry, ImageEntry, Truth
+
+SETS = ("arid20", "arid10", "ycb10")
+SURFACES = ("table", "floor")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +53,11 @@ class Osd(DataSet):
         return (folder / "image_color").is_dir() and (folder / "annotation").is_dir()
 
     def _find(self) -> Iterator[Entry]:
-        data_set, camera = self._named("osd"), self._camera(Camera.named("kinect-v1"))
-        for color in sorted((self.folder / "image_color").glob("*.png"), key=natural_order):
+        data_set, (camera, scale) = self._named("osd"), self._camera(Camera.named("kinect-v1"), MILLIMETRES)
+        for color in listed(self.folder / "image_color", "*.png"):
             depth, labels = (self.folder / name / color.name for name in ("disparity", "annotation"))
             name, group = color.stem, f"{data_set}/{color.stem}"
-            yield LabelledImages(data_set, name, group, "full", color, depth, camera, MILLIMETRES, labels, ())
+            yield LabelledImages(data_set, name, group, "full", color, depth, camera, scale, labels, ())
 
 
 class Ocid(DataSet):
@@ -76,23 +79,27 @@ class Ocid(DataSet):
         return next(_sequences(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
-        data_set, camera = self._named("ocid"), self._camera(Camera.named("xtion"))
+        data_set, (camera, scale) = self._named("ocid"), self._camera(Camera.named("xtion"), MILLIMETRES)
         for sequence in sorted(_sequences(self.folder)):
             place = sequence.relative_to(self.folder).as_posix()
-            background = (1, 2) if "table" in sequence.parts[-5:] else (1,)
-            for color in sorted((sequence / "rgb").glob("*.png")):
+            background = (1, 2) if _stands_on(sequence, self.folder) == "table" else (1,)
+            for color in listed(sequence / "rgb", "*.png"):
                 depth, labels = (sequence / name / color.name for name in ("depth", "label"))
                 name, group = f"{place}/{color.stem}", f"{data_set}/{place}"
-                yield LabelledImages(
-                    data_set, name, group, "full", color, depth, camera, MILLIMETRES, labels, background
-                )
+                yield LabelledImages(data_set, name, group, "full", color, depth, camera, scale, labels, background)
 
 
-def natural_order(path: Path) -> list[tuple[int, str]]:
-    """A key that puts learn2 before learn10."""
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.name)]
+def _stands_on(sequence: Path, folder: Path) -> str:
+    """Return the surface of a sequence, "table" or "floor", from its path inside the set. "" where that says neither.
+
+    Folders above the set do not count. A folder inside the set that was opened alone does: its path is read from the
+    part of the set on.
+    """
+    parts = [part.lower() for part in sequence.parts]
+    start = max((k for k, part in enumerate(parts) if part in SETS), default=len(folder.parts) - 1)
+    return next((part for part in reversed(parts[start + 1 :]) if part in SURFACES), "")
 
 
 def _sequences(folder: Path) -> Iterator[Path]:
-    labels = (path for depth in range(7) for path in folder.glob("*/" * depth + "label"))
+    labels = (path for depth in range(7) for path in listed(folder, "*/" * depth + "label"))
     return (path.parent for path in labels if (path.parent / "rgb").is_dir() and path.is_dir())

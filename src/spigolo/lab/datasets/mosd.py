@@ -17,8 +17,8 @@ import numpy as np
 
 from spigolo.errors import FileError
 from spigolo.frames.frame import Frame
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.entry import DataSet, Entry, Truth
-from spigolo.lab.datasets.labelled_images import natural_order
 from spigolo.lab.datasets.pcd import camera_of, colors_of, read_pcd
 
 
@@ -68,7 +68,7 @@ class Mosd(DataSet):
 
 
 def _clouds(folder: Path) -> list[Path]:
-    return [p for part in (".", "learn", "test") for p in sorted((folder / part).glob("*.pcd"), key=natural_order)]
+    return [p for part in (".", "learn", "test") for p in listed(folder / part, "*.pcd")]
 
 
 def _beginning(path: Path) -> bytes:

@@ -41,7 +41,7 @@ class PosedImage(ImageEntry):
         if self.model is None:
             return None
         instances = self.read_instances()
-        depth, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
+        depth, _, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)
         labels = visible_labels(instances, [read_model(self.model)] * len(instances), depth, self.camera)
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
 

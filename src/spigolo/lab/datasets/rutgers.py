@@ -17,13 +17,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from spigolo.errors import FileError
 from spigolo.frames.camera import Camera
-from spigolo.frames.files import import_yaml
+from spigolo.frames.listing import listed
+from spigolo.frames.yaml_text import import_yaml, parse_yaml
 from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry
 from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
@@ -32,7 +32,6 @@ CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
 """BOP's for this set."""
 NAME = re.compile(r"(?P<object>.+)-image-(?P<bin>[A-L])-(?P<rest>\d+-\d+)-(?P<shot>\d+)\.png")
 ROTATION, TRANSLATION = "object_rotation_wrt_camera", "object_translation_wrt_camera"
-MATRIX = "tag:yaml.org,2002:opencv-matrix"
 
 
 class Rutgers(DataSet):
@@ -46,7 +45,7 @@ class Rutgers(DataSet):
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
-        data_set, camera = self._named("rutgers-apc"), self._camera(CAMERA)
+        data_set, (camera, scale) = self._named("rutgers-apc"), self._camera(CAMERA, MILLIMETRES)
         for path, found in sorted(_colors(self.folder), key=lambda pair: pair[0]):
             name, place = found["object"], f"{found['object']}-{found['bin']}-{found['rest']}"
             pose = _beside(path, "pose", ".yml")
@@ -59,7 +58,7 @@ class Rutgers(DataSet):
                 path,
                 _beside(path, "depth", ".png"),
                 camera,
-                MILLIMETRES,
+                scale,
                 name,
                 pose if posed else None,
                 self._model(name) if posed else None,
@@ -73,7 +72,7 @@ class Rutgers(DataSet):
 
 def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
     for pattern in ("*-image-*.png", "*/*-image-*.png"):
-        for path in folder.glob(pattern):
+        for path in listed(folder, pattern):
             found = NAME.fullmatch(path.name)
             if found and path.parent.name in (folder.name, found["object"]):
                 yield path, found
@@ -83,7 +82,7 @@ def read_pose(path: Path) -> list[Pose]:
     """The one pose (4, 4) of the object in the camera, metres; raises FileError."""
     yaml, pose = import_yaml(path, "datasets"), np.eye(4)
     try:
-        values = _load_opencv(yaml, path.read_text(encoding="utf-8"))
+        values = parse_yaml(yaml, path.read_text(encoding="utf-8"))
         pose[:3, :3] = np.reshape(np.array(values[ROTATION]["data"], np.float64), (3, 3))
         pose[:3, 3] = np.reshape(np.array(values[TRANSLATION], np.float64), 3)
         if not np.isfinite(pose).all():
@@ -93,16 +92,6 @@ def read_pose(path: Path) -> list[Pose]:
             f"expected {ROTATION} as an OpenCV matrix and {TRANSLATION} as three numbers in {path}, got something else"
         ) from None
     return [pose]
-
-
-def _load_opencv(yaml: Any, text: str) -> Any:
-    """What OpenCV wrote; its own reader ends the process over a damaged file."""
-
-    class Loader(yaml.SafeLoader):  # type: ignore[misc]
-        """Knows OpenCV's matrices, as their fields."""
-
-    Loader.add_constructor(MATRIX, lambda loader, node: loader.construct_mapping(node, deep=True))
-    return yaml.load(text.removeprefix("%YAML:1.0"), Loader)
 
 
 def pose_to_yaml(pose: Pose) -> str:

@@ -21,6 +21,7 @@ import numpy as np
 
 from spigolo.errors import FileError
 from spigolo.frames.camera import Camera
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry
 from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
@@ -42,10 +43,10 @@ class Tejani(DataSet):
         return bool(_scenes(folder))
 
     def _find(self) -> Iterator[Entry]:
-        data_set, camera = self._named("tejani"), self._camera(CAMERA)
+        data_set, (camera, scale) = self._named("tejani"), self._camera(CAMERA, MILLIMETRES)
         for scene in _scenes(self.folder):
             number, name = _object(scene.name)
-            for color in sorted((scene / "RGB").glob("img_*.png")):
+            for color in listed(scene / "RGB", "img_*.png"):
                 poses = self._poses(f"scene_{number:02d}", scene.name, color.stem.removeprefix("img_"))
                 yield PosedImage(
                     data_set,
@@ -55,7 +56,7 @@ class Tejani(DataSet):
                     color,
                     scene / "Depth" / color.name,
                     camera,
-                    MILLIMETRES,
+                    scale,
                     name,
                     poses,
                     None if poses is None else self._model(number, name),
@@ -93,9 +94,7 @@ def poses_to_text(poses: Sequence[Pose]) -> str:
 
 
 def _scenes(folder: Path) -> list[Path]:
-    return [
-        path.parent for below in ("test", ".") for path in sorted((folder / below).glob("*/RGB")) if _is_scene(path)
-    ]
+    return [path.parent for below in ("test", ".") for path in listed(folder / below, "*/RGB") if _is_scene(path)]
 
 
 def _is_scene(colors: Path) -> bool:

@@ -2,26 +2,36 @@
 
     SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment; seconds, paths from SEQUENCE
     SEQUENCE/depth.txt                the same; 16 bits, 5000 units to the metre, 0 = missing
-    SEQUENCE/camera.json              optional, another camera than a nominal Kinect v1, as the benchmark advises
+    SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
-Each colour image goes with the depth image nearest in time, within 20 ms, and without one it is left out. There are no
-labels. The frames of a sequence are near-identical. A folder of sequences serves as well.
+Times may also be milliseconds, microseconds or nanoseconds, as their size shows. Each colour image goes with the depth
+image nearest in time, within 20 ms, and without one it is left out. There are no labels. The frames of a sequence are
+near-identical. A folder of sequences serves as well.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from spigolo.errors import FileError
+from spigolo.errors import FileError, warn
 from spigolo.frames.camera import Camera
-from spigolo.frames.files import read_camera
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 
 DEPTH_SCALE = 1 / 5000
 MAX_APART_S = 0.02
+UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
+"""Times since 1970 from the first number on count in units of the second, s."""
+GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
+"""The same for gaps between the frames of a clock that starts at 0: no video has days between its frames."""
+MANY_ALONE = 0.5
+"""Share of colour images without depth from which on it is told."""
+
+Stamped = list[tuple[float, Path]]
 
 
 class Tum(DataSet):
@@ -35,36 +45,80 @@ class Tum(DataSet):
         return bool(_sequences(folder))
 
     def _find(self) -> Iterator[Entry]:
-        usual = self._camera(Camera.named("kinect-v1"))
         for sequence in _sequences(self.folder):
-            own = sequence / "camera.json"
-            camera = read_camera(own, usual.width, usual.height)[0] if own.is_file() else usual
+            camera, scale = self._camera(Camera.named("kinect-v1"), DEPTH_SCALE, sequence)
             data_set = self._named(sequence.name)
-            for color, depth in _associated(_listed(sequence / "rgb.txt"), _listed(sequence / "depth.txt")):
-                yield ImageEntry(data_set, color.stem, data_set, "none", color, depth, camera, DEPTH_SCALE)
+            for color, depth in _associated(sequence):
+                yield ImageEntry(data_set, color.stem, data_set, "none", color, depth, camera, scale)
 
 
 def _sequences(folder: Path) -> list[Path]:
-    found = [path.parent for pattern in ("rgb.txt", "*/rgb.txt") for path in sorted(folder.glob(pattern))]
+    found = [path.parent for pattern in ("rgb.txt", "*/rgb.txt") for path in listed(folder, pattern)]
     return [path for path in found if (path / "depth.txt").is_file()]
 
 
-def _listed(path: Path) -> list[tuple[float, Path]]:
-    """Time and file of each line, by time; raises FileError."""
+def _listed(path: Path) -> Stamped:
+    """Return time in seconds and file of each line, by time. Raises FileError."""
     found = []
-    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), start=1):
-        if line.strip() and not line.startswith("#"):
+    for number, line in enumerate(_text(path).splitlines(), start=1):
+        if line.strip() and not line.lstrip().startswith("#"):
             try:
-                time, file = line.split(maxsplit=1)
-                found.append((float(time), path.parent / file.strip()))
+                time, file = re.split(r"[,\s]+", line.strip(), maxsplit=1)
+                if not np.isfinite(float(time)):
+                    raise ValueError(time)
+                found.append((float(time), path.parent / file.strip().replace("\\", "/")))
             except ValueError:
                 raise FileError(f"expected `time file` in line {number} of {path}, got {line[:60]!r}") from None
-    return sorted(found)
+    found.sort()
+    unit_s = _unit_s(np.array([time for time, _ in found]))
+    return [(time * unit_s, file) for time, file in found]
 
 
-def _associated(colors: list[tuple[float, Path]], depths: list[tuple[float, Path]]) -> Iterator[tuple[Path, Path]]:
+def _text(path: Path) -> str:
+    """Return the text of a list in UTF-8 or, as some editors write it, UTF-16. Raises FileError."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise FileError(f"expected a list in {path}, but it cannot be read: {error.strerror or error}") from None
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return data.decode("utf-16", errors="replace")
+    if b"\0" in data[:4]:
+        return data.decode("utf-16-be" if data[:1] == b"\0" else "utf-16-le", errors="replace")
+    return data.decode("utf-8-sig", errors="replace")
+
+
+def _unit_s(times: np.ndarray) -> float:
+    """Return the unit of times, s, by their size or by the gaps between them."""
+    if not times.size:
+        return 1.0
+    absolute = next((unit for least, unit in UNITS_S if np.median(times) >= least), None)
+    if absolute is not None or times.size < 2:
+        return absolute or 1.0
+    gap = float(np.median(np.diff(times)))
+    return next((unit for least, unit in GAPS_S if gap >= least), 1.0)
+
+
+def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
+    """Yield colour and depth of each pair. Raises FileError without any, and warns if most images have no partner."""
+    colors, depths = _listed(sequence / "rgb.txt"), _listed(sequence / "depth.txt")
     times = np.array([time for time, _ in depths])
+    pairs, apart_s = [], []
     for time, color in colors:
         nearest = int(np.argmin(np.abs(times - time))) if times.size else -1
-        if nearest >= 0 and abs(times[nearest] - time) <= MAX_APART_S:
-            yield color, depths[nearest][1]
+        apart_s.append(abs(times[nearest] - time) if times.size else np.inf)
+        if apart_s[-1] <= MAX_APART_S:
+            pairs.append((color, depths[nearest][1]))
+    alone = len(colors) - len(pairs)
+    if apart_s and times.size and not pairs:
+        raise FileError(
+            f"expected depth within {1000 * MAX_APART_S:.0f} ms of a colour image in {sequence}, got the nearest"
+            f" {_duration(min(apart_s))} apart: all {alone} colour images have no partner. Check that both"
+            " lists use one clock"
+        )
+    if alone > MANY_ALONE * len(colors):
+        warn(f"{sequence}: {alone} of {len(colors)} colour images have no depth within {1000 * MAX_APART_S:.0f} ms")
+    yield from pairs
+
+
+def _duration(seconds: float) -> str:
+    return f"{1000 * seconds:.0f} ms" if seconds < 10 else f"{seconds:.0f} s"

@@ -22,6 +22,7 @@ import numpy as np
 from spigolo.frames.camera import Camera
 from spigolo.frames.files import read_color
 from spigolo.frames.frame import Color
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.boxes import ObjectBox, read_boxes
 from spigolo.lab.datasets.entry import FULL_SETS, MILLIMETRES, DataSet, Entry, ImageEntry, Truth, existing_folder
 
@@ -76,7 +77,7 @@ class UwScenes(DataSet):
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
-        data_set, camera = self._named("uw-scenes-v1"), self._camera(CAMERA)
+        data_set, (camera, scale) = self._named("uw-scenes-v1"), self._camera(CAMERA, MILLIMETRES)
         masks = self.masks or next((f for f in self._usual_masks() if f.is_dir()), None)
         for sequence, number, color in sorted(_colors(self.folder)):
             mask = None if masks is None else masks / f"{color.stem}_mask.png"
@@ -90,7 +91,7 @@ class UwScenes(DataSet):
                 color,
                 color.with_name(f"{color.stem}_depth.png"),
                 camera,
-                MILLIMETRES,
+                scale,
                 number,
                 mask,
                 boxes if boxes.is_file() else None,
@@ -123,7 +124,7 @@ def category_of(name: str) -> tuple[str, int]:
 
 def _colors(folder: Path) -> Iterator[tuple[str, int, Path]]:
     """Sequence, number and colour image of each frame."""
-    for path in folder.glob("*/*/*.png"):
+    for path in listed(folder, "*/*/*.png"):
         found = NAME.fullmatch(path.name)
         if found and path.parent.name == found["sequence"]:
             yield found["sequence"], int(found["number"]), path

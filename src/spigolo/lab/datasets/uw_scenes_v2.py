@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from spigolo.frames.listing import listed
 from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 from spigolo.lab.datasets.uw_scenes import CAMERA
 
@@ -29,9 +30,9 @@ class UwScenesV2(DataSet):
         return any(folder.glob("imgs/scene_*/*-color.png"))
 
     def _find(self) -> Iterator[Entry]:
-        data_set, camera = self._named("uw-scenes-v2"), self._camera(CAMERA)
-        for color in sorted(self.folder.glob("imgs/scene_*/*-color.png")):
+        data_set, (camera, scale) = self._named("uw-scenes-v2"), self._camera(CAMERA, DEPTH_SCALE)
+        for color in listed(self.folder, "imgs/scene_*/*-color.png"):
             scene, number = color.parent.name, color.stem.removesuffix("-color")
             depth = color.with_name(f"{number}-depth.png")
             group = f"{data_set}/{scene}"
-            yield ImageEntry(data_set, f"{scene}/{number}", group, "none", color, depth, camera, DEPTH_SCALE)
+            yield ImageEntry(data_set, f"{scene}/{number}", group, "none", color, depth, camera, scale)

@@ -1,0 +1,83 @@
+"""Planes that are bent: depth that is no Z coordinate, but the distance along the ray or a sensor's raw numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.additions.support import find_support
+from spigolo.doctor.findings import Finding, fine, note, warning
+from spigolo.frames.frame import Camera, DepthMap
+from spigolo.settings.additions import Support
+
+PLANARITY = "depth along Z"
+
+NEAR_M, NEAR_PER_M = 0.004, 0.003
+"""Distance from the plane (m, and 1/m by squared depth) up to which a pixel lies on it."""
+MORE = 1.15
+"""The largest plane has this many times the pixels once depth is read as something else."""
+MORE_RAW, MIN_RAW = 1.5, 0.3
+"""The same for raw disparity, which at half a metre is nearly millimetres, and its share of the measured pixels."""
+MIN_SHARE = 0.12
+"""Minimum share of the measured pixels on that plane."""
+RAW_KINECT = (-0.0030711016, 3.3309495161)
+"""Inverse depth, 1/m, of the raw disparity of a Kinect v1: slope and offset."""
+LARGEST_RAW_M = 2.047
+"""Raw disparity has 11 bits, here read as millimetres."""
+
+
+def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
+    """Find depth whose planes are flat only as distance along the ray, or as raw disparity of a Kinect v1.
+
+    filled: depth with its small gaps in-painted.
+    """
+    as_z = _on_plane(filled, camera)
+    as_ray = _on_plane(along_z(filled, camera), camera)
+    as_raw = _as_raw(filled, camera)
+    if max(as_z, as_ray, as_raw) < MIN_SHARE:
+        return note(PLANARITY, "whether depth is the Z coordinate cannot be judged: no large plane", judged=False)
+    if as_ray > MORE * as_z and as_ray >= as_raw:
+        return warning(
+            PLANARITY,
+            f"expected depth as the Z coordinate, found planes that are flat as distance along the ray ({as_ray:.0%} of"
+            f" the pixels on one plane, {as_z:.0%} without): multiply by the cosine of the angle to the optical axis",
+        )
+    if as_raw > MORE_RAW * as_z and as_raw >= MIN_RAW:
+        return warning(
+            PLANARITY,
+            f"expected depth in metres, found planes that are flat as raw disparity of a Kinect v1 ({as_raw:.0%} of the"
+            f" pixels on one plane, {as_z:.0%} without): store 1 / (3.331 - 0.00307 * raw) metres",
+        )
+    return fine(PLANARITY, f"the largest plane is flat: {as_z:.0%} of the pixels lie on it")
+
+
+def along_z(distance: DepthMap, camera: Camera) -> DepthMap:
+    """Return Z (H, W) of distances along the ray."""
+    y, x = np.ogrid[: distance.shape[0], : distance.shape[1]]
+    lengths = np.sqrt(1 + ((x - camera.cx) / camera.fx) ** 2 + ((y - camera.cy) / camera.fy) ** 2)
+    return np.asarray(distance / lengths, np.float32)
+
+
+def from_raw_disparity(depth: DepthMap) -> DepthMap:
+    """Return Z (H, W) of a Kinect's raw disparity that was read as millimetres. 0 for what is no such number."""
+    slope, offset = RAW_KINECT
+    inverse = slope * 1000 * depth + offset
+    return np.where((depth > 0) & (inverse > 0.1), 1 / np.maximum(inverse, 0.1), 0).astype(np.float32)
+
+
+def _as_raw(depth: DepthMap, camera: Camera) -> float:
+    """Return the share of the measured pixels on one plane when depth is read as raw disparity."""
+    if not 0 < depth.max() <= LARGEST_RAW_M:
+        return 0.0
+    converted = from_raw_disparity(depth)
+    return _on_plane(converted, camera) * float((converted > 0).sum() / (depth > 0).sum())
+
+
+def _on_plane(depth: DepthMap, camera: Camera) -> float:
+    """Return the share of the measured pixels on the largest plane."""
+    valid = depth > 0
+    plane = find_support(depth, camera, Support()) if valid.any() else None
+    if plane is None:
+        return 0.0
+    height = np.abs(plane.height_map_m(depth, camera))
+    near = np.maximum(NEAR_M, NEAR_PER_M * depth * depth)
+    return float((valid & (height <= near)).sum() / valid.sum())

@@ -1,0 +1,61 @@
+"""Arrays of NumPy's files, by their names."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FileError
+
+PathLike = str | os.PathLike[str]
+Array = npt.NDArray[Any]
+ALONE = ""
+"""Name of the one array of a .npy file."""
+
+
+def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
+    """Return the arrays of a .npz file by their names, or that of a .npy file. Raises FileError.
+
+    what: what a message calls them.
+    """
+    try:
+        stored = np.load(path, allow_pickle=False)
+        if isinstance(stored, np.ndarray):
+            return {ALONE: stored}
+        with stored:
+            return {name: np.asarray(stored[name]) for name in stored.files}
+    except Exception as error:  # NumPy reads the header as Python, and raises what that raises
+        raise FileError(f"expected {what} in {path}, but it cannot be read: {_reason(error)}") from None
+
+
+def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:
+    """Return the array of one of these names, or the only one. Raises FileError, which lists the names."""
+    lower = {name.lower(): array for name, array in arrays.items()}
+    found = next((lower[name] for name in names if name in lower), None)
+    if found is None and len(arrays) == 1:
+        found = next(iter(arrays.values()))
+    if found is None:
+        named = ", ".join(arrays) or "none"
+        raise FileError(f"expected {what} as {' or '.join(names[:3])} in {path}, got the arrays {named}: rename one")
+    return found
+
+
+def names_in(path: PathLike) -> tuple[str, ...]:
+    """Return the names of the arrays of a .npz file in small letters, () where it cannot be read."""
+    try:
+        with np.load(Path(path), allow_pickle=False) as stored:
+            return tuple(name.lower() for name in stored.files)
+    except Exception:
+        return ()
+
+
+def _reason(error: Exception) -> str:
+    sentence = " ".join(str(error).split())
+    if "allow_pickle" in sentence:
+        return "it holds pickled Python objects, such as a dict: save arrays with numpy.savez(FILE, depth=..., rgb=...)"
+    return sentence

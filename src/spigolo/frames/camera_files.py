@@ -1,0 +1,225 @@
+"""Camera files: one reader for the forms that drivers, calibrators and data sets write."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import CameraError, FileError
+from spigolo.frames.arrays import load_arrays
+from spigolo.frames.camera import Camera
+from spigolo.frames.dialects import of_image
+from spigolo.frames.intrinsics import MATRIX_NAMES, camera_from_mapping, square_part
+from spigolo.frames.scale import scale_from_mapping
+from spigolo.frames.yaml_text import import_yaml, parse_yaml
+
+PathLike = str | os.PathLike[str]
+
+YAML = (".yaml", ".yml")
+NAMES = (
+    "camera.json", "camera.yaml", "camera.yml", "camera_info.yaml", "camera_info.yml", "camera_info.json",
+    "intrinsic.json", "intrinsics.json", "camera_intrinsic.json", "camera_intrinsics.json", "intrinsics.yaml",
+    "intrinsics.yml", "camera.txt", "cam_K.txt", "camK.txt", "camera-intrinsics.txt", "camera_intrinsics.txt",
+    "intrinsics.txt", "intrinsic.txt", "cam_K.npy", "camK.npy", "K.txt", "K.npy", "cameras.txt", "scene_camera.json",
+)  # fmt: skip
+"""Files next to images that are taken for the camera, the first one that is there."""
+FORMS = (
+    "JSON or YAML with fx, fy, cx, cy or a matrix K, a 3x3 matrix as .txt, .npy or .mat, or COLMAP's cameras.txt: write"
+    ' {"K": [9 numbers, row by row]} as JSON'
+)
+COLMAP = {
+    "SIMPLE_PINHOLE": ("f", "cx", "cy"),
+    "PINHOLE": ("fx", "fy", "cx", "cy"),
+    "SIMPLE_RADIAL": ("f", "cx", "cy", "k1"),
+    "RADIAL": ("f", "cx", "cy", "k1", "k2"),
+    "OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"),
+    "FULL_OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
+}
+"""Parameters of COLMAP's models that OpenCV undistorts."""
+
+
+def read_camera(
+    path: PathLike, width: int | None = None, height: int | None = None, *, image: str | None = None
+) -> tuple[Camera, float | None]:
+    """Return the camera of a file, and its depth_scale in metres per unit, or None without one.
+
+    JSON: ours (fx, fy, cx, cy, width, height, depth_scale), RealSense's (ppx, ppy, coeffs), Open3D's
+    (intrinsic_matrix), a matrix K or camera_matrix, BOP's cam_K and scene_camera.json. YAML: ROS's CameraInfo as
+    `ros2 topic echo` prints it, the files of camera_calibration, of OpenCV and of kalibr. Text: a 3x3 or 4x4 matrix,
+    four numbers, COLMAP's cameras.txt. Arrays: .npy, .npz and .mat with a matrix. `camera_from_mapping` lists the
+    fields.
+    BOP's depth_scale is millimetres per unit, Open3D's units per metre.
+    width, height: size of the images, for files that do not say it. image: name of the colour image, for files with the
+    cameras of many images. Raises FileError or CameraError.
+    """
+    values = camera_fields(path, image)
+    try:
+        return camera_from_mapping(values, width, height), scale_from_mapping(values)
+    except CameraError as error:
+        raise CameraError(f"{path}: {error}") from None
+
+
+def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]:
+    """Return the fields of a camera file in any form. Raises FileError or CameraError."""
+    suffix = Path(path).suffix.lower()
+    if suffix in (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".xml", ".bag", ".pkl", ".toml"):
+        raise FileError(f"expected a camera file, got {path}. Supported: {FORMS}")
+    read = _text if suffix in (".txt", ".csv") else READERS.get(suffix, _json)
+    values = read(path)
+    if not isinstance(values, Mapping):
+        raise CameraError(
+            f"{path}: expected fields with the intrinsics of a camera, got {type(values).__name__}: not found"
+        )
+    return values if image is None else of_image(values, image)
+
+
+def camera_in(folder: Path) -> Path | None:
+    """Return the camera file of a folder, None without one."""
+    return next((folder / name for name in NAMES if (folder / name).is_file()), None)
+
+
+def camera_for(folder: Path, top: Path) -> Path | None:
+    """Return the camera file that holds for the images in `folder`: its own, or that of a folder above it.
+
+    top: the folder that was given. The search ends one above it.
+    """
+    places = [folder, *folder.parents]
+    places = places[: places.index(top) + 1] if top in places else [folder]
+    found = (camera_in(place) for place in (*places, top.resolve().parent))
+    return next((path for path in found if path is not None), None)
+
+
+def _json(path: PathLike) -> Any:
+    try:
+        return json.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise _unreadable("JSON", path, error) from None
+
+
+def _yaml(path: PathLike) -> Any:
+    yaml = import_yaml(path)
+    try:
+        return parse_yaml(yaml, Path(path).read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, TypeError, AttributeError, RecursionError, yaml.YAMLError) as error:
+        raise _unreadable("YAML", path, error) from None
+
+
+def _unreadable(kind: str, path: PathLike, error: Exception) -> FileError:
+    sentence = " ".join((getattr(error, "strerror", None) or str(error)).split())
+    return FileError(f"expected a camera in {kind} in {path}, but it cannot be read: {sentence}")
+
+
+def _text(path: PathLike) -> Mapping[str, Any]:
+    """Return the fields of a text of numbers, of COLMAP's cameras, or of `name: value` lines."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as error:
+        raise _unreadable("text", path, error) from None
+    lines = [line.split("#")[0].strip() for line in text.splitlines()]
+    rows = [line.replace(",", " ").replace(";", " ").strip("[] ").split() for line in lines if line]
+    if rows and len(rows[0]) > 3 and rows[0][0].isdecimal() and rows[0][1].isupper():
+        return _colmap(path, rows)
+    try:
+        numbers = np.array([float(word) for row in rows for word in row])
+    except ValueError:
+        return _pairs(path, lines)
+    return _matrix_fields(numbers, path)
+
+
+def _pairs(path: PathLike, lines: list[str]) -> Mapping[str, Any]:
+    """Return the fields of lines `name: value` or `name = value`."""
+    found: dict[str, Any] = {}
+    for line in lines:
+        name, separator, value = line.replace("=", ":", 1).partition(":")
+        try:
+            found[name.strip()] = float(value) if separator else None
+        except ValueError:
+            found[name.strip()] = value.strip()
+    if not any(isinstance(value, float) for value in found.values()):
+        raise FileError(f"expected a camera in {path}, got other text. Supported: {FORMS}")
+    return found
+
+
+def _matrix_fields(numbers: npt.NDArray[Any], path: PathLike) -> Mapping[str, Any]:
+    if numbers.size == 4 and numbers.dtype.kind in "uif":
+        return dict(zip(("fx", "fy", "cx", "cy"), numbers.reshape(-1).tolist(), strict=True))
+    K = square_part(numbers.astype(np.float64)) if numbers.dtype.kind in "uif" else None
+    if K is None:
+        raise FileError(f"expected a camera in {path}, got an array of shape {numbers.shape}. Supported: {FORMS}")
+    return {"K": K}
+
+
+def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
+    """Return the cameras of COLMAP's cameras.txt by their numbers: ID MODEL WIDTH HEIGHT PARAMETERS."""
+    cameras = {}
+    for number, model, width, height, *parameters in rows:
+        names = COLMAP.get(model)
+        if names is None:
+            raise CameraError(
+                f"{path}: expected a camera model of {', '.join(COLMAP)}, got {model}: undistort the images first"
+                " (colmap image_undistorter) and give their cameras.txt"
+            )
+        try:
+            fields: dict[str, Any] = dict(zip(names, map(float, parameters), strict=True))
+            fields |= {"width": int(width), "height": int(height)}
+        except ValueError:
+            raise FileError(f"expected the parameters {' '.join(names)} of {model} in {path}, got others") from None
+        focal = fields.pop("f", None)
+        cameras[f"camera {number}"] = fields if focal is None else {"fx": focal, "fy": focal, **fields}
+    return cameras
+
+
+def _npy(path: PathLike) -> Mapping[str, Any]:
+    return _of_arrays(load_arrays(path), path)
+
+
+def _mat(path: PathLike) -> Mapping[str, Any]:
+    """Return the fields of a MATLAB file, such as GraspNet's intrinsic_matrix and factor_depth."""
+    try:
+        loadmat = importlib.import_module("scipy.io").loadmat
+    except ImportError:
+        raise FileError(f'expected scipy to read {path}, but it is missing: pip install "spigolo[datasets]"') from None
+    try:
+        stored = loadmat(os.fspath(path))
+    except Exception as error:  # scipy raises what its parsing meets
+        raise _unreadable("MATLAB's format", path, error) from None
+    return _of_arrays({name: value for name, value in stored.items() if not name.startswith("__")}, path)
+
+
+def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
+    """Return arrays as the fields of a camera. A matrix alone needs no name."""
+    lower = {name.lower(): name for name in MATRIX_NAMES}
+    named = {lower.get(name.lower(), name): value for name, value in arrays.items()}
+    if any(name in named for name in MATRIX_NAMES) or "fx" in named:
+        return {name: _alone(value) for name, value in named.items()}
+    if len(arrays) == 1:
+        return _matrix_fields(np.asarray(next(iter(arrays.values()))), path)
+    small = [value for value in arrays.values() if np.size(value) in (4, 9, 12, 16)]
+    if len(small) != 1:
+        raise FileError(
+            f"expected a camera matrix as K in {path}, got the arrays {', '.join(arrays) or 'none'}. Supported: {FORMS}"
+        )
+    return {**{name: _alone(value) for name, value in arrays.items()}, **_matrix_fields(np.asarray(small[0]), path)}
+
+
+def _alone(value: Any) -> Any:
+    """Return the number of an array of one, and other values as they are."""
+    array = np.asarray(value)
+    return array.reshape(-1)[0].item() if array.size == 1 and array.dtype.kind in "uifU" else value
+
+
+READERS: Mapping[str, Callable[[PathLike], Any]] = {
+    ".yaml": _yaml,
+    ".yml": _yaml,
+    ".npy": _npy,
+    ".npz": _npy,
+    ".mat": _mat,
+}
+"""How files with another form than JSON are read."""

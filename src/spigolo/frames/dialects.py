@@ -1,0 +1,91 @@
+"""The fields of the one colour camera in a file that nests, prefixes or repeats them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import CameraError
+
+INTRINSICS = (
+    "fx", "fl_x", "FX", "K", "k", "camera_matrix", "cam_K", "intrinsic_matrix", "cameraMatrix", "mtx", "P", "p",
+    "projection_matrix",
+)  # fmt: skip
+"""Fields by which a mapping is a camera."""
+ATTRIBUTES = (
+    "fx", "fy", "cx", "cy", "ppx", "ppy", "k", "K", "p", "P", "intrinsic_matrix", "width", "height", "d", "D", "coeffs",
+    "model", "distortion_model", "roi", "binning_x", "binning_y", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",
+    "intrinsic",
+)  # fmt: skip
+"""Attributes of the objects of pyrealsense2, ROS and Open3D that count."""
+COLOR_NAMES = ("color", "colour", "rgb", "color_intrinsics", "rgb_intrinsics", "color_camera", "rgb_camera")
+PREFIXES = ("Camera.", "Camera1.", "camera.")
+SHARED = ("depth_scale", "factor_depth", "width", "height")
+"""Fields that may lie outside of those of the camera."""
+
+
+def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return the fields of the one camera in `values`. Raises CameraError where several cameras differ."""
+    values = _without_prefix(values)
+    if is_camera(values):
+        return values
+    inner = {str(key): one for key, one in _inner(values).items() if _holds_camera(one)}
+    if not inner:
+        return values
+    name = next((name for name in COLOR_NAMES if name in inner), next(iter(inner)))
+    cameras = [own_fields(one) for one in inner.values()]
+    if name not in COLOR_NAMES and any(not _equal(cameras[0], one) for one in cameras[1:]):
+        images = "images" if all(key.isdecimal() for key in inner) else "cameras"
+        some = ", ".join(list(inner)[:4])
+        raise CameraError(
+            f"expected one camera, got those of {len(inner)} {images} ({some}): store the fields of one alone"
+        )
+    return {**{key: values[key] for key in SHARED if key in values}, **own_fields(inner[name])}
+
+
+def of_image(values: Mapping[str, Any], image: str) -> Mapping[str, Any]:
+    """Return the fields of one image of a file that has them by the image's number, as BOP's scene_camera.json."""
+    digits = "".join(letter for letter in image if letter.isdecimal())
+    numbered = {int(key): one for key, one in values.items() if str(key).isdecimal()}
+    found = numbered.get(int(digits)) if digits and len(numbered) == len(values) else None
+    return found if isinstance(found, Mapping) else values
+
+
+def is_camera(values: Mapping[str, Any]) -> bool:
+    """Return whether the fields hold intrinsics themselves."""
+    if any(values.get(name) is not None for name in INTRINSICS):
+        return True
+    return any(isinstance(values.get(name), list | tuple | np.ndarray) for name in ("intrinsics", "intrinsic"))
+
+
+def _inner(values: Mapping[str, Any]) -> dict[Any, Mapping[str, Any]]:
+    objects = {key: {"K": one.intrinsic_matrix} for key, one in values.items() if hasattr(one, "intrinsic_matrix")}
+    return objects | {key: one for key, one in values.items() if isinstance(one, Mapping)}
+
+
+def _holds_camera(values: Mapping[str, Any], depth: int = 3) -> bool:
+    values = _without_prefix(values)
+    return is_camera(values) or (depth > 0 and any(_holds_camera(one, depth - 1) for one in _inner(values).values()))
+
+
+def _without_prefix(values: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return fields such as Camera.fx under their last name, as ORB-SLAM's settings have them."""
+    prefix = next((p for p in PREFIXES if f"{p}fx" in values), None)
+    if prefix is None:
+        return values
+    return {str(key).removeprefix(prefix): one for key, one in values.items()}
+
+
+def _equal(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
+    """Return whether two cameras agree in all but poses and names."""
+    names = {key for key in (*one, *other) if key in (*INTRINSICS, *ATTRIBUTES, *SHARED, "intrinsics")}
+    return all(_same(one.get(key), other.get(key)) for key in names)
+
+
+def _same(one: Any, other: Any) -> bool:
+    try:
+        return bool(np.array_equal(np.asarray(one), np.asarray(other)))
+    except ValueError:
+        return False

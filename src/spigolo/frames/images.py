@@ -1,0 +1,159 @@
+"""Images as they are stored: colour, depth, labels, masks."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FileError, FrameError, warn
+from spigolo.frames.arrays import load_arrays, pick
+from spigolo.frames.listing import RECORDINGS
+from spigolo.frames.png import as_grey
+
+Image = npt.NDArray[Any]
+PathLike = str | os.PathLike[str]
+
+ARRAYS = (".npy", ".npz")
+READABLE = "PNG, TIFF, BMP, PGM, EXR, .npy or .npz; colour also JPEG or WebP"
+LOSSY = (".jpg", ".jpeg")
+COLOR_KEYS = ("rgb", "color", "colour", "image", "color_image", "rgb_image", "img")
+DEPTH_KEYS = ("depth", "depth_image", "depth_map", "depth_m", "depth_raw", "depth_mm")
+
+
+def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
+    """Return RGB (H, W, 3) uint8 of an image file or an array. Grey becomes RGB. Transparency is dropped.
+
+    More than 8 bits are scaled by what is stored: 10 bits in 16 lose 2 of them. Pixels stay as stored, like the depth
+    next to them: an orientation in the file's metadata turns nothing. Raises FileError or FrameError.
+    """
+    if Path(path).suffix.lower() in ARRAYS:
+        return _as_color(pick(load_arrays(path), COLOR_KEYS, "a colour image", path), path)
+    stored = decode(path, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION)
+    if stored.dtype == np.uint16:
+        _tell_of_one_channel(path)
+    return _as_color(np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB)), path)
+
+
+def _as_color(stored: Image, path: PathLike) -> npt.NDArray[np.uint8]:
+    if stored.dtype.kind not in "ui" or stored.ndim not in (2, 3):
+        raise FrameError(
+            f"expected colour of 8 or 16 bits in {path}, got {stored.dtype} of shape {stored.shape}: store it as"
+            " 8-bit RGB"
+        )
+    rgb = np.repeat(stored[..., None], 3, axis=2) if stored.ndim == 2 else stored[..., :3]
+    if stored.dtype == np.uint8:
+        return np.asarray(rgb, np.uint8)
+    bits = max(int(rgb.max(initial=0)).bit_length(), 8)
+    return (rgb >> (bits - 8)).astype(np.uint8)
+
+
+def _tell_of_one_channel(path: PathLike) -> None:
+    stored = decode(path, cv2.IMREAD_UNCHANGED)
+    if stored.ndim == 2:
+        bits = max(int(stored.max(initial=0)).bit_length(), 8)
+        warn(
+            f"{path}: the colour image is one channel of 16 bits, read as grey of {bits} bits: if it is the depth"
+            " image, give colour first and depth second"
+        )
+
+
+def read_depth(path: PathLike) -> Image:
+    """Return depth (H, W) as stored: integers, or floating-point metres of a TIFF, EXR or array.
+
+    Raises FileError or FrameError.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix in LOSSY:
+        raise FrameError(f"expected depth without loss, got the JPEG {path}: store depth as 16-bit PNG")
+    if suffix in ARRAYS:
+        return pick(load_arrays(path, "a depth array"), DEPTH_KEYS, "a depth array", path)
+    stored = decode(path, cv2.IMREAD_UNCHANGED)
+    if stored.ndim == 2:
+        return stored
+    if stored.dtype.kind == "f" and all(np.array_equal(stored[..., 0], one) for one in np.moveaxis(stored, 2, 0)[1:3]):
+        return np.ascontiguousarray(stored[..., 0])
+    raise FrameError(
+        f"expected distances in one channel in {path}, got {stored.shape[2]} channels: it is a picture of depth"
+        " in colours, and no depth"
+    )
+
+
+def refuse_swapped(color: PathLike, depth: PathLike) -> None:
+    """Raise FrameError where the colour file holds depth, now that the depth file proved to be a picture."""
+    stored = decode(color, cv2.IMREAD_UNCHANGED) if Path(color).suffix.lower() not in ARRAYS else read_depth(color)
+    if stored.ndim == 2 and stored.dtype != np.uint8:
+        raise FrameError(
+            f"expected colour first and depth second, got them swapped: {color} holds one channel of {stored.dtype},"
+            f" {depth} a picture"
+        )
+
+
+def read_labels(path: PathLike) -> Image:
+    """Return a label image (H, W) of whole numbers, as stored: of an indexed PNG the indices. Raises FileError."""
+    data, factor = as_grey(read_bytes(path).tobytes())
+    stored = decode_bytes(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, path)
+    if stored.ndim != 2 or stored.dtype.kind not in "ui":
+        raise FrameError(
+            f"expected labels in one channel of whole numbers in {path}, got {stored.dtype} of shape {stored.shape}:"
+            " store label numbers, 0 for background, as a grey PNG"
+        )
+    return stored // np.array(factor, stored.dtype) if factor > 1 else stored
+
+
+def read_mask(path: PathLike) -> npt.NDArray[np.bool_]:
+    """Return where an image (H, W) of any depth is not black. Transparency does not count. Raises FileError."""
+    stored = decode(path, cv2.IMREAD_UNCHANGED)
+    return np.asarray(stored != 0) if stored.ndim == 2 else np.asarray(stored[..., :3].any(axis=2))
+
+
+def decode(path: PathLike, flags: int) -> Image:
+    """Return the pixels of an image file. Raises FileError, whatever the decoder raises."""
+    return decode_bytes(read_bytes(path), flags, path)
+
+
+def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike) -> Image:
+    """Return the pixels of an encoded image. path: what a message calls it. Raises FileError."""
+    try:
+        image = cv2.imdecode(data, flags) if data.size else None
+    except (cv2.error, MemoryError, OverflowError, ValueError) as error:
+        told = " ".join(str(getattr(error, "err", "") or error).split())
+        raise FileError(f"expected an image in {path}, but it cannot be read: {told}") from None
+    if image is None:
+        raise FileError(
+            f"expected an image in {path}, but its {data.size} bytes are none that OpenCV reads{_advice(path)}"
+        )
+    return image
+
+
+def read_bytes(path: PathLike) -> npt.NDArray[np.uint8]:
+    """Return the bytes of a file. Raises FileError."""
+    try:
+        return np.fromfile(path, np.uint8)
+    except OSError as error:
+        raise FileError(f"expected an image in {path}, but it cannot be read: {error.strerror or error}") from None
+
+
+def _advice(path: PathLike) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix in RECORDINGS:
+        return f". It is a recording: {how_to_extract(suffix)}"
+    if suffix == ".exr":
+        return (
+            ". EXR needs an OpenCV built with it (opencv-python-headless before 5) and OPENCV_IO_ENABLE_OPENEXR=1:"
+            " or save the array as .npy"
+        )
+    kinds = f". Supported: {READABLE}"
+    if suffix in (".raw", ".bin", ".z16", ".dat"):
+        kinds += "; raw numbers: numpy.save(NAME.npy, numpy.fromfile(FILE, numpy.uint16).reshape(H, W))"
+    return kinds
+
+
+def how_to_extract(suffix: str) -> str:
+    """Return how to get images out of a recording."""
+    tools = {".bag": "rs-convert -p or rosbags", ".db3": "rosbags", ".mcap": "rosbags", ".mkv": "Open3D or k4arecorder"}
+    return f"extract its colour and depth images first (with {tools.get(suffix, 'its recorder or driver')})"

@@ -1,0 +1,75 @@
+"""Lens models: those that OpenCV undistorts, and those that are refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from spigolo.errors import CameraError
+from spigolo.frames.camera import Camera
+
+OPENCV_MODELS = (
+    "", "none", "no_distortion", "pinhole", "perspective", "brown_conrady", "brown", "plumb_bob", "rational_polynomial",
+    "rational", "opencv", "full_opencv", "radtan", "radial_tangential", "thin_prism", "tilted", "simple_pinhole",
+    "simple_radial", "radial",
+)  # fmt: skip
+"""Models whose coefficients `cv2.undistort` takes."""
+INVERSE = "inverse_brown_conrady"
+POLYNOMIALS = (INVERSE, "modified_brown_conrady")
+"""Models that OpenCV does not have. Coefficients of 0 mean no distortion."""
+NO_PINHOLE = (
+    "equi", "fish", "kannala", "kb4", "kb8", "omni", "mei", "unified", "sphere", "spherical", "eucm", "ucm", "ftheta",
+    "f_theta", "fov", "atan", "ocam", "scaramuzza", "panoram", "cylind", "stereographic", "orthographic", "division",
+)  # fmt: skip
+"""Parts of the names of models that bend lines with coefficients of 0 too."""
+EXACTLY_NO_PINHOLE = ("ds", "kb", "theta")
+REALSENSE_MODELS = (
+    "none", "modified_brown_conrady", INVERSE, "ftheta", "brown_conrady", "kannala_brandt4",
+)  # fmt: skip
+"""Names of the numbers that librealsense gives its models."""
+MEND = "undistort the images first and give their camera without distortion"
+
+
+def model_name(value: object) -> str:
+    """Return a lens model's name with underscores, from text, an enumeration or librealsense's number."""
+    if isinstance(value, int) and 0 <= value < len(REALSENSE_MODELS):
+        return REALSENSE_MODELS[value]
+    words = str(value).strip().lower().rpartition(".")[2]
+    return words.replace(" ", "_").replace("-", "_").removeprefix("rs2_distortion_")
+
+
+def check_model(value: object, certain: bool, coefficients: Sequence[float], camera: Camera) -> None:
+    """Raise CameraError for a lens model that OpenCV does not undistort.
+
+    certain: the field holds a lens model and nothing else. A field `model` may also hold the name of a device. camera:
+    the same without distortion.
+    """
+    name = model_name(value)
+    if name in OPENCV_MODELS or (name in POLYNOMIALS and not coefficients):
+        return
+    wanted = f"expected the distortion model plumb_bob or rational_polynomial, got {name}"
+    if name in EXACTLY_NO_PINHOLE or any(part in name for part in NO_PINHOLE):
+        raise CameraError(f"{wanted}: {MEND}. Coefficients of 0 are no pinhole camera with this model either")
+    if name == INVERSE:
+        raise CameraError(
+            f"{wanted}: {MEND}, or leave out the coefficients, which costs up to"
+            f" {inverse_error_px(coefficients, camera):.1f} px in the corners: OpenCV cannot undistort this model"
+        )
+    if coefficients or certain:
+        raise CameraError(f"{wanted}: {MEND}")
+
+
+def inverse_error_px(coefficients: Sequence[float], camera: Camera) -> float:
+    """Return the largest error of leaving out the inverse Brown-Conrady coefficients, px, in the image corners.
+
+    The polynomial goes from the pixel to the ray.
+    """
+    corners = [(x, y) for x in (0, camera.width - 1) for y in (0, camera.height - 1)]
+    x, y = ((np.array(corners) - (camera.cx, camera.cy)) / (camera.fx, camera.fy)).T
+    k1, k2, p1, p2, k3 = (*coefficients, 0.0, 0.0, 0.0, 0.0, 0.0)[:5]
+    r2 = x * x + y * y
+    radial = k1 * r2 + k2 * r2**2 + k3 * r2**3
+    dx = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x)
+    dy = y * radial + 2 * p2 * x * y + p1 * (r2 + 2 * y * y)
+    return float(np.hypot(camera.fx * dx, camera.fy * dy).max())

@@ -1,0 +1,53 @@
+"""PNG files whose numbers a decoder turns into colours or stretches: indexed ones, and grey ones of 1, 2 or 4 bits."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from typing import NamedTuple
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+GREY, INDEXED = 0, 3
+DROPPED = (b"PLTE", b"tRNS", b"sBIT", b"bKGD", b"hIST", b"iCCP", b"sRGB", b"gAMA", b"cHRM")
+
+
+class Header(NamedTuple):
+    """Size in pixels, bits of a channel, and the kind of colour (0 grey, 2 RGB, 3 indexed, 4 and 6 with alpha)."""
+
+    width: int
+    height: int
+    bits: int
+    kind: int
+
+
+def header_of(data: bytes) -> Header | None:
+    """Return the header of a PNG file, or None for other files."""
+    if not data.startswith(SIGNATURE) or len(data) < 26:
+        return None
+    return Header(*struct.unpack(">IIBB", data[16:26]))
+
+
+def as_grey(data: bytes) -> tuple[bytes, int]:
+    """Return an indexed PNG file as a grey one whose values are the indices, and by what a decoder multiplies them.
+
+    Other files come back as they are. A decoder stretches values of 1, 2 and 4 bits to 8.
+    """
+    header = header_of(data)
+    if header is None or header.kind not in (GREY, INDEXED):
+        return data, 1
+    factor = 255 // (2**header.bits - 1) if header.bits < 8 else 1
+    return (data if header.kind == GREY else _without_palette(data)), factor
+
+
+def _without_palette(data: bytes) -> bytes:
+    kept, place = [SIGNATURE], len(SIGNATURE)
+    while place + 12 <= len(data):
+        (length,) = struct.unpack_from(">I", data, place)
+        chunk = data[place : place + 12 + length]
+        place += 12 + length
+        if chunk[4:8] == b"IHDR":
+            body = chunk[4:17] + bytes([GREY]) + chunk[18:21]
+            chunk = chunk[:4] + body + struct.pack(">I", zlib.crc32(body))
+        if chunk[4:8] not in DROPPED:
+            kept.append(chunk)
+    return b"".join(kept)

@@ -1,0 +1,82 @@
+"""Stored values that no camera measured: the largest value of an integer type, and distances beyond every camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+REACH_M = 50.0
+"""No RGB-D camera measures farther. What lies beyond is missing, m."""
+NEAREST_M, FARTHEST_M = 1e-6, 1e8
+"""No camera measures what is nearer, and squares of depths beyond would leave float32."""
+LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
+"""If a smaller share lies within reach, or most of the depth lies beyond it and no value has this share of that, the
+unit is wrong. All of it is kept, so that the advice about the unit can be given."""
+LARGEST_UINT16 = 65535
+"""Stands for missing in wider integer types too, as many files were copied from 16 bits."""
+
+
+@dataclass(frozen=True, slots=True)
+class OutOfReach:
+    """Depth values that count as missing, though they are positive numbers.
+
+    value: the most frequent one, as stored. pixels: number of them all. share: of the frame. kind: the type of integers
+    whose largest value it is, "" for a distance beyond REACH_M.
+    """
+
+    value: float
+    pixels: int
+    share: float
+    kind: str = ""
+
+    def __str__(self) -> str:
+        what = f"the largest value of {self.kind}" if self.kind else f"farther than {REACH_M:.0f} m"
+        share = f"{self.share:.1%} of the depth" if self.share >= 0.001 else f"depth of {self.pixels} pixels"
+        return f"{share} is {self.value:g}, {what}, and counts as missing"
+
+
+def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """Return where integers (H, W) have the largest value of their type, or of 16 bits in a wider type."""
+    largest = np.iinfo(stored.dtype).max
+    found = stored == largest
+    return np.asarray(found | (stored == LARGEST_UINT16) if largest > LARGEST_UINT16 else found)
+
+
+def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32]) -> OutOfReach | None:
+    """Set depth that no camera measured to 0 in `metres` (H, W), and return what it was. None where there is none.
+
+    stored (H, W): the same as it was given.
+    """
+    beyond = metres > REACH_M
+    sentinel = is_sentinel(stored) if stored.dtype.kind in "ui" else np.zeros_like(beyond)
+    if beyond.any():
+        beyond &= np.isfinite(stored) & ~sentinel
+        within = int(np.count_nonzero((metres >= NEAREST_M) & (metres <= REACH_M) & ~sentinel))
+        if _is_wrong_unit(stored[beyond], within):
+            beyond[...] = False
+    dropped = np.asarray(beyond | sentinel)
+    if not dropped.any():
+        return None
+    values, counts = np.unique(stored[dropped], return_counts=True)
+    value = values[counts.argmax()]
+    metres[dropped] = 0
+    kind = _kind(stored.dtype, value) if (sentinel & (stored == value)).any() else ""
+    pixels = int(dropped.sum())
+    return OutOfReach(float(value), pixels, pixels / dropped.size, kind)
+
+
+def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
+    """Return whether values beyond reach are distances in a wrong unit: nearly all, or most of them and varied.
+
+    within: number of pixels within reach.
+    """
+    if within <= LEAST_WITHIN * beyond.size:
+        return True
+    return within < beyond.size and int(np.unique(beyond, return_counts=True)[1].max()) < MOST_EQUAL * beyond.size
+
+
+def _kind(dtype: np.dtype[Any], value: Any) -> str:
+    return "uint16" if value == LARGEST_UINT16 else str(dtype)

@@ -1,0 +1,79 @@
+"""The depth scale of a camera file: metres per stored unit, whatever the file counts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import CameraError
+from spigolo.frames.camera import is_number, shortened
+from spigolo.frames.dialects import own_fields
+
+LARGEST_SCALE_M = 0.02
+"""Metres per unit beyond which 16 bits would reach farther than a kilometre. The scale has another unit."""
+UNITS_PER_METRE = ("DepthMapFactor", "RGBD.DepthMapFactor")
+"""Names that count units per metre (ORB-SLAM)."""
+SIMILAR = (
+    "scale", "factor_depth", "depth_factor", "depthscale", "depth_unit", "depth_units", "depth_map_factor",
+    "depthmapfactor", "depth_map_scale", "png_depth_scale", "scale_factor", "depth_scaling_factor", "depth_scaling",
+    "units_per_metre", "units_per_meter", "integer_depth_scale", "depth_divider", "depth_div",
+)  # fmt: skip
+"""Names of scales of which it is not known what they count, in small letters."""
+
+
+def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
+    """Return depth_scale of the fields of a camera file in metres per unit, or None without one. Raises CameraError.
+
+    BOP counts millimetres per unit beside cam_K. Open3D counts units per metre beside intrinsic_matrix, as GraspNet's
+    factor_depth does, and ORB-SLAM's DepthMapFactor.
+    """
+    values = {**values, **own_fields(values)}
+    stored = values.get("depth_scale")
+    if stored is not None:
+        number = _number("depth_scale", stored)
+        if "cam_K" in values:
+            return number / 1000
+        return 1 / number if "intrinsic_matrix" in values and number > 1 else number
+    factor = values.get("factor_depth") if "intrinsic_matrix" in values else None
+    factor = next((values[name] for name in UNITS_PER_METRE if values.get(name) is not None), factor)
+    if factor is not None:
+        number = _number("factor_depth", factor)
+        return 1 / number if number > 0 else number
+    _refuse_similar(values)
+    return None
+
+
+def check_scale(scale: float, where: object) -> None:
+    """Raise CameraError for a depth_scale, found there, that can hardly be metres per unit."""
+    if scale > LARGEST_SCALE_M:
+        raise CameraError(
+            f"expected depth_scale in {where} as metres per unit, 0.001 for millimetres, got {scale}:"
+            " divide it by 1000 if it is millimetres per unit, take 1 / depth_scale if it is units per metre"
+        )
+
+
+def _number(name: str, value: Any) -> float:
+    alone = value.reshape(-1)[0] if isinstance(value, np.ndarray) and value.size == 1 else value
+    if not is_number(alone):
+        raise CameraError(f"expected {name} as a number, got {shortened(value)}")
+    return float(alone)
+
+
+def _refuse_similar(values: Mapping[str, Any]) -> None:
+    for name, value in values.items():
+        alone = value.reshape(-1)[0] if isinstance(value, np.ndarray) and value.size == 1 else value
+        plain = str(name).lower().replace("-", "_").replace(" ", "_")
+        if plain in SIMILAR and is_number(alone) and alone > 0:
+            raise CameraError(
+                f"expected depth_scale in metres per unit, got {name} {alone:g}: did you mean depth_scale"
+                f" {_as_metres(float(alone)):g}? Write that field"
+            )
+
+
+def _as_metres(number: float) -> float:
+    """Return the metres per unit that a number most likely stands for."""
+    if number > 1:
+        return 1 / number
+    return number if number <= LARGEST_SCALE_M else number / 1000

@@ -274,7 +274,9 @@ def test_what_stands_tall_and_hides_nothing_is_a_wall(width: float, hides_someth
     region = int(regions.labels[stretch][0])
     hides = measure_stance(regions, depth.astype(np.float32), CAMERA, None, stretch, sp.settings.Wall(), None).hides
     assert (hides[region] >= sp.settings.Wall().min_hides) == hides_something
-    low = measure_stance(regions, depth.astype(np.float32), CAMERA, None, np.zeros_like(stretch), sp.settings.Wall(), None)
+    low = measure_stance(
+        regions, depth.astype(np.float32), CAMERA, None, np.zeros_like(stretch), sp.settings.Wall(), None
+    )
     assert np.isnan(low.hides[region])
     assert np.isnan(low.lean_deg[region])
 

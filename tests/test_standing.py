@@ -100,7 +100,9 @@ def test_a_flat_object_has_a_step_of_height_along_its_outline(thick_m: float, le
     labels[40:80, 60:100] = 1
     depth[labels == 1] -= thick_m
     plane = Plane(np.array([0.0, 0.0, -1.0]), 0.6)
-    stance = measure_stance(Regions(labels, 2), depth, CAMERA, plane, labels == 1, sp.settings.Wall(), sp.settings.Ledge())
+    stance = measure_stance(
+        Regions(labels, 2), depth, CAMERA, plane, labels == 1, sp.settings.Wall(), sp.settings.Ledge()
+    )
     assert stance.ledge[1] == ledge
 
 

@@ -159,7 +159,10 @@ def _matrix_fields(numbers: npt.NDArray[Any], path: PathLike) -> Mapping[str, An
 def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
     """Return the cameras of COLMAP's cameras.txt by their numbers: ID MODEL WIDTH HEIGHT PARAMETERS."""
     cameras = {}
-    for number, model, width, height, *parameters in rows:
+    for row in rows:
+        if len(row) < 5:
+            raise FileError(f"expected lines ID MODEL WIDTH HEIGHT PARAMETERS in {path}, got {' '.join(row)[:60]!r}")
+        number, model, width, height, *parameters = row
         names = COLMAP.get(model)
         if names is None:
             raise CameraError(

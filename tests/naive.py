@@ -381,6 +381,7 @@ def mark_contours(
     crease_px: int,
     low_deg: float,
     high_deg: float,
+    noise_per_m: float = 0.0,
 ) -> tuple[Array, Array]:
     """Steps and creases at pixels that are measured, or have a measured pixel `step_px` beside them."""
     fx, fy, cx, cy = camera
@@ -398,9 +399,126 @@ def mark_contours(
             before, here, after = (float(filled[at]) for at in at_step)
             if all((before, here, after)):
                 steps[y, x] |= abs(2 * here - before - after) >= max(step_m, step_per_m * here**2)
-            if all(filled[at] for at in at_crease):
+            if all(filled[at] for at in at_crease) and is_beyond_noise([filled[at] for at in at_crease], noise_per_m):
                 creases[y, x] |= low_deg <= contact_angle(filled, K, e, n, crease_px, "tangent") <= high_deg
     return steps, creases
+
+
+def is_beyond_noise(along: list[np.float32], noise_per_m: float) -> bool:
+    """Whether the middle one of three depths lies behind the chord of the others by the noise, in float32."""
+    before, here, after = along
+    return bool(here - np.float32(2) * before * after / (before + after) >= np.float32(noise_per_m) * here * here)
+
+
+# --- seeded partition -----------------------------------------------------------------------------------------
+
+SIDES = ((0, 1), (1, 0), (0, -1), (-1, 0))
+
+
+def count_ramps(labels: Array, depth: Array, reach: int, step_m: float, step_share: float) -> list[int]:
+    """Number of profiles across a depth step on a border between labels, and of their pixels between both depths."""
+    profiles, between = 0, 0
+    ends, low, high = max(reach // 3, 1), np.float32(0.15), np.float32(0.85)
+    for y, x in pixels(labels):
+        for dy, dx in ((0, 1), (1, 0)):
+            if not inside(labels, y + dy, x + dx) or labels[y + dy, x + dx] == labels[y, x]:
+                continue
+            profile = [(y + k * dy, x + k * dx) for k in range(1 - reach, reach + 1)]
+            if not (inside(labels, *profile[0]) and inside(labels, *profile[-1])):
+                continue
+            along = [depth[at] for at in profile]
+            first = next((z for z in along[:ends] if z > 0), np.float32(0))
+            last = next((z for z in along[: -ends - 1 : -1] if z > 0), np.float32(0))
+            near, step = min(first, last), abs(first - last)
+            if near > 0 and step > max(np.float32(step_m), np.float32(step_share) * near):
+                profiles += 1
+                between += sum(near + low * step < z < near + high * step for z in along[ends:-ends])
+    return [profiles, int(between)]
+
+
+def measure_layers(labels: Array, near_hole: Array, width: int, hole_width: int) -> tuple[Array, Array]:
+    """Layer of every pixel, counted from the borders between labels, and the number of layers of each label.
+
+    255: a pixel without a layer, or a label that goes on beyond its last one.
+    """
+    layer = np.full(labels.shape, 255, np.uint8)
+    for y, x in pixels(labels):
+        beside = [(y + dy, x + dx) for dy, dx in SIDES]
+        if any(inside(labels, *at) and labels[at] != labels[y, x] for at in beside):
+            layer[y, x] = 1
+
+    def reached(y: int, x: int, number: int) -> bool:
+        """Whether a pixel of that layer touches this one: by a corner too, if the layer's number is odd."""
+        corners = () if number % 2 == 0 else ((1, 1), (1, -1), (-1, 1), (-1, -1))
+        beside = [(y + dy, x + dx) for dy, dx in (*SIDES, *corners)]
+        return any(inside(labels, *at) and layer[at] == number for at in beside)
+
+    for number in range(1, max(width, hole_width)):
+        for y, x in pixels(labels):
+            if layer[y, x] == 255 and number < (hole_width if near_hole[y, x] else width) and reached(y, x, number):
+                layer[y, x] = number + 1
+    inner = np.zeros(int(labels.max()) + 1, np.int32)
+    for at in pixels(labels):
+        goes_on = layer[at] == 255 and any(reached(*at, number) for number in range(1, max(width, hole_width) + 1))
+        inner[labels[at]] = max(inner[labels[at]], 255 if goes_on else layer[at] if layer[at] < 255 else 0)
+    return layer, inner
+
+
+def open_layers(labels: Array, layer: Array, inner: Array, share: float) -> Array:
+    """Flags of the pixels in the outer share of their label's layers: 1, with 2 and 4 in the first and last column."""
+    out = np.zeros(labels.shape, np.uint8)
+    for at in pixels(labels):
+        layers = int(inner[labels[at]])
+        if layer[at] < 255 and (layers == 255 or layer[at] <= float(np.float32(share)) * layers):
+            out[at] = 1
+    return flag_columns(out)
+
+
+def flag_columns(opened: Array) -> Array:
+    """The flags with those of the first and last column."""
+    out = opened.copy()
+    for y, x in pixels(opened):
+        if opened[y, x] and x == 0:
+            out[y, x] |= 2
+        if opened[y, x] and x == opened.shape[1] - 1:
+            out[y, x] |= 4
+    return out
+
+
+def grow_seeds(
+    color: Array, depth: Array, labels: Array, opened: Array, memory: float, carry: float, step: tuple[float, ...]
+) -> Array:
+    """Labels by Prim's algorithm as a search of all edges for the lightest, the earliest found first among equals.
+
+    step: metres, the same per squared distance, and the weight of a full one.
+    """
+    labels, opened, color = labels.copy(), opened > 0, color.astype(np.float32)
+    tree = {at: color[at] for at in pixels(labels) if not opened[at]}
+    edges: list[tuple[int, tuple[int, int], tuple[int, int]]] = []
+
+    def weigh(here: tuple[int, int], other: tuple[int, int], before: float) -> int:
+        d = tree[here] - color[other]
+        weight = np.sqrt(np.float32(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]))
+        a, b = depth[here], depth[other]
+        if a > 0 and b > 0:
+            weight += min(abs(a - b) / max(step[0], step[1] * a * a), 1.0) * step[2]
+        return min(int(weight + before), 2047)
+
+    def near(p: tuple[int, int]) -> list[tuple[int, int]]:
+        beside = [(p[0] + dy, p[1] + dx) for dy, dx in SIDES]
+        return [at for at in beside if inside(labels, *at)]
+
+    for p in pixels(labels):
+        edges += [(weigh(q, p, 0.0), q, p) for q in near(p) if opened[p] and not opened[q]]
+    while edges:
+        weight, here, p = edges.pop(min(range(len(edges)), key=lambda k: (edges[k][0], k)))
+        if not opened[p]:
+            continue
+        opened[p] = False
+        labels[p] = labels[here]
+        tree[p] = np.float32(memory) * tree[here] + np.float32(1 - memory) * color[p]
+        edges += [(weigh(p, q, np.float32(carry) * np.float32(weight)), p, q) for q in near(p) if opened[q]]
+    return labels
 
 
 # --- sorting --------------------------------------------------------------------------------------------------
@@ -671,6 +789,17 @@ def sum_borders(
     return out
 
 
+def collect_pairs(labels: Array, boundary: Array) -> list[tuple[int, int, float]]:
+    """Lower and higher region and stronger boundary of every pair of 4-neighbours in two regions, row by row."""
+    out = []
+    for y, x in pixels(labels):
+        for v, u in ((y, x + 1), (y + 1, x)):
+            if inside(labels, v, u) and labels[v, u] != labels[y, x]:
+                ends = sorted((int(labels[y, x]), int(labels[v, u])))
+                out.append((ends[0], ends[1], float(max(boundary[y, x], boundary[v, u]))))
+    return out
+
+
 def sum_hollows(labels: Array, number: Array, depth: Array, fx: float, margin: int) -> Array:
     """(S, 2): how far the middle of every run lies behind the chord between its ends, and the chord's length."""
     out = np.zeros((int(number.max(initial=-1)) + 1, 2))
@@ -689,29 +818,45 @@ def sum_hollows(labels: Array, number: Array, depth: Array, fx: float, margin: i
     return out
 
 
-def sum_steps(
-    labels: Array, depth: Array, wanted: Array, near: int, deep: int, step_m: float, step_share: float
+def sum_outlines(
+    labels: Array,
+    depth: Array,
+    height: Array,
+    lengths_px: tuple[int, int, int],
+    step: tuple[float, float],
+    ledge: tuple[float, float],
 ) -> Array:
-    """(R, 4): sides across the contour, those measured, those where depth steps back, sides on the image border."""
-    out = np.zeros((len(wanted), 4))
-    for p in (np.array(at) for at in pixels(labels) if wanted[labels[at]]):
+    """(R, 6): sides across the outline; of these measured, farther, nearer, stepped in height; on the image border.
+
+    height (H, W) above the support. lengths_px: where depth is sampled, where the own slope is, the widest shadow.
+    """
+    near, deep, shadow = lengths_px
+    out = np.zeros((int(labels.max()) + 1, 6))
+    for p in (np.array(at) for at in pixels(labels)):
         k = labels[tuple(p)]
-        for step in (np.array(direction) for direction in ((0, 1), (0, -1), (1, 0), (-1, 0))):
-            if not inside(labels, *(p + step)):
-                out[k, 3] += 1
+        for step_to in (np.array(direction) for direction in ((0, 1), (0, -1), (1, 0), (-1, 0))):
+            if not inside(labels, *(p + step_to)):
+                out[k, 5] += 1
                 continue
-            if labels[tuple(p + step)] == k:
+            if labels[tuple(p + step_to)] == k:
                 continue
-            own = [p - (at - 1) * step for at in (near, deep)]
-            inner, deeper = (
-                float(depth[tuple(at)]) if inside(labels, *at) and labels[tuple(at)] == k else 0.0 for at in own
-            )
-            outer = float(depth[tuple(p + near * step)]) if inside(labels, *(p + near * step)) else 0.0
             out[k, 0] += 1
-            if inner > 0 and outer > 0:
-                slope = abs(inner - deeper) / (deep - near) * 2 * near if deeper > 0 else 0.0
-                out[k, 1] += 1
-                out[k, 2] += outer - inner > step_m + step_share * inner + slope
+            own = [
+                tuple(at)
+                for at in (p - (near - 1) * step_to, p)
+                if inside(labels, *at) and labels[tuple(at)] == k and depth[tuple(at)] > 0
+            ]
+            beyond = [tuple(p + (near + further) * step_to) for further in range(shadow + 1)]
+            seen = [at for at in beyond if inside(labels, *at) and depth[at] > 0]
+            if not own or not seen:
+                continue
+            inner, outer = float(depth[own[0]]), float(depth[seen[0]])
+            slope, at = 0.0, tuple(p - (deep - 1) * step_to)
+            if inside(labels, *at) and labels[at] == k and depth[at] > 0:
+                slope = abs(inner - float(depth[at])) / (deep - near) * 2 * near
+            least = step[0] + step[1] * inner + slope
+            rise = abs(height[own[0]] - height[seen[0]])
+            out[k, 1:5] += [1, outer - inner > least, inner - outer > least, rise > max(ledge[0], ledge[1] * inner**2)]
     return out
 
 

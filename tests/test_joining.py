@@ -13,7 +13,6 @@ from spigolo.additions import joining
 from spigolo.additions.joining import join_parts
 from spigolo.additions.stance import measure_stance
 from spigolo.additions.support import find_support
-from spigolo.objects.facts import find_level, measure_regions, measure_rim
 from spigolo.settings.additions import Cap, Smooth, Vessel
 from spigolo.stages.regions import Regions
 
@@ -273,9 +272,11 @@ def test_what_stands_tall_and_hides_nothing_is_a_wall(width: float, hides_someth
     stretch = (depth == upright) & (abs(x) < 0.125)
     regions = Regions(naive.number_regions(stretch.reshape(-1).tolist()).reshape(stretch.shape), 2)
     region = int(regions.labels[stretch][0])
-    hides = measure_stance(regions, depth.astype(np.float32), CAMERA, stretch, sp.settings.Wall()).hides
+    hides = measure_stance(regions, depth.astype(np.float32), CAMERA, None, stretch, sp.settings.Wall(), None).hides
     assert (hides[region] >= sp.settings.Wall().min_hides) == hides_something
-    low = measure_stance(regions, depth.astype(np.float32), CAMERA, np.zeros_like(stretch), sp.settings.Wall())
+    low = measure_stance(
+        regions, depth.astype(np.float32), CAMERA, None, np.zeros_like(stretch), sp.settings.Wall(), None
+    )
     assert np.isnan(low.hides[region])
     assert np.isnan(low.lean_deg[region])
 
@@ -289,39 +290,10 @@ def test_a_face_that_turns_away_is_the_side_of_a_compartment(turn_deg: float, is
     depth = np.broadcast_to(row, (120, 160)).astype(np.float32)
     labels = np.zeros((120, 160), np.int32)
     labels[40:80, 60:100] = 1
-    stance = measure_stance(Regions(labels, 2), depth, camera, labels == 1, sp.settings.Wall())
+    stance = measure_stance(Regions(labels, 2), depth, camera, None, labels == 1, sp.settings.Wall(), None)
     assert stance.lean_deg[1] == pytest.approx(turn_deg, abs=1.0)
-    assert (stance.lean_deg[1] > sp.settings.Wall().max_lean_deg) == is_side
+    assert (stance.lean_deg[1] > sp.settings.Wall().slant_deg) == is_side
     assert np.isnan(stance.lean_deg[0])
-
-
-@pytest.mark.parametrize("goes_on", [True, False])
-def test_a_level_piece_that_goes_on_is_part_of_a_rim(goes_on: bool) -> None:
-    """A bar across the picture, of which a fifth is a region; or that fifth alone."""
-    color, depth = np.zeros((60, 100, 3), np.uint8), np.ones((60, 100), np.float32)
-    height = np.zeros((60, 100))
-    height[20:30, slice(None) if goes_on else slice(40, 60)] = 0.2
-    labels = np.zeros((60, 100), np.int32)
-    labels[20:30, 40:60] = 1
-    frame = sp.Frame(color, depth, sp.Camera(fx=300.0, fy=300.0, cx=50.0, cy=30.0, width=100, height=60))
-    facts = measure_regions(Regions(labels, 2), depth, frame, np.zeros((60, 100), np.float32))[1]
-    level = find_level(facts, height, depth, sp.settings.Wall().rim_m)
-    assert level == pytest.approx(0.2)
-    rim = measure_rim(facts, (height == level) & (labels == 0))
-    assert rim == pytest.approx(4.0 if goes_on else 0.0)
-
-
-@pytest.mark.parametrize(("share", "is_level"), [(0.6, False), (0.7, True)])
-def test_a_region_is_level_where_most_of_it_lies_at_one_height(share: float, is_level: bool) -> None:
-    height, depth = np.full((10, 100), 0.5), np.ones((10, 100), np.float32)
-    height[:, : int(100 * share)] = 0.2
-    facts = measure_regions(
-        Regions(np.zeros((10, 100), np.int32), 1),
-        depth,
-        sp.Frame(np.zeros((10, 100, 3), np.uint8), depth, None),
-        np.zeros((10, 100), np.float32),
-    )[0]
-    assert find_level(facts, height, depth, sp.settings.Wall().rim_m) == (pytest.approx(0.2) if is_level else None)
 
 
 def test_a_frame_of_edges_is_no_second_support() -> None:

@@ -32,11 +32,13 @@ from spigolo.kernels import (
     lzf,
     merging,
     moments,
+    outlines,
     polar,
     potts,
     rasterising,
     registration,
     saliency,
+    seeding,
     smoothing,
     sorting,
 )
@@ -335,12 +337,13 @@ def test_fill_shadows(scene: Frame, max_run: int) -> None:
     np.testing.assert_array_equal(out, naive.fill_shadows(scene.depth, max_run))
 
 
+@pytest.mark.parametrize("noise_per_m", [0.0, 0.004])
 @pytest.mark.parametrize("reach", [(1, 2), (3, 2), (4, 4)])
-def test_mark_contours(scene: Frame, reach: tuple[int, int]) -> None:
+def test_mark_contours(scene: Frame, reach: tuple[int, int], noise_per_m: float) -> None:
     k, filled = scene.camera, naive.fill_shadows(scene.depth, 3)
     camera, limits = (k.fx, k.fy, k.cx, k.cy), (0.012, 0.007)
     steps, creases = np.zeros(scene.shape, np.uint8), np.zeros(scene.shape, np.uint8)
-    rest = (reach[0], *limits, reach[1], 40.0, 150.0)
+    rest = (reach[0], *limits, reach[1], 40.0, 150.0, noise_per_m)
     contours.mark_contours(scene.depth, filled, camera, *rest, steps, creases)
     twin_steps, twin_creases = naive.mark_contours(scene.depth, filled, camera, *rest)
     np.testing.assert_array_equal(steps, twin_steps)
@@ -734,14 +737,28 @@ def test_a_row_that_ends_on_the_background_says_nothing_of_how_a_region_bulges()
     assert 0.15 < sums[0, 0] / sums[0, 1] < 0.25
 
 
-@pytest.mark.parametrize(("near", "deep"), [(1, 2), (2, 5), (4, 10)])
-def test_sum_steps(
-    scene: Frame, rng: np.random.Generator, blocks: tuple[naive.Array, naive.Array], near: int, deep: int
-) -> None:
-    labels, wanted = blocks[0], rng.integers(0, 2, int(blocks[0].max()) + 1).astype(np.uint8)
-    sums = np.zeros((len(wanted), borders.STEPS))
-    borders.sum_steps(labels, scene.depth, wanted, near, deep, 0.0121, 0.0061, sums)
-    twin = naive.sum_steps(labels, scene.depth, wanted, near, deep, 0.0121, 0.0061)
+def test_collect_pairs(labels: naive.Array, rng: np.random.Generator) -> None:
+    boundary = rng.random(labels.shape, np.float32)
+    twin = naive.collect_pairs(labels, boundary)
+    pairs, strength = np.zeros(len(twin) + 1, np.int64), np.zeros(len(twin) + 1, np.float32)
+    assert borders.collect_pairs(labels, boundary, pairs, strength) == len(twin)
+    ends = [(int(pair) >> 32, int(pair) & 0xFFFFFFFF) for pair in pairs[:-1]]
+    assert sorted((*both, float(s)) for both, s in zip(ends, strength, strict=False)) == sorted(twin)
+    few, weak = np.zeros(len(twin) // 2, np.int64), np.zeros(len(twin) // 2, np.float32)
+    assert borders.collect_pairs(labels, boundary, few, weak) == len(twin)
+    np.testing.assert_array_equal(few, pairs[: few.size])
+
+
+@pytest.mark.parametrize("lengths_px", [(1, 2, 0), (2, 5, 3), (4, 10, 60)])
+def test_sum_outlines(scene: Frame, blocks: tuple[naive.Array, naive.Array], lengths_px: tuple[int, int, int]) -> None:
+    labels, shape = blocks[0], scene.depth.shape
+    slope_x = np.linspace(-0.2, 0.3, shape[1]).astype(np.float32)
+    slope_y, slope, offset = np.linspace(0.1, -0.4, shape[0]).astype(np.float32), np.float32(-0.7), np.float32(0.9)
+    height = (slope_x + slope_y[:, None] + slope) * scene.depth + offset
+    sums = np.zeros((int(labels.max()) + 1, outlines.SUMS))
+    numbers = (0.0121, 0.0061, 0.0063, 0.0057)
+    outlines.sum_outlines(labels, scene.depth, slope_x, slope_y, slope, offset, *lengths_px, *numbers, sums)
+    twin = naive.sum_outlines(labels, scene.depth, height, lengths_px, numbers[:2], numbers[2:])
     np.testing.assert_array_equal(sums, twin)
 
 
@@ -940,6 +957,88 @@ def test_unpack_lzf() -> None:
         assert out.tobytes() == wanted
         assert not lzf.unpack_lzf(np.frombuffer(packed[:-1], np.uint8).copy(), out), "cut off"
         assert not lzf.unpack_lzf(np.frombuffer(packed, np.uint8).copy(), out[:-1]), "longer than was said"
+
+
+# --- seeded partition -----------------------------------------------------------------------------------------
+
+
+def _seeded(rng: np.random.Generator, shape: tuple[int, int] = (14, 17)) -> tuple[naive.Array, ...]:
+    """Labels, colour and depth of two objects that touch, with noise and holes in the depth."""
+    labels = np.zeros(shape, np.int32)
+    labels[3:10, 2:9], labels[5:13, 9:15] = 1, 2
+    color = rng.integers(0, 90, (*shape, 3)).astype(np.uint8) + (40 * labels).astype(np.uint8)[..., None]
+    depth = (1.0 - 0.1 * (labels > 0) + rng.normal(0, 0.004, shape)).astype(np.float32)
+    depth[rng.random(shape) < 0.2] = 0
+    return labels, color, depth
+
+
+def _layers(labels: naive.Array, depth: naive.Array, width: int, hole_width: int) -> tuple[naive.Array, naive.Array]:
+    layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max()) + 1, np.int32)
+    seeding.measure_layers(labels, (depth == 0).astype(np.uint8), width, hole_width, layer, inner)
+    return layer, inner
+
+
+@pytest.mark.parametrize("reach", [1, 3, 8])
+def test_count_ramps(scene: Frame, blocks: tuple[naive.Array, naive.Array], reach: int) -> None:
+    sums, numbers = np.zeros(2, np.int64), (np.float32(0.02), np.float32(0.03))
+    seeding.count_ramps(blocks[0], scene.depth, reach, *numbers, sums)
+    assert sums.tolist() == naive.count_ramps(blocks[0], scene.depth, reach, 0.02, 0.03)
+
+
+@pytest.mark.parametrize(("ramp", "smeared_px"), [([], 0), ([0.9], 1), ([0.95, 0.9, 0.85], 3)])
+def test_a_ramp_is_as_wide_as_what_lies_between_both_depths(ramp: list[float], smeared_px: int) -> None:
+    """A step of 0.2 m in every row, its middle pixels smeared."""
+    row = [1.0] * (12 - len(ramp) // 2) + ramp + [0.8] * 12
+    depth = np.tile(np.array(row, np.float32), (5, 1))
+    labels = np.zeros(depth.shape, np.int32)
+    labels[:, 12:] = 1
+    sums = np.zeros(2, np.int64)
+    seeding.count_ramps(labels, depth, 8, np.float32(0.03), np.float32(0.02), sums)
+    assert sums.tolist() == [5, 5 * smeared_px]
+
+
+@pytest.mark.parametrize("widths", [(2, 4), (1, 1), (4, 2), (3, 20)])
+@pytest.mark.parametrize("seed", range(4))
+def test_measure_layers(seed: int, widths: tuple[int, int]) -> None:
+    labels, _, depth = _seeded(np.random.default_rng(seed))
+    layer, inner = _layers(labels, depth, *widths)
+    twin_layer, twin_inner = naive.measure_layers(labels, depth == 0, *widths)
+    np.testing.assert_array_equal(layer, twin_layer)
+    assert inner.tolist() == twin_inner.tolist()
+
+
+@pytest.mark.parametrize("share", [0.0, 0.34, 0.6, 1.0])
+def test_open_layers(scene: Frame, blocks: tuple[naive.Array, naive.Array], share: float) -> None:
+    layer, inner = _layers(blocks[0], scene.depth, 2, 4)
+    opened = np.full(layer.shape, 99, np.uint8)
+    count = seeding.open_layers(blocks[0], layer, inner, np.float32(share), opened)
+    np.testing.assert_array_equal(opened, naive.open_layers(blocks[0], layer, inner, share))
+    assert count == np.count_nonzero(opened)
+
+
+def test_flag_columns(scene: Frame, rng: np.random.Generator) -> None:
+    opened = (rng.random(scene.shape) < 0.5).astype(np.uint8)
+    twin = naive.flag_columns(opened)
+    seeding.flag_columns(opened)
+    np.testing.assert_array_equal(opened, twin)
+    seeding.flag_columns(opened)
+    np.testing.assert_array_equal(opened, twin)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(("memory", "carry"), [(0.5, 0.9), (0.0, 0.0)])
+def test_grow_seeds(seed: int, memory: float, carry: float) -> None:
+    labels, color, depth = _seeded(np.random.default_rng(seed))
+    layer, inner = _layers(labels, depth, 2, 3)
+    opened = np.empty(labels.shape, np.uint8)
+    count = seeding.open_layers(labels, layer, inner, np.float32(0.6), opened)
+    out, left, source, step = labels.copy(), opened.copy(), np.empty(labels.size, np.int32), (0.018, 0.0083, 40.0)
+    seeding.grow_seeds(color, depth, out, left, count, memory, carry, *map(np.float32, step), source)
+    np.testing.assert_array_equal(out, naive.grow_seeds(color, depth, labels, opened, memory, carry, step))
+    assert not left.any()
+    where = np.flatnonzero(opened)
+    assert not opened.reshape(-1)[source[where]].any()
+    np.testing.assert_array_equal(out.reshape(-1)[where], labels.reshape(-1)[source[where]])
 
 
 # --- all of them ----------------------------------------------------------------------------------------------

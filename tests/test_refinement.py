@@ -1,71 +1,16 @@
-"""The kernels of the refinement against slow twins."""
+"""Outlines drawn again by colour: what moves, what stays, and the facts that follow."""
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.additions.refinement import enlarge_labels, refine_labels
+from spigolo.additions.refinement import enlarge_labels, open_hulls, refine_labels
 from spigolo.kernels import seeding
 from spigolo.settings import Refinement
-
-MEMORY, CARRY, STEP_M, STEP_PER_M, STEP_WEIGHT = 0.5, 0.9, 0.018, 0.0083, 40.0
-
-
-def naive_grow(color, depth, labels, opened, memory=MEMORY, carry=CARRY):
-    """Prim's algorithm as a search of all edges for the lightest, the earliest found first among equals."""
-    labels, opened, color = labels.copy(), opened > 0, color.astype(np.float32)
-    tree = {(y, x): color[y, x] for y, x in zip(*np.nonzero(~opened), strict=True)}
-    edges = []
-
-    def weigh(here, other, before):
-        d = tree[here] - color[other]
-        weight = np.sqrt(np.float32(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]))
-        a, b = depth[here], depth[other]
-        if a > 0 and b > 0:
-            weight += min(abs(a - b) / max(STEP_M, STEP_PER_M * a * a), 1.0) * STEP_WEIGHT
-        return min(int(weight + before), seeding.LEVELS - 1)
-
-    def near(p):
-        for dy, dx in ((0, 1), (1, 0), (0, -1), (-1, 0)):
-            q = p[0] + dy, p[1] + dx
-            if 0 <= q[0] < labels.shape[0] and 0 <= q[1] < labels.shape[1]:
-                yield q
-
-    for p in zip(*np.nonzero(opened), strict=True):
-        edges += [(weigh(q, p, 0.0), q, p) for q in near(p) if not opened[q]]
-    while edges:
-        k = min(range(len(edges)), key=lambda k: (edges[k][0], k))
-        weight, here, p = edges.pop(k)
-        if not opened[p]:
-            continue
-        opened[p] = False
-        labels[p] = labels[here]
-        tree[p] = np.float32(memory) * tree[here] + np.float32(1 - memory) * color[p]
-        edges += [(weigh(p, q, np.float32(carry) * np.float32(weight)), p, q) for q in near(p) if opened[q]]
-    return labels
-
-
-def naive_layers(labels, near_hole, width, hole_width):
-    shape = labels.shape
-    layer = np.full(shape, 255, np.uint8)
-    for y, x in itertools.product(*map(range, shape)):
-        around = [(y + 1, x), (y - 1, x), (y, x + 1), (y, x - 1)]
-        if any(0 <= v < shape[0] and 0 <= u < shape[1] and labels[v, u] != labels[y, x] for v, u in around):
-            layer[y, x] = 1
-    for number in range(1, max(width, hole_width)):
-        for y, x in zip(*np.nonzero(layer == number), strict=True):
-            for dy, dx in itertools.product((-1, 0, 1), repeat=2):
-                v, u = y + dy, x + dx
-                if (number % 2 == 0 and dy and dx) or not (0 <= v < shape[0] and 0 <= u < shape[1]):
-                    continue
-                if layer[v, u] == 255 and number < (hole_width if near_hole[v, u] else width):
-                    layer[v, u] = number + 1
-    return layer
 
 
 def small_frame(seed, shape=(14, 17)):
@@ -76,43 +21,6 @@ def small_frame(seed, shape=(14, 17)):
     depth = (1.0 - 0.1 * (labels > 0) + rng.normal(0, 0.004, shape)).astype(np.float32)
     depth[rng.random(shape) < 0.2] = 0
     return labels, color, depth
-
-
-def grow(color, depth, labels, opened, memory=MEMORY, carry=CARRY):
-    out, flags = labels.copy(), opened.copy()
-    source = np.empty(labels.size, np.int32)
-    numbers = [np.float32(v) for v in (STEP_M, STEP_PER_M, STEP_WEIGHT)]
-    seeding.grow_seeds(color, depth, out, flags, int((opened > 0).sum()), memory, carry, *numbers, source)
-    return out, flags, source
-
-
-def opened_of(labels, depth, width=2, hole_width=3):
-    near_hole = (depth == 0).astype(np.uint8)
-    layer, inner = np.empty(labels.shape, np.uint8), np.zeros(labels.max() + 1, np.int32)
-    seeding.measure_layers(labels, near_hole, width, hole_width, layer, inner)
-    opened = np.empty(labels.shape, np.uint8)
-    seeding.open_layers(labels, layer, inner, np.float32(0.6), opened)
-    return layer, inner, opened
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_layers_are_those_of_the_slow_twin(seed):
-    labels, _, depth = small_frame(seed)
-    layer, _, _ = opened_of(labels, depth, 2, 4)
-    np.testing.assert_array_equal(layer, naive_layers(labels, depth == 0, 2, 4))
-
-
-@pytest.mark.parametrize("seed", range(12))
-@pytest.mark.parametrize(("memory", "carry"), [(MEMORY, CARRY), (0.0, 0.0)])
-def test_forest_is_that_of_the_slow_twin(seed, memory, carry):
-    labels, color, depth = small_frame(seed)
-    _, _, opened = opened_of(labels, depth)
-    out, left, source = grow(color, depth, labels, opened, memory, carry)
-    np.testing.assert_array_equal(out, naive_grow(color, depth, labels, opened, memory, carry))
-    assert not left.any()
-    where = np.flatnonzero(opened.reshape(-1))
-    assert not opened.reshape(-1)[source[where]].any()
-    np.testing.assert_array_equal(out.reshape(-1)[where], labels.reshape(-1)[source[where]])
 
 
 def test_every_object_keeps_pixels_and_the_closed_ones_stay():
@@ -133,6 +41,45 @@ def test_an_outline_moves_to_the_colour_edge_where_depth_is_missing():
     labels[15:45, 20:52] = 1
     out = refine_labels(labels, color, depth, Refinement(sigma_px=0.0)).labels
     np.testing.assert_array_equal(out > 0, color[..., 0] == 30)
+
+
+@pytest.mark.parametrize("min_solidity", [0.5, None])
+def test_the_bottom_of_a_bowl_has_the_depth_of_the_table_and_the_colour_of_the_bowl(min_solidity):
+    y, x = np.mgrid[:120, :160]
+    radius = np.hypot(y - 60, x - 80)
+    bowl, bottom = radius < 45, radius < 25
+    color = np.where(bowl[..., None], 40, 180).astype(np.uint8).repeat(3, axis=2)
+    depth = np.where(bowl & ~bottom, 0.95, 1.0).astype(np.float32)
+    labels = (bowl & ~bottom).astype(np.int32)
+    done = refine_labels(labels, color, depth, Refinement(min_solidity=min_solidity, sigma_px=0.0))
+    whole = np.count_nonzero((done.labels == 1) & bottom) / np.count_nonzero(bottom)
+    assert whole == (1.0 if min_solidity is not None else pytest.approx(0.0, abs=0.5))
+    np.testing.assert_array_equal(done.labels[~bowl], 0)
+
+
+@pytest.mark.parametrize(("size", "is_opened"), [(10, False), (45, True)])
+def test_only_what_fills_most_of_its_hull_is_opened(size, is_opened):
+    """The handle and body of a drill leave most of the hull free; a thick corner does not."""
+    labels = np.zeros((120, 160), np.int32)
+    labels[20:100, 30 : 30 + size] = labels[20 : 20 + size, 30:110] = 1
+    opened = np.zeros(labels.shape, np.uint8)
+    count = open_hulls(labels, opened, 0.5)
+    assert (count > 0) == is_opened
+    assert count == np.count_nonzero(opened)
+    assert not opened[labels > 0].any()
+
+
+def test_a_hull_opens_background_only_and_flags_the_image_border():
+    labels = np.zeros((60, 80), np.int32)
+    labels[10:50, :30] = 1
+    labels[20:40, :12] = 0
+    labels[25:35, 4:10] = 2
+    opened = np.zeros(labels.shape, np.uint8)
+    open_hulls(labels, opened, 0.5)
+    notch = np.zeros(labels.shape, bool)
+    notch[20:40, :12] = True
+    np.testing.assert_array_equal(opened > 0, notch & (labels == 0))
+    assert (opened[20:40, 0] == seeding.OPEN | seeding.FIRST_COLUMN).all()
 
 
 def test_enlarged_labels_follow_the_full_image():

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from spigolo.additions.contours import Contours, add_contours
 from spigolo.additions.joining import join_parts
+from spigolo.additions.merging import merge_regions
 from spigolo.additions.packing import warn_of_packing
 from spigolo.additions.support import Plane, find_support
 from spigolo.frames.frame import Frame, check_frame
 from spigolo.frames.roi import Roi, pixel_of, roi_mask
 from spigolo.kernels.workspace import Workspace
 from spigolo.objects.outlines import redraw_outlines
+from spigolo.objects.scene import find_above
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 from spigolo.objects.selection import select_objects, set_scene
 from spigolo.settings.config import Config, check_config
@@ -74,6 +76,8 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # eqs. 9, 22 or 23
     del color  # three times as large as another cue
     regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # eqs. 2, 3
+    if ours and ours.merging and edges:
+        regions = merge_regions(regions, cues.delta_bound, depth, find_above(frame, plane, ours), ours.merging)  # ours
     regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours
     scene = set_scene(frame, cues, graph, plane, contours, config, roi)
     segmentation = select_objects(regions, scene)  # section III-F, and ours

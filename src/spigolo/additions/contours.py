@@ -19,6 +19,9 @@ from spigolo.kernels import contours as kernel
 from spigolo.settings.additions import Additions, DepthContours
 from spigolo.stages.edges import NO_ANGLE_DEG, EdgeMaps
 
+NOISE_ROWS, NOISE_SAMPLES = 16, 1000
+"""Step between the rows that noise is measured on, and minimum number of pixels for it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contours:
@@ -54,6 +57,9 @@ def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours
     filled = np.empty_like(depth)
     kernel.fill_shadows(depth, config.max_shadow_px, filled)
     steps, creases = np.zeros(depth.shape, np.uint8), np.zeros(depth.shape, np.uint8)
+    noise_per_m = 0.0
+    if config.crease_noise is not None:
+        noise_per_m = config.crease_noise * measure_noise(depth, config.crease_offset_px)
     kernel.mark_contours(
         depth,
         filled,
@@ -64,10 +70,25 @@ def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours
         config.crease_offset_px,
         config.crease_low_deg if camera is not None else NO_ANGLE_DEG,
         config.crease_high_deg,
+        noise_per_m,
         steps,
         creases,
     )
     return (steps | creases).view(bool)
+
+
+def measure_noise(depth: DepthMap, reach_px: int) -> float:
+    """Return how far depth (H, W) scatters about the chord of its neighbours `reach_px` away, per squared depth, 1/m.
+
+    The median over the frame: most pixels lie on smooth surfaces, so that noise bends them. 0 without enough depth.
+    """
+    rows = depth[::NOISE_ROWS]
+    before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]
+    known = (before > 0) & (here > 0) & (after > 0)
+    before, here, after = before[known], here[known], after[known]
+    if here.size < NOISE_SAMPLES:
+        return 0.0
+    return float(np.median(np.abs(here - 2 * before * after / (before + after)) / (here * here)))
 
 
 def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:

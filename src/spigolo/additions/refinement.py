@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from spigolo.frames.frame import Color, DepthMap, Mask
+from spigolo.kernels import moments
 from spigolo.kernels import seeding as kernel
 from spigolo.settings.additions import Refinement
 
@@ -47,7 +49,32 @@ def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinem
     width = band_width_px(labels, depth, config)
     near_hole = _widen(np.asarray(depth == 0), config.near_hole_px)
     opened, count = open_band(labels, near_hole, width, max(width, config.hole_width_px), config.max_opened)
+    if config.min_solidity is not None:
+        count += open_hulls(labels, opened, config.min_solidity)
     return claim(labels, opened, count, color, depth, config)
+
+
+def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: float) -> int:
+    """Open the background inside the convex hull of each object that fills most of it. Return the number of pixels.
+
+    The bottom of a bowl lies on the table, so that depth does not tell it from the table.
+    """
+    count = int(labels.max(initial=0)) + 1
+    sums, boxes = np.zeros((count, 6)), np.zeros((count, 4), np.int32)
+    moments.sum_regions(labels, sums, boxes)
+    opened_before = np.count_nonzero(opened)
+    for number, (top, left, bottom, right) in enumerate(boxes.tolist()[1:], start=1):
+        here = labels[top:bottom, left:right]
+        outlines, _ = cv2.findContours((here == number).view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        hull: Any = cv2.convexHull(np.vstack(outlines)) if outlines else np.zeros((0, 1, 2), np.int32)
+        if not outlines or sum(map(cv2.contourArea, outlines)) < min_solidity * cv2.contourArea(hull):
+            continue
+        inside = np.zeros(here.shape, np.uint8)
+        cv2.fillConvexPoly(inside, hull, kernel.OPEN)
+        inside[here != 0] = 0
+        opened[top:bottom, left:right] |= inside
+    kernel.flag_columns(opened)
+    return int(np.count_nonzero(opened) - opened_before)
 
 
 def enlarge_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Labels:

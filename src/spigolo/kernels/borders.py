@@ -93,3 +93,29 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
                     sums[k, 0] += behind
                     sums[k, 1] += np.hypot(across, a - b)
             first = end
+
+
+@kernel
+def collect_pairs(labels, boundary, pairs, strength):
+    """Every pair of 4-neighbours in two regions: pairs (K,) int64 lower * 2^32 + higher, strength (K,) of the stronger.
+
+    labels (H, W) int32; boundary (H, W). Returns how many there are; with pairs too short only counts them.
+    """
+    height, width = labels.shape
+    count = 0
+    for y in range(height):
+        for x in range(width):
+            a = labels[y, x]
+            if x + 1 < width and labels[y, x + 1] != a:
+                b = labels[y, x + 1]
+                if count < pairs.size:
+                    pairs[count] = (np.int64(min(a, b)) << 32) | np.int64(max(a, b))
+                    strength[count] = max(boundary[y, x], boundary[y, x + 1])
+                count += 1
+            if y + 1 < height and labels[y + 1, x] != a:
+                b = labels[y + 1, x]
+                if count < pairs.size:
+                    pairs[count] = (np.int64(min(a, b)) << 32) | np.int64(max(a, b))
+                    strength[count] = max(boundary[y, x], boundary[y + 1, x])
+                count += 1
+    return count

@@ -82,8 +82,8 @@ def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
 
 
 @inlined
-def hollow_row(filled, y, n_y, n_x, crease_px, least, margin, maybe):
-    """Pixels of row y that lie deep enough behind their chord along (n_y, n_x) for a crease."""
+def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe):
+    """Pixels of row y that lie deep enough behind their chord along (n_y, n_x) for a crease, and beyond the noise."""
     v, u = crease_px * n_y, crease_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
     for x in range(maybe.size):
@@ -91,7 +91,8 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, margin, maybe):
         known = (d > f32(0.0)) & (b > f32(0.0)) & (a > f32(0.0))
         nearest = min(b, a)
         nearest = min(nearest, d)
-        maybe[x] |= np.uint8(MAY_CREASE) * (known & (hollow(b, d, a) >= least * nearest))
+        deep = hollow(b, d, a)
+        maybe[x] |= np.uint8(MAY_CREASE) * (known & (deep >= least * nearest) & (deep >= noise_per_m * d * d))
 
 
 @inlined
@@ -103,14 +104,25 @@ def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosi
 
 @kernel
 def mark_contours(
-    depth, filled, camera, step_px, step_m, step_per_m, crease_px, crease_low_deg, crease_high_deg, steps, creases
+    depth,
+    filled,
+    camera,
+    step_px,
+    step_m,
+    step_per_m,
+    crease_px,
+    crease_low_deg,
+    crease_high_deg,
+    noise_per_m,
+    steps,
+    creases,
 ):
     """Marks depth steps and concave creases, looked for in the four directions of the grid.
 
     A step bends by max(step_m, step_per_m d^2) or more over step_px; a crease is a contact by the signed angle of
-    eqs. 14-19 over crease_px. Either is marked only where the pixel or one of its two samples at step_px is valid in
-    depth (H, W); samples come from filled, the same with its shadows filled, in metres. camera (fx, fy, cx, cy);
-    steps, creases (H, W) uint8, zero where nothing is written.
+    eqs. 14-19 over crease_px whose tip lies behind the chord by noise_per_m d^2 or more. Either is marked only where
+    the pixel or one of its two samples at step_px is valid in depth (H, W); samples come from filled, the same with its
+    shadows filled, in metres. camera (fx, fy, cx, cy); steps, creases (H, W) uint8, zero where nothing is written.
     """
     height, width = depth.shape
     margin = max(step_px, crease_px)
@@ -120,7 +132,7 @@ def mark_contours(
     for y in range(margin, height - margin):
         for n_y, n_x in ((0, 1), (1, 0), (1, 1), (-1, 1)):
             step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe)
-            hollow_row(filled, y, n_y, n_x, crease_px, least, margin, maybe)
+            hollow_row(filled, y, n_y, n_x, crease_px, least, f32(noise_per_m), margin, maybe)
             v, u = step_px * n_y, step_px * n_x
             for k in range(maybe.size):
                 x = margin + k

@@ -139,6 +139,17 @@ def open_layers(labels, layer, inner, share, opened):
     return count
 
 
+@kernel
+def flag_columns(opened):
+    """Flag the open pixels of the first and last column of opened (H, W) uint8."""
+    last = opened.shape[1] - 1
+    for y in range(opened.shape[0]):
+        if opened[y, 0]:
+            opened[y, 0] |= FIRST_COLUMN
+        if opened[y, last]:
+            opened[y, last] |= LAST_COLUMN
+
+
 @inlined
 def edge_weight(tree, here, color, other, depth, step_m, step_per_m, step_weight):
     """Distance in RGB from the tree at pixel `here` to pixel `other`, plus step_weight times their depth step.
@@ -231,12 +242,13 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
         label[p] = label[source_of[s]]
         for c in range(3):
             tree[p, c] = keep * tree[s, c] + own * f32(points[p, c])
+        before = carried * f32(level)
         for k in range(4):
             q = neighbour(p, k, flags, width, state.size)
-            if q < 0 or not state[q]:
+            if q < 0 or not state[q] or least[q] <= before:
                 continue
             weight = edge_weight(tree, p, points, q, flat, step_m, step_per_m, step_weight)
-            bucket = min(int(carried * f32(level) + weight), LEVELS - 1)
+            bucket = min(int(before + weight), LEVELS - 1)
             if bucket < least[q]:
                 least[q] = bucket
                 push(bucket, q, p, size, head, tail, pixel, source, following)

@@ -9,7 +9,17 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from spigolo.settings.parameters import Angle_deg, Grows, Length_px, NotNegative, Offset_px, Positive, Settings, Share
+from spigolo.settings.parameters import (
+    Angle_deg,
+    Area_px2,
+    Grows,
+    Length_px,
+    NotNegative,
+    Offset_px,
+    Positive,
+    Settings,
+    Share,
+)
 
 
 class Facing(Settings):
@@ -93,9 +103,23 @@ class DepthContours(Settings):
     """Smallest angle of a crease, degrees."""
     crease_high_deg: Angle_deg = 140.0
     """Largest angle of a crease, degrees. Larger values give more contours. 0 finds no creases."""
+    crease_noise: NotNegative | None = None
+    """Minimum depth of a crease behind the chord of its sides, as a multiple of the frame's own depth noise. None:
+    every crease counts, however short its sides are in metres."""
     holes_from: Share | None = None
     """Minimum share of missing depth from which hole outlines and the image edges inside holes are contours too, so
     that regions do not leak through holes. None: off."""
+
+
+class Merging(Settings):
+    """Merging of regions over their whole common border."""
+
+    max_mean: Share = 0.4
+    """Maximum mean boundary along the whole common border of two regions that merge. Larger values merge more."""
+    line: Share = 0.35
+    """Minimum boundary of a pixel on a line."""
+    min_open_px2: Area_px2 = 200.0
+    """Minimum number of pixels off the lines in a region. A smaller one joins the neighbour with the weakest border."""
 
 
 class Vessel(Settings):
@@ -267,6 +291,8 @@ class Refinement(Settings):
     """Minimum number of depth steps to measure ramps from; with fewer the band has its minimum width."""
     max_opened: Share = 0.6
     """Maximum share of the layers of a small object that is opened: its innermost pixels stay."""
+    min_solidity: Share | None = 0.5
+    """Minimum share of an object's convex hull that it fills for the background inside the hull to be opened."""
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
     """Gaussian smoothing of the colour image before differences are taken; 0 smooths nothing."""
     step_m: Positive = 0.018
@@ -287,6 +313,8 @@ class Additions(Settings):
     """Warn if a layer of packed objects was taken for the support. Nothing is rejected."""
     contours: DepthContours | None = None
     """Add depth steps and creases to the boundary map, where the cost reads it."""
+    merging: Merging | None = None
+    """Merge regions over their whole common border, where the cost reads the boundary map."""
     joining: Joining | None = None
     """Join the parts of an object that the partition cut. Needs a support."""
     rules: Rules = Rules()

@@ -17,6 +17,7 @@ from spigolo.settings.additions import (
     Facing,
     Joining,
     Ledge,
+    Merging,
     Packing,
     Refinement,
     Rules,
@@ -91,7 +92,8 @@ OBJECTS_2 = OBJECTS_1.replace(
             stacked_share=0.5, opaque=True, facing=Facing(), min_things=0.02, near_roi=0.5, within_reach=True
         ),
         "packing": Packing(),
-        "contours": {"holes_from": 0.4},
+        "contours": {"crease_noise": 4.0, "holes_from": 0.4},
+        "merging": Merging(),
         "joining": Joining(vessel=Vessel(), cap=Cap(), smooth=Smooth(), enclosed=0.85),
         "rules": Rules(
             wall=Wall(),

@@ -11,8 +11,8 @@ from spigolo.settings.config import Config
 from spigolo.stream import Segmenter
 
 STAGES = (
-    "support plane", "depth", "edges", "contours", "cues", "colour", "weights", "partition", "joining", "scene",
-    "objects", "outlines",
+    "support plane", "depth", "edges", "contours", "cues", "colour", "weights", "partition", "merging", "joining",
+    "scene", "objects", "outlines",
 )  # fmt: skip
 """The stages of `pipeline.trace`, in order. A configuration without a stage has no time for it."""
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}

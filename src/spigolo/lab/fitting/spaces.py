@@ -55,6 +55,21 @@ REJECTED: Space = {
 }
 """Which regions are no objects: the same for every method."""
 
+OPTIONAL: Mapping[str, Space] = {
+    "additions.merging": {"additions.merging.max_mean": Range(0.2, 0.6)},
+    "additions.refinement": {
+        "additions.refinement.ramp_factor": Range(3.0, 8.0),
+        "additions.refinement.hole_width_px": Range(10, 30),
+        "additions.refinement.step_weight": Range(20.0, 80.0, log=True),
+    },
+    "additions.rules.wall": {
+        "additions.rules.wall.min_hides": Range(0.08, 0.25),
+        "additions.rules.wall.slant_deg": Range(30.0, 50.0),
+    },
+    "additions.rules.ledge": {"additions.rules.ledge.min_share": Range(0.35, 0.7)},
+}
+"""Numbers of additions that a preset may have. A preset without one does not draw them."""
+
 IN_PIXELS: Space = {
     "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
     "rejection.max_lambda2_px2": Range(1000.0, 4000.0, log=True),
@@ -155,7 +170,8 @@ def _ours(config: Config) -> Space:
     there = {SUPPORT: ours.support, CONTOURS: ours.contours, JOINING: ours.joining}
     added = {name: switch for name, switch in ADDED.items() if there[name] is None}
     sizes = IN_PIXELS if ours.rules.max_length_m is None else IN_METRES
-    space: Space = {**added, **DEPTH, **JOINED, **REJECTED, **sizes}
+    optional = {name: way for place, ways in OPTIONAL.items() if _has(config, place) for name, way in ways.items()}
+    space: Space = {**added, **DEPTH, **JOINED, **REJECTED, **sizes, **optional}
     match config.cost:
         case BoundaryCost(k_b=k_b):
             unit = k_b or 1.0  # k_b stays: only its ratios to k_x and gamma decide
@@ -177,6 +193,14 @@ def _ours(config: Config) -> Space:
         f"expected a preset with one cost function, got {config.name} with kind 'auto': fit one for frames with large"
         " shadows and one for the others"
     )
+
+
+def _has(config: Config, place: str) -> bool:
+    """Return whether a configuration has an optional stage."""
+    value: object = config
+    for name in place.split("."):
+        value = getattr(value, name, None)
+    return value is not None
 
 
 def complete(drawn: Setting, space: Space) -> Setting:

@@ -1,0 +1,109 @@
+"""Regions merged over their whole common border (`settings.Merging`).
+
+Equation 3 compares two regions by the lightest edge between them, in the order of all edges. A short piece of noise
+then parts a surface for good. Here regions merge in the order of the mean boundary along their whole common border.
+What stands above the support does not merge with what it stands on.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.clock import stage
+from spigolo.frames.frame import DepthMap, Mask
+from spigolo.kernels import borders as kernel
+from spigolo.settings.additions import Merging
+from spigolo.stages.regions import Regions
+
+Boundary = npt.NDArray[np.float32]
+Labels = npt.NDArray[np.int32]
+Sums = npt.NDArray[np.float64]
+
+
+@stage("merging")
+def merge_regions(
+    regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, config: Merging
+) -> Regions:
+    """Return the regions merged over borders with a weak boundary.
+
+    boundary: (H, W) in [0, 1], delta_bound. depth: (H, W) in metres. above: pixels (H, W) above the support, None
+    without one.
+    """
+    graph = _Borders(regions, boundary, depth, above, config.line)
+    graph.merge(lambda mean, a, b: mean < config.max_mean and graph.are_alike(a, b))
+    graph.merge(lambda mean, a, b: min(graph.open_px[a], graph.open_px[b]) < config.min_open_px2)
+    return regions.joined(np.array([graph.find(k) for k in range(regions.count)], np.int64))
+
+
+def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Sums, Sums]:
+    """Return the borders between regions: both regions, length in pixel pairs and summed boundary, each (E,)."""
+    size = labels.size // 4
+    while True:
+        pairs, strength = np.empty(size, np.int64), np.empty(size, np.float32)
+        count = int(kernel.collect_pairs(labels, boundary, pairs, strength))
+        if count <= size:
+            break
+        size = count
+    found, index = np.unique(pairs[:count], return_inverse=True)
+    length = np.bincount(index, minlength=found.size).astype(np.float64)
+    total = np.bincount(index, strength[:count], minlength=found.size).astype(np.float64)
+    return (found >> 32).astype(np.int32), (found & 0xFFFFFFFF).astype(np.int32), length, total
+
+
+class _Borders:
+    """Regions, and the length and summed boundary of the border of each with each neighbour."""
+
+    def __init__(self, regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, line: float) -> None:
+        self.root = list(range(regions.count))
+        self.open_px: list[int] = regions.count_where(np.asarray(boundary < line)).tolist()
+        measured = regions.count_where(np.asarray(depth > 0))
+        self.measured: list[int] = measured.tolist()
+        self.above: list[int] = (measured if above is None else regions.count_where(above)).tolist()
+        self.beside: list[dict[int, tuple[float, float]]] = [{} for _ in self.root]
+        columns = (column.tolist() for column in find_borders(regions.labels, boundary))
+        for a, b, n, t in zip(*columns, strict=True):
+            self.beside[a][b] = self.beside[b][a] = n, t
+
+    def find(self, k: int) -> int:
+        """Return the root of a region."""
+        while self.root[k] != k:
+            self.root[k] = self.root[self.root[k]]
+            k = self.root[k]
+        return k
+
+    def are_alike(self, a: int, b: int) -> bool:
+        """Return whether both regions stand above the support, or neither does. Without depth nothing is known."""
+        if not (self.measured[a] and self.measured[b]):
+            return True
+        stands_a, stands_b = (2 * self.above[k] > self.measured[k] for k in (a, b))
+        return stands_a == stands_b
+
+    def merge(self, may_merge: Callable[[float, int, int], bool]) -> None:
+        """Merge the neighbours with the weakest border first, as long as they may."""
+        heap = [(t / n, a, b) for a, beside in enumerate(self.beside) for b, (n, t) in beside.items() if a < b]
+        heapq.heapify(heap)
+        while heap:
+            mean, a, b = heapq.heappop(heap)
+            n, t = self.beside[a].get(b, (1.0, -1.0))
+            if t / n != mean or not may_merge(mean, a, b):  # merged, or changed since
+                continue
+            for c, (n_c, t_c) in self._join(a, b):
+                heapq.heappush(heap, (t_c / n_c, min(a, c), max(a, c)))
+
+    def _join(self, a: int, b: int) -> Iterator[tuple[int, tuple[float, float]]]:
+        """Join region b to region a, and yield the neighbours of b with their new border to a."""
+        self.root[b] = a
+        for counts in (self.open_px, self.measured, self.above):
+            counts[a] += counts[b]
+        del self.beside[a][b]
+        for c, (n, t) in self.beside[b].items():
+            if c != a:
+                del self.beside[c][b]
+                n_a, t_a = self.beside[a].get(c, (0.0, 0.0))
+                self.beside[a][c] = self.beside[c][a] = n + n_a, t + t_a
+                yield c, self.beside[a][c]
+        self.beside[b] = {}

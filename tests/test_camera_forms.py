@@ -172,6 +172,7 @@ def test_cameras_that_differ_are_refused_with_their_names(tmp_path: Path) -> Non
         ("k.npy", np.zeros((480, 640)), FileError, "an array of shape"),
         ("cameras.txt", "1 OPENCV_FISHEYE 640 480 6 6 3 2 0 0 0 0\n", CameraError, "got OPENCV_FISHEYE: undistort"),
         ("cameras.txt", "1 PINHOLE 640 480 600\n", FileError, "the parameters fx fy cx cy of PINHOLE"),
+        ("cameras.txt", "1 PINHOLE 640 480 6 6 3 2\n2 PINHOLE\n", FileError, "lines ID MODEL WIDTH HEIGHT PARAMETERS"),
         ("c.xml", "<x/>", FileError, "Supported: JSON or YAML"),
     ],
 )  # fmt: skip

@@ -38,8 +38,10 @@ def test_other_labels_stay_as_they_are(tmp_path: Path) -> None:
         cv2.imwrite(str(tmp_path / "l.png"), (LABELS * 60).astype(kind))
         np.testing.assert_array_equal(read_labels(tmp_path / "l.png"), LABELS * 60)
     (tmp_path / "cut.png").write_bytes(png(4, 2, 8, 3, packed(LABELS, 8), chunk(b"PLTE", PALETTE))[:60])
-    with pytest.raises(FileError):
-        read_labels(tmp_path / "cut.png")
+    (tmp_path / "no bits.png").write_bytes(png(4, 2, 0, 3, packed(LABELS, 8), chunk(b"PLTE", PALETTE)))
+    for name in ("cut.png", "no bits.png"):
+        with pytest.raises(FileError):
+            read_labels(tmp_path / name)
 
 
 def own_frame(folder: Path, labels: np.ndarray) -> None:

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from spigolo.doctor.findings import Finding, fine, note, warning
-from spigolo.doctor.scaling import Pair, best_scale
+from spigolo.doctor.scaling import Pair, ScaleFit, best_scale
 from spigolo.frames.frame import Color, DepthMap
 from spigolo.kernels.contours import fill_shadows
 
@@ -87,12 +87,7 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
         )
     scaled = best_scale(contours, gradients)
     if scaled.is_clear:
-        return warning(
-            ALIGNMENT,
-            f"expected the contours of depth on those of colour, found that they fit when depth is scaled by"
-            f" {scaled.scale:.2f} about the image centre and moved by {scaled.dx_px:+.0f} px in x and"
-            f" {scaled.dy_px:+.0f} px in y: depth was not registered to colour, as register_depth does it",
-        )
+        return _not_registered(scaled)
     if not fit.is_clear:
         why = "alignment of depth and colour cannot be judged: colour does not change at depth steps"
         return note(ALIGNMENT, why, judged=False)
@@ -103,6 +98,15 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
             f" in x and {fit.dy_px:+d} px in y: register depth to colour, and take both from the same instant",
         )
     return fine(ALIGNMENT, "depth contours lie on colour edges")
+
+
+def _not_registered(fit: ScaleFit) -> Finding:
+    return warning(
+        ALIGNMENT,
+        f"expected the contours of depth on those of colour, found that they fit when depth is scaled by"
+        f" {fit.scale:.2f} about the image centre and moved by {fit.dx_px:+.0f} px in x and {fit.dy_px:+.0f} px in y:"
+        " depth was not registered to colour, as register_depth does it",
+    )
 
 
 def depth_contours(depth: DepthMap) -> Pair:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import os
 from collections.abc import Callable, Mapping
@@ -12,11 +11,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.errors import CameraError, FileError
+from spigolo.errors import CameraError, FileError, SpigoloError
 from spigolo.frames.arrays import load_arrays
 from spigolo.frames.camera import Camera
 from spigolo.frames.dialects import of_image
 from spigolo.frames.intrinsics import MATRIX_NAMES, camera_from_mapping, square_part
+from spigolo.frames.matlab import numeric_arrays
 from spigolo.frames.scale import scale_from_mapping
 from spigolo.frames.yaml_text import import_yaml, parse_yaml
 
@@ -159,7 +159,10 @@ def _matrix_fields(numbers: npt.NDArray[Any], path: PathLike) -> Mapping[str, An
 def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
     """Return the cameras of COLMAP's cameras.txt by their numbers: ID MODEL WIDTH HEIGHT PARAMETERS."""
     cameras = {}
-    for number, model, width, height, *parameters in rows:
+    for row in rows:
+        if len(row) < 5:
+            raise FileError(f"expected lines ID MODEL WIDTH HEIGHT PARAMETERS in {path}, got {' '.join(row)[:60]!r}")
+        number, model, width, height, *parameters = row
         names = COLMAP.get(model)
         if names is None:
             raise CameraError(
@@ -183,14 +186,11 @@ def _npy(path: PathLike) -> Mapping[str, Any]:
 def _mat(path: PathLike) -> Mapping[str, Any]:
     """Return the fields of a MATLAB file, such as GraspNet's intrinsic_matrix and factor_depth."""
     try:
-        loadmat = importlib.import_module("scipy.io").loadmat
-    except ImportError:
-        raise FileError(f'expected scipy to read {path}, but it is missing: pip install "spigolo[datasets]"') from None
-    try:
-        stored = loadmat(os.fspath(path))
-    except Exception as error:  # scipy raises what its parsing meets
+        return _of_arrays(numeric_arrays(Path(path).read_bytes()), path)
+    except (OSError, ValueError) as error:
+        if isinstance(error, SpigoloError):
+            raise
         raise _unreadable("MATLAB's format", path, error) from None
-    return _of_arrays({name: value for name, value in stored.items() if not name.startswith("__")}, path)
 
 
 def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from spigolo.errors import FileError, FrameError, warn
 from spigolo.frames.arrays import load_arrays, pick
 from spigolo.frames.listing import RECORDINGS
-from spigolo.frames.png import as_grey
+from spigolo.frames.png import as_grey, header_of
 
 Image = npt.NDArray[Any]
 PathLike = str | os.PathLike[str]
@@ -21,6 +21,8 @@ PathLike = str | os.PathLike[str]
 ARRAYS = (".npy", ".npz")
 READABLE = "PNG, TIFF, BMP, PGM, EXR, .npy or .npz; colour also JPEG or WebP"
 LOSSY = (".jpg", ".jpeg")
+MOST_PIXELS = 2**28
+"""More pixels would fill the memory before the decoder sees that they are not there."""
 COLOR_KEYS = ("rgb", "color", "colour", "image", "color_image", "rgb_image", "img")
 DEPTH_KEYS = ("depth", "depth_image", "depth_map", "depth_m", "depth_raw", "depth_mm")
 
@@ -118,6 +120,12 @@ def decode(path: PathLike, flags: int) -> Image:
 
 def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike) -> Image:
     """Return the pixels of an encoded image. path: what a message calls it. Raises FileError."""
+    header = header_of(data[:32].tobytes())
+    if header is not None and header.width * header.height > MOST_PIXELS:
+        raise FileError(
+            f"expected an image in {path}, but it cannot be read: its header claims {header.width}x{header.height}"
+            " pixels"
+        )
     try:
         image = cv2.imdecode(data, flags) if data.size else None
     except (cv2.error, MemoryError, OverflowError, ValueError) as error:

@@ -35,7 +35,7 @@ def as_grey(data: bytes) -> tuple[bytes, int]:
     header = header_of(data)
     if header is None or header.kind not in (GREY, INDEXED):
         return data, 1
-    factor = 255 // (2**header.bits - 1) if header.bits < 8 else 1
+    factor = 255 // (2**header.bits - 1) if header.bits in (1, 2, 4) else 1
     return (data if header.kind == GREY else _without_palette(data)), factor
 
 

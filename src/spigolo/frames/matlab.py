@@ -1,0 +1,71 @@
+"""Numeric arrays of MATLAB files, version 5 to 7.
+
+Libraries read more of the format. They also end the process over some damaged files.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+import zlib
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+HEADER_BYTES = 128
+MATRIX, COMPRESSED = 14, 15
+KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
+"""NumPy's names of the types of stored numbers."""
+NUMERIC = range(6, 16)
+"""Classes of arrays of numbers. Others hold text, cells or fields."""
+MOST_BYTES = 2**26
+"""Longer variables are no camera."""
+
+
+def numeric_arrays(data: bytes) -> dict[str, npt.NDArray[Any]]:
+    """Return the real arrays of numbers in a file by their names. Raises ValueError for what is no such file."""
+    order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
+    if order is None:
+        kind = "version 7.3, which is HDF5: save it with -v7" if data.startswith(b"\x89HDF") else "not of version 5"
+        raise ValueError(f"the file is {kind}")
+    try:
+        return dict(_variables(data[HEADER_BYTES:], order))
+    except (struct.error, zlib.error, KeyError, IndexError, OverflowError, StopIteration) as error:
+        raise ValueError(f"the file is damaged ({type(error).__name__})") from None
+
+
+def _variables(data: bytes, order: str) -> Iterator[tuple[str, npt.NDArray[Any]]]:
+    for kind, content in _elements(data, order):
+        if kind == COMPRESSED:
+            yield from _variables(zlib.decompressobj().decompress(content, MOST_BYTES), order)
+        elif kind == MATRIX:
+            found = _array(content, order)
+            if found is not None:
+                yield found
+
+
+def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
+    """Yield type and content of each element. Short ones lie inside of their tag."""
+    place = 0
+    while place + 8 <= len(data):
+        kind, size = struct.unpack_from(f"{order}II", data, place)
+        if kind >> 16:
+            yield kind & 0xFFFF, data[place + 4 : place + 4 + min(kind >> 16, 4)]
+            place += 8
+            continue
+        yield kind, data[place + 8 : place + 8 + size]
+        place += 8 + size + (0 if kind == COMPRESSED else -size % 8)
+
+
+def _array(content: bytes, order: str) -> tuple[str, npt.NDArray[Any]] | None:
+    """Return name and numbers of a variable, or None where it holds something else."""
+    parts = list(_elements(content, order))
+    (flags,) = struct.unpack_from(f"{order}I", parts[0][1])
+    if flags & 0xFF not in NUMERIC:
+        return None
+    shape = struct.unpack(f"{order}{len(parts[1][1]) // 4}i", parts[1][1])
+    kind, stored = parts[3]
+    numbers = np.frombuffer(stored, np.dtype(order + KINDS[kind]), math.prod(shape) if min(shape) > 0 else 0)
+    return parts[2][1].decode("ascii", "replace"), numbers.reshape(shape, order="F")

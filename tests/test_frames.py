@@ -14,7 +14,10 @@ import spigolo as sp
 from conftest import load_frame
 from spigolo.lab.evaluation import score_frame, summarise
 
-pytestmark = pytest.mark.frames
+pytestmark = [
+    pytest.mark.frames,
+    pytest.mark.filterwarnings("ignore:the largest plane is covered with colour edges"),  # true of some of them
+]
 IGNORE = 255
 
 
@@ -47,20 +50,42 @@ def test_every_frame_runs_and_its_answer_holds_together(data: Path, name: str) -
         list(pool.map(run, names))
 
 
-def test_objects_finds_the_objects_of_a_table(data: Path) -> None:
-    """Made while looking at these frames. The bounds are below what held-out folds reach (studies.objects_preset)."""
+SETS = {
+    "mOSD": ("osd-mosd",),
+    "mOSD, test split": ("osd-mosd-b",),
+    "table-tops": ("hand-uoc",),
+    "other table-tops": ("osd-full-b", "hand-uoc-b", "hand-pcpt-b", "hand-posecnn-b"),
+    "field": ("field",),
+}
+LITTLE_WORTH = {"kpick_dewbell_bin", "femtobolt_box", "pepper_greenhouse", "slambook_dining", "sbtc_battery_cables"}
+"""Field frames that are left out: unregistered depth, labels that say little, and the packed tote."""
 
-    def score(k: int):
-        folder = data / "frames" / "osd-mosd" / f"learn{k}"
+
+@pytest.mark.parametrize(
+    ("sets", "n_objects", "least"),
+    [
+        ("mOSD", 120, {"overlap_f": 0.98, "found_iou_70": 0.97}),
+        ("mOSD, test split", 156, {"overlap_f": 0.975}),
+        ("table-tops", 27, {"overlap_f": 0.90}),
+        ("other table-tops", 71, {"found_iou_70": 0.60, "boundary_f": 0.78}),
+        ("field", 28, {"found_iou_70": 14 / 28}),
+    ],
+)
+def test_objects_finds_the_objects(data: Path, sets: str, n_objects: int, least: dict[str, float]) -> None:
+    """The bounds are slightly below what the preset reaches. It was made while looking at most of these frames."""
+    folders = [folder for name in SETS[sets] for folder in sorted((data / "frames" / name).iterdir())]
+    folders = [folder for folder in folders if (folder / "label.png").exists() and folder.name not in LITTLE_WORTH]
+
+    def score(folder: Path):
         label = cv2.imread(str(folder / "label.png"), cv2.IMREAD_UNCHANGED)
         ignore = label == IGNORE
         return score_frame(np.where(ignore, 0, label), sp.segment(load_frame(folder)).labels, ignore=ignore)
 
     with ThreadPoolExecutor(2) as pool:
-        total = summarise(list(pool.map(score, range(45))))
-    assert total.n_objects == 120
-    assert total.overlap_f >= 0.90
-    assert total.found_iou_70 >= 0.78
+        total = summarise(list(pool.map(score, folders)))
+    assert total.n_objects == n_objects
+    reached = {name: getattr(total, name) for name in least}
+    assert all(reached[name] >= bound for name, bound in least.items()), reached
 
 
 def test_an_empty_tote_has_no_objects(data: Path) -> None:

@@ -70,7 +70,8 @@ def test_merging_is_that_of_the_slow_twin(seed: int, with_support: bool, least: 
     above = (labels % 3 == 0) & (depth > 0) if with_support else None
     config = Merging(max_mean=0.35, line=0.3, min_open_px2=least)
     twin = naive_merge(labels, boundary, depth, above, config)
-    assert 1 < twin.max() + 1 < labels.max() + 1
+    assert twin.max() < labels.max()
+    assert twin.max() > 0 or least > 0
     np.testing.assert_array_equal(merged(labels, boundary, depth, above, config), twin)
 
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from spigolo.frames.frame import Camera as Camera
     from spigolo.frames.frame import Frame as Frame
     from spigolo.frames.intrinsics import as_camera as as_camera
+    from spigolo.frames.intrinsics import camera_from_mapping as camera_from_mapping
     from spigolo.frames.registration import register_depth as register_depth
     from spigolo.frames.roi import MetricBox as MetricBox
     from spigolo.methods import METHODS as METHODS
@@ -59,7 +60,7 @@ _HOMES = {
     "errors": "SpigoloError",
     "frames.files": "read_camera read_frame",
     "frames.frame": "Camera Frame",
-    "frames.intrinsics": "as_camera",
+    "frames.intrinsics": "as_camera camera_from_mapping",
     "frames.registration": "register_depth",
     "frames.roi": "MetricBox",
     "methods": "METHODS segment_around",

@@ -14,7 +14,7 @@ from spigolo.objects.boxes import fit_box
 from spigolo.objects.facts import RegionFacts, contour_strength, measure_regions
 from spigolo.objects.verdicts import Verdict
 from spigolo.objects.verdicts import judge as judge_by
-from spigolo.settings import Rejection, Rules, Wall
+from spigolo.settings import Ledge, Rejection, Rules, Wall
 from spigolo.settings.presets import preset
 from spigolo.stages.depth import prepare_depth
 from spigolo.stages.regions import Regions
@@ -178,6 +178,17 @@ def test_a_region_without_a_boundary_around_it_is_no_object() -> None:
     result = sp.segment(scene(), config)
     assert len(result) == 0
     assert sp.Reason.WEAK_CONTOUR in {r.reason for r in result.rejected}
+
+
+@pytest.mark.parametrize(("ledge", "is_kept"), [(0.6, True), (0.4, False), (None, False)])
+def test_a_flat_object_is_kept_though_its_contour_is_weak(ledge: float | None, is_kept: bool) -> None:
+    facts = replace(region(), contour=0.3, ledge=ledge)
+    assert (judge(facts, Rules(wall=Wall(), ledge=Ledge(), min_contour=0.6)) is None) == is_kept
+    verdict = judge(facts, Rules(wall=Wall(), min_contour=0.6))
+    assert verdict == (
+        sp.Reason.WEAK_CONTOUR,
+        "weak contour: mean boundary along its border 0.30 (minimum 0.60)",
+    )
 
 
 def test_pixel_limits_grow_with_the_image() -> None:

@@ -16,6 +16,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import spigolo as sp
 from spigolo.lab.evaluation import Row, pool
 from spigolo.lab.experiments import Contender, Toscana2016, evaluate, find_labelled_frames
@@ -93,9 +95,11 @@ def ablation(out: Path, jobs: int) -> None:
 
 
 def figures(rows: Sequence[Row], sets: Sequence[str]) -> str:
-    """Return overlap F, boundary F and the labelled objects found of some sets."""
+    """Return overlap F, boundary F and the labelled objects found of some sets; the last alone if others lie there."""
     pooled = pool([row for row in rows if row.data_set in sets and row.frame not in LITTLE_WORTH])
     found = f"{pooled.true_positives / pooled.n_objects:.0%}".replace("%", " %")
+    if np.isnan(pooled.overlap_f.value):
+        return found
     return f"{pooled.overlap_f.value:.3f} / {pooled.boundary_f:.3f} / {found}"
 
 

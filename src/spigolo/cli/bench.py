@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE
 from spigolo.cli.inputs import DEMO_SCENE
-from spigolo.sources.paths import find_frames
 from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FrameError
 from spigolo.frames.frame import MAX_PIXELS
+from spigolo.sources.paths import find_frames
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Color, Frame

@@ -84,7 +84,7 @@ class Source(ABC):
         """Return the counts since the last iteration began."""
         return Report(self._frames_done, self._unmatched, self._broken)
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027
         """Release files and devices."""
 
     def __enter__(self: Own) -> Own:

@@ -35,6 +35,4 @@ class FolderSource(SizedSource):
     def _read(self, paths: FramePaths) -> Frame:
         own = self._options
         given = own.camera if own.camera is not None else paths.camera
-        return read_frame(
-            paths.color, paths.depth, given, own.depth_scale, name=paths.name, max_pixels=own.max_pixels
-        )
+        return read_frame(paths.color, paths.depth, given, own.depth_scale, name=paths.name, max_pixels=own.max_pixels)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from spigolo.errors import FileError, SpigoloError
 from spigolo.frames.camera import Camera
 from spigolo.frames.files import known_camera
 from spigolo.frames.frame import Frame
-from spigolo.sources.base import Source
+from spigolo.sources.base import Report, Source
 from spigolo.sources.live import LiveSource
 from spigolo.sources.options import Options
 
@@ -25,17 +26,47 @@ PATIENCE_S = 10.0
 FILTERS = ("decimation", "threshold", "spatial", "temporal", "holes")
 
 
-class RealSenseCamera(LiveSource):
+class _RealSense(Source):
+    """What a camera and a recording share: framesets become frames."""
+
+    _lost = 0
+
+    def _converted(self, framesets: Iterator[Any]) -> Iterator[Frame]:
+        converter, number = _Converter(_sdk(), self.options), 0
+        for frames in framesets:
+            taken = converter.take(frames)
+            self._unmatched, self._lost = converter.unmatched, converter.lost
+            if not taken:
+                continue
+            name, number = f"{number:06d}", number + 1
+            try:
+                frame = converter.frame(frames, name)
+            except SpigoloError as error:
+                self._skip(name, error)
+                continue
+            yield frame
+
+    def report(self) -> Report:
+        """Return the counts since the last iteration began, with the tolerance of pairs."""
+        return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
+
+
+class RealSenseCamera(_RealSense, LiveSource):
     """A connected camera, by its serial number or the first one. The newest frame is handed out."""
 
     def __init__(self, serial: str, options: Options) -> None:
         super().__init__(f"realsense:{serial}", options)
         self._rs, self._serial = _sdk(), serial
-        self._filters = _filters(self._rs, options.filters)
+        _filters(self._rs, options.filters)  # a wrong name is told before the camera starts
         if options.device is None:
             self._check_connected()
         if options.camera is None:
             self.intrinsics = "the device"
+
+    def report(self) -> Report:
+        """Return the counts since the last iteration began. Pairs that the SDK replaced count as dropped."""
+        counts = super().report()
+        return replace(counts, dropped=counts.dropped + self._lost)
 
     def _check_connected(self) -> None:
         found = [d.get_info(self._rs.camera_info.serial_number) for d in self._rs.context().query_devices()]
@@ -55,7 +86,7 @@ class RealSenseCamera(LiveSource):
         config.enable_stream(rs.stream.color, own.width, own.height, rs.format.rgb8, own.fps)
         _start(pipeline, config, self.name)
         try:
-            yield from _Converter(rs, self._filters, own, self._skip).frames(self._framesets(pipeline))
+            yield from self._converted(self._framesets(pipeline))
         finally:
             pipeline.stop()
 
@@ -70,7 +101,7 @@ class RealSenseCamera(LiveSource):
                 raise FileError(f"{self.name}: no frame for {PATIENCE_S:.0f} s: check the cable, or plug it in again")
 
 
-class RealSenseRecording(Source):
+class RealSenseRecording(_RealSense):
     """A recording of the SDK, .db3 or .bag. No frame is dropped."""
 
     def __init__(self, path: Path, options: Options) -> None:
@@ -78,7 +109,7 @@ class RealSenseRecording(Source):
         if not path.is_file():
             raise FileError(f"expected a recording, but there is no {path}")
         self._rs, self._path = _sdk(), path
-        self._filters = _filters(self._rs, options.filters)
+        _filters(self._rs, options.filters)  # a wrong name is told before the camera starts
         if options.camera is None:
             self.intrinsics = "the recording"
 
@@ -89,36 +120,55 @@ class RealSenseRecording(Source):
         playback = _start(pipeline, config, self.name).get_device().as_playback()
         playback.set_real_time(False)
         try:
-            yield from _Converter(rs, self._filters, self.options, self._skip).frames(_played(pipeline, playback, rs))
+            yield from self._converted(_played(pipeline, playback, rs))
         finally:
             pipeline.stop()
 
 
 class _Converter:
-    """From framesets of the SDK to frames."""
+    """From framesets of the SDK to frames.
 
-    def __init__(
-        self, rs: Any, filters: list[Any], options: Options, skip: Callable[[str, SpigoloError], None]
-    ) -> None:
-        self._rs, self._filters, self._options, self._skip = rs, filters, options, skip
+    The SDK repeats an image if its partner comes late. A pair counts if its stamps fit, and once.
+    """
+
+    def __init__(self, rs: Any, options: Options) -> None:
+        self._rs, self._options = rs, options
+        self._filters = _filters(rs, options.filters)
         self._align = rs.align(rs.stream.color)
+        self._seen: dict[str, int] = {}
+        self._taken: dict[str, int] = {}
+        self._images = self._pairs = 0
+        self.lost = 0
+        """Number of pairs that the SDK replaced by newer ones, by the gaps in the numbers of colour images."""
 
-    def frames(self, framesets: Iterator[Any]) -> Iterator[Frame]:
-        for number, frames in enumerate(framesets):
-            try:
-                frame = self._frame(frames, f"{number:06d}")
-            except SpigoloError as error:
-                self._skip(f"{number:06d}", error)
-                continue
-            yield frame
+    @property
+    def unmatched(self) -> int:
+        """Number of images that came without a partner."""
+        return max(self._images - 2 * self._pairs, 0)
 
-    def _frame(self, frames: Any, name: str) -> Frame:
+    def take(self, frames: Any) -> bool:
+        """Return whether a frameset is a new pair of images of one time."""
+        images = {"color": frames.get_color_frame(), "depth": frames.get_depth_frame()}
+        numbers = {kind: image.get_frame_number() for kind, image in images.items() if image}
+        self._images += sum(self._seen.get(kind) != number for kind, number in numbers.items())
+        self._seen |= numbers
+        if len(numbers) < 2 or any(self._taken.get(kind) == number for kind, number in numbers.items()):
+            return False
+        color, depth = images["color"], images["depth"]
+        one_clock = color.get_frame_timestamp_domain() == depth.get_frame_timestamp_domain()
+        if one_clock and abs(color.get_timestamp() - depth.get_timestamp()) > self._options.tolerance_ms:
+            return False
+        self.lost += max(numbers["color"] - self._taken.get("color", numbers["color"]) - 1, 0)
+        self._taken = numbers
+        self._pairs += 1
+        return True
+
+    def frame(self, frames: Any, name: str) -> Frame:
+        """Return the frame of a frameset, depth aligned to colour. Raises SpigoloError."""
         for one in self._filters:
             frames = one.process(frames).as_frameset()
         aligned = self._align.process(frames)
         color, depth = aligned.get_color_frame(), aligned.get_depth_frame()
-        if not color or not depth:
-            raise SpigoloError("the frameset lacks colour or depth")
         pixels = _rgb(self._rs, color)
         camera = self._camera(color, pixels.shape[1], pixels.shape[0])
         scale = self._options.depth_scale or depth.get_units()

@@ -94,14 +94,14 @@ def _rows(message: Any, kind: np.dtype[Any], channels: int) -> Image:
     step = int(message.step) or length
     if height < 1 or width < 1 or step < length or data.size < step * (height - 1) + length:
         raise FrameError(
-            f"expected {height} rows of {max(step, length)} bytes in a {message.encoding} image of {width}x{height}, got"
-            f" {data.size} bytes"
+            f"expected {height} rows of {max(step, length)} bytes in a {message.encoding} image of {width}x{height},"
+            f" got {data.size} bytes"
         )
     whole = np.zeros(step * height, np.uint8)  # the last row may lack its padding
     whole[: min(data.size, whole.size)] = data[: whole.size]
     rows = np.ascontiguousarray(whole.reshape(height, step)[:, :length])
-    order = ">" if message.is_bigendian else "<"
-    return rows.view(kind.newbyteorder(order)).astype(kind, copy=False)
+    stored = kind.newbyteorder(">") if message.is_bigendian else kind.newbyteorder("<")
+    return rows.view(stored).astype(kind, copy=False)
 
 
 def _compressed_depth(message: Any) -> Image:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import importlib
 import struct
-from collections.abc import Iterator
-from contextlib import suppress
+from collections.abc import Iterator, Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -51,25 +51,17 @@ class BagSource(SizedSource):
     """The frames of a bag: pairs of colour and depth whose stamps differ by at most the tolerance."""
 
     def __init__(self, path: Path, options: Options) -> None:
-        self._reader = _open(path)
-        try:
-            self.content = self._survey(path.name, options)
-        except BaseException:
-            self._reader.close()
-            raise
+        self._path = path
+        with closing(_open(path)) as reader:
+            self._types = {c.topic: c.msgtype for c in reader.connections}
+            self._decoder = _Decoder(reader)
+            self.content = self._survey(reader, options)
         super().__init__(str(path), options, len(self.content.stamps_ns))
-        self._open = True
         topics = self.content.topics
         if options.camera is None and topics.info is not None and self.content.info is not None:
             self.intrinsics = f"topic {topics.info}"
         if not self._count:
             warn(f"{path}: no pair of {topics.color} and {topics.depth} within {options.tolerance_ms:g} ms")
-
-    def close(self) -> None:
-        """Close the file."""
-        if self._open:
-            self._open = False
-            self._reader.close()
 
     def report(self) -> Report:
         """Return the counts since the last iteration began, with the tolerance of pairs."""
@@ -77,8 +69,6 @@ class BagSource(SizedSource):
         return replace(counts, tolerance_ms=self.options.tolerance_ms)
 
     def _frames(self) -> Iterator[Frame]:
-        if not self._open:
-            raise FileError(f"the recording {self.name} is closed: open it again with spigolo.open_source")
         content, waiting = self.content, dict[int, tuple[str, bytes]]()
         done: dict[int, Frame | None] = {}
         turn = 0
@@ -133,70 +123,91 @@ class BagSource(SizedSource):
 
     def _decode(self, topic: str, data: bytes) -> Any:
         """Return the array of an image message. Raises FrameError, whatever the deserialiser raises."""
-        message = _deserialised(self._reader, data, self._types[topic])
+        message = self._decoder.message(data, self._types[topic])
         return depth_of(message) if topic == self.content.topics.depth else color_of(message)
 
     def _messages(self, topics: Topics) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, number and bytes of the image messages, as far as the file can be read."""
-        wanted = [c for c in self._reader.connections if c.topic in (topics.color, topics.depth)]
         numbers = {topics.color: 0, topics.depth: 0}
-        with suppress(Exception):  # the survey has noted why a file cannot be read to its end
-            for connection, _, data in self._reader.messages(connections=wanted):
-                number = numbers[connection.topic]
-                numbers[connection.topic] += 1
-                yield connection.topic, number, bytes(data)
+        with closing(_open(self._path)) as reader:
+            wanted = [c for c in reader.connections if c.topic in numbers]
+            with suppress(Exception):  # the survey has noted why a file cannot be read to its end
+                for connection, _, data in reader.messages(connections=wanted):
+                    number = numbers[connection.topic]
+                    numbers[connection.topic] += 1
+                    yield connection.topic, number, bytes(data)
 
-    def _survey(self, name: str, options: Options) -> Content:
-        reader = self._reader
-        self._types = {c.topic: c.msgtype for c in reader.connections}
+    def _survey(self, reader: Any, options: Options) -> Content:
         images = [c for c in reader.connections if c.msgtype in IMAGE_TYPES]
         infos = sorted({c.topic for c in reader.connections if c.msgtype == INFO_TYPE})
-        topics = choose_topics({c.topic: _holds_depth(reader, c) for c in images}, infos, options, name)
-        stamps: dict[str, list[tuple[int, int]]] = {topics.color: [], topics.depth: []}
-        headless, cut = set(), ""
-        numbers = dict.fromkeys(stamps, 0)
-        wanted = [c for c in reader.connections if c.topic in stamps]
-        try:
-            for connection, _, data in reader.messages(connections=wanted):
-                number, topic = numbers[connection.topic], connection.topic
-                numbers[topic] += 1
-                stamp = _stamp_ns(data, reader.is2)
-                if stamp is None:
-                    headless.add((topic, number))
-                else:
-                    stamps[topic].append((stamp, number))
-        except Exception as error:  # a damaged file raises what its parsing meets
-            cut = _told(error)
-        return self._matched(topics, stamps, frozenset(headless), cut, options)
-
-    def _matched(
-        self,
-        topics: Topics,
-        stamps: dict[str, list[tuple[int, int]]],
-        headless: frozenset[tuple[str, int]],
-        cut: str,
-        options: Options,
-    ) -> Content:
+        holds = {c.topic: self._decoder.holds_depth(c) for c in images}
+        topics = choose_topics(holds, infos, options, self._path.name)
+        info = self._decoder.first([c for c in reader.connections if c.topic == topics.info])
+        stamps, headless, cut = _read_stamps(reader, topics)
         colors, depths = stamps[topics.color], stamps[topics.depth]
         found = pair_stamps([s for s, _ in colors], [s for s, _ in depths], options.tolerance_ms * 1e6)
         partner = {}
         for pair, (color, depth) in enumerate(found):
             partner[topics.color, colors[color][1]] = pair
             partner[topics.depth, depths[depth][1]] = pair
-        stamps_ns = tuple(colors[color][0] for color, _ in found)
-        info = _first(self._reader, topics.info)
-        return Content(topics, partner, stamps_ns, headless, info, cut)
+        return Content(topics, partner, tuple(colors[color][0] for color, _ in found), headless, info, cut)
+
+
+class _Decoder:
+    """From serialised bytes to messages. Works on when the file is closed."""
+
+    def __init__(self, reader: Any) -> None:
+        self._reader, store = reader, reader.typestore
+        self._deserialize = store.deserialize_cdr if reader.is2 else store.deserialize_ros1
+
+    def message(self, data: bytes, kind: str) -> Any:
+        """Return a message. Raises FrameError, whatever the deserialiser raises."""
+        try:
+            return self._deserialize(data, kind)
+        except Exception as error:  # damaged bytes raise what their parsing meets
+            raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
+
+    def first(self, connections: Sequence[Any]) -> Any:
+        """Return the first message of connections that can be read. None without one."""
+        with suppress(Exception):  # the survey tells what is wrong with the file
+            for connection, _, data in self._reader.messages(connections=connections) if connections else ():
+                with suppress(FrameError):
+                    return self.message(data, connection.msgtype)
+        return None
+
+    def holds_depth(self, connection: Any) -> bool:
+        """Return whether the first readable image of a topic is depth. Without one, the name decides."""
+        message = self.first([connection])
+        return "depth" in connection.topic if message is None else is_depth(message)
+
+
+Stamps = dict[str, list[tuple[int, int]]]
+"""Stamp in nanoseconds and number of each message, by topic."""
+
+
+def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[str, int]], str]:
+    """Return the stamps, the messages without one, and why the file cannot be read to its end, if so."""
+    stamps: Stamps = {topics.color: [], topics.depth: []}
+    numbers, headless = dict.fromkeys(stamps, 0), set()
+    wanted = [c for c in reader.connections if c.topic in stamps]
+    try:
+        for connection, _, data in reader.messages(connections=wanted):
+            topic = connection.topic
+            number, numbers[topic] = numbers[topic], numbers[topic] + 1
+            stamp = _stamp_ns(data, reader.is2)
+            if stamp is None:
+                headless.add((topic, number))
+            else:
+                stamps[topic].append((stamp, number))
+    except Exception as error:  # a damaged file raises what its parsing meets
+        return stamps, frozenset(headless), _told(error)
+    return stamps, frozenset(headless), ""
 
 
 def is_of_realsense(path: Path) -> bool:
     """Return whether a bag was recorded by the RealSense SDK, whose depth is not registered to colour."""
-    with suppress(FileError):
-        reader = _open(path)
-        try:
-            return any(c.topic.startswith(REALSENSE) for c in reader.connections)
-        finally:
-            reader.close()
-    return False
+    with closing(_open(path)) as reader:
+        return any(c.topic.startswith(REALSENSE) for c in reader.connections)
 
 
 def _open(path: Path) -> Any:
@@ -213,32 +224,6 @@ def _open(path: Path) -> Any:
     except Exception as error:  # a damaged file raises what its parsing meets
         raise FileError(f"{path}: not a readable ROS bag ({_told(error)})") from None
     return reader
-
-
-def _holds_depth(reader: Any, connection: Any) -> bool:
-    """Return whether the first readable image of a topic is depth. Without one, the name decides."""
-    with suppress(Exception):
-        for _, _, data in reader.messages(connections=[connection]):
-            with suppress(Exception):
-                return is_depth(_deserialised(reader, data, connection.msgtype))
-    return "depth" in connection.topic
-
-
-def _first(reader: Any, topic: str | None) -> Any:
-    """Return the first message of a topic that can be read. None without one."""
-    wanted = [c for c in reader.connections if c.topic == topic]
-    with suppress(Exception):
-        for connection, _, data in reader.messages(connections=wanted) if wanted else ():
-            with suppress(FrameError):
-                return _deserialised(reader, data, connection.msgtype)
-    return None
-
-
-def _deserialised(reader: Any, data: bytes, kind: str) -> Any:
-    try:
-        return reader.deserialize(data, kind)
-    except Exception as error:  # damaged bytes raise what their parsing meets
-        raise FrameError(f"a {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
 
 
 def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:

@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.cli.inputs import configure, find_frames
+from spigolo.cli.inputs import configure
+from spigolo.sources.paths import find_frames
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from spigolo import Frame
-from spigolo.cli.inputs import find_frames
 from spigolo.errors import FileError, FrameError
 from spigolo.frames.files import read_color, read_depth, read_frame, write_png
 from spigolo.frames.listing import best_of_each, listed, natural_order
+from spigolo.sources.paths import find_frames
 
 H, W = 48, 64
 COLOR = np.random.default_rng(0).integers(0, 255, (H, W, 3), dtype=np.uint8)

@@ -50,6 +50,9 @@ if TYPE_CHECKING:
     from spigolo.settings.presets import SHELF as SHELF
     from spigolo.settings.presets import TABLE as TABLE
     from spigolo.settings.presets import preset as preset
+    from spigolo.sources.base import Report as Report
+    from spigolo.sources.base import Source as Source
+    from spigolo.sources.opening import open_source as open_source
     from spigolo.stream import Segmenter as Segmenter
     from spigolo.stream import warm_up as warm_up
 
@@ -70,6 +73,8 @@ _HOMES = {
     "pipeline": "Trace segment segment_at trace",
     "settings.config": "Config",
     "settings.presets": "CLUTTER OBJECTS PRESETS SHELF TABLE preset",
+    "sources.base": "Report Source",
+    "sources.opening": "open_source",
     "stream": "Segmenter warm_up",
 }
 _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import functools
 import time
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -61,3 +61,35 @@ def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
         return timed
 
     return named
+
+
+class Pace:
+    """Rate and latency of the last frames of a stream."""
+
+    def __init__(self, kept: int = 1000) -> None:
+        self._latencies_s: deque[float] = deque(maxlen=kept)
+        self._ends_s: deque[float] = deque(maxlen=kept)
+
+    def add(self, latency_s: float) -> None:
+        """Add a frame that is done now and took `latency_s` seconds."""
+        self._latencies_s.append(latency_s)
+        self._ends_s.append(time.perf_counter())
+
+    def __len__(self) -> int:
+        return len(self._latencies_s)
+
+    @property
+    def frames_per_s(self) -> float:
+        """Mean rate in frames per second. 0 with fewer than two frames."""
+        if len(self._ends_s) < 2 or self._ends_s[-1] == self._ends_s[0]:
+            return 0.0
+        return (len(self._ends_s) - 1) / (self._ends_s[-1] - self._ends_s[0])
+
+    def latency_ms(self, percentile: float = 50) -> float:
+        """Return a percentile of the latency in milliseconds. 0 without frames."""
+        ordered = sorted(self._latencies_s)
+        return 1000 * ordered[round(percentile / 100 * (len(ordered) - 1))] if ordered else 0.0
+
+    def __str__(self) -> str:
+        median, late = self.latency_ms(50), self.latency_ms(99)
+        return f"{self.frames_per_s:.1f} frames/s, latency {median:.0f} ms (99 %: {late:.0f} ms)"

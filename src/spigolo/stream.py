@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import threading
+import time
 import warnings
 
 import numpy as np
 
+from spigolo.clock import Pace
 from spigolo.errors import SpigoloError
 from spigolo.frames.frame import Camera, Frame
 from spigolo.frames.roi import Roi
 from spigolo.kernels.workspace import Workspace
 from spigolo.objects.segmentation import Segmentation
+from spigolo.objects.tracking import Tracker
 from spigolo.pipeline import trace
 from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS, SHELF, TABLE
@@ -21,25 +24,35 @@ from spigolo.stages.costs import possible_costs
 class Segmenter:
     """Segments frame after frame with one configuration, as `segment` does, and keeps its buffers in between.
 
-    Make one per thread: kernels release the GIL, so that Segmenters on several threads run side by side. Raises
-    SpigoloError where two threads call one at once.
+    ids: whether objects get ids that last while they stay in view (`ObjectMask.id`). `pace` has the rate and the time
+    of a frame. Make one per thread: kernels release the GIL, so that Segmenters on several threads run side by side.
+    Raises SpigoloError where two threads call one at once.
     """
 
-    def __init__(self, config: Config = OBJECTS) -> None:
+    def __init__(self, config: Config = OBJECTS, ids: bool = False) -> None:
         self.config = config
+        self.ids = ids
+        self.pace = Pace()
+        """Rate, and time from the call to the answer, of the last frames."""
+        self._tracker = Tracker() if ids else None
         self.workspace = Workspace()
         self._busy = threading.Lock()
 
-    def __reduce__(self) -> tuple[type[Segmenter], tuple[Config]]:
-        """Pickle as the configuration. A worker process makes its own buffers."""
-        return type(self), (self.config,)
+    def __reduce__(self) -> tuple[type[Segmenter], tuple[Config, bool]]:
+        """Pickle as the configuration. A worker process makes its own buffers, and begins with id 1."""
+        return type(self), (self.config, self.ids)
 
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
         """The objects of a frame; the answer shares no memory with the next one."""
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
+        start = time.perf_counter()
         try:
-            return trace(frame, self.config, roi, self.workspace).segmentation
+            result = trace(frame, self.config, roi, self.workspace).segmentation
+            if self._tracker is not None:
+                result = self._tracker.follow(result)
+            self.pace.add(time.perf_counter() - start)
+            return result
         finally:
             self._busy.release()
 

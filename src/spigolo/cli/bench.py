@@ -10,10 +10,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE
-from spigolo.cli.inputs import DEMO_SCENE, find_frames
+from spigolo.cli.inputs import DEMO_SCENE
 from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FrameError
 from spigolo.frames.frame import MAX_PIXELS
+from spigolo.sources.paths import find_frames
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Color, Frame

@@ -6,8 +6,9 @@ import time
 from pathlib import Path
 
 from spigolo.cli import DONE
-from spigolo.cli.inputs import DEMO_SCENE, IMAGES, Many, Out, find_frames, only_frame
+from spigolo.cli.inputs import DEMO_SCENE, Many, Out
 from spigolo.errors import ConfigError, FileError
+from spigolo.sources.paths import IMAGES, find_frames, only_frame
 
 
 def compare(

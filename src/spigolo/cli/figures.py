@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE
-from spigolo.cli.inputs import DEMO_SCENE, Out, find_frames
+from spigolo.cli.inputs import DEMO_SCENE, Out
+from spigolo.sources.paths import find_frames
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Frame

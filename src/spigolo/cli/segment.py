@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import sys
-import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from spigolo.cli import DONE, SOME_FAILED
-from spigolo.cli.inputs import FramePaths, Inputs, Out, configure, find_frames, only_frame, split_flags
-from spigolo.errors import FileError, SpigoloError, UnitWarning
+from spigolo.cli.inputs import Inputs, Out, configure, split_flags
+from spigolo.cli.opening import first_frame, opened
+from spigolo.errors import FileError, SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Frame
     from spigolo.frames.roi import Roi
+    from spigolo.objects.segmentation import Segmentation
+    from spigolo.sources.base import Source
+    from spigolo.stream import Segmenter
 
 PixelBox = Annotated[tuple[int, int, int, int], Parameter(negative=())]
 SpaceBox = Annotated[tuple[float, float, float, float, float, float], Parameter(negative=())]
@@ -32,6 +35,8 @@ def segment(
     roi_box: SpaceBox | None = None,
     check: bool = True,
     max_pixels: int = MAX_PIXELS,
+    ids: bool = False,
+    frames: int | None = None,
     out: Out = Path("spigolo-out"),
 ) -> int:
     """Segment frames and write labels.png, objects.json and overlay.png for each.
@@ -45,8 +50,9 @@ def segment(
     ----------
     inputs
         Colour image and depth image of one size, several such pairs, or folders. A folder holds rgb.png and depth.png,
-        subfolders with these, or the folders rgb/ and depth/ with equally named files. Any field of the preset is a
-        flag too: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
+        subfolders with these, or the folders rgb/ and depth/ with equally named files. A ROS bag (.bag, .db3, .mcap),
+        a camera (realsense:) or a data set (dataset:FOLDER) serves as well. Any field of the preset is a flag too:
+        `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
         Intrinsics: a file (JSON, YAML, a 3x3 matrix as .txt, .npy or .mat, COLMAP's cameras.txt), four numbers
         fx,fy,cx,cy such as 927.2,927.4,651.3,349.6, a camera name such as kinect-v1, or a guess of the horizontal field
@@ -66,44 +72,78 @@ def segment(
         Print the warnings of `spigolo doctor` for each frame.
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory, about 100 bytes for each pixel.
+    ids
+        Give objects ids that last from frame to frame while they stay in view.
+    frames
+        Number of frames after which to stop, for cameras and recordings. Default: all.
     out
         Output folder. With several frames, each gets its own folder inside.
 
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, segment)
-    frames = find_frames(words)
     wanted = _roi(roi, roi_mask, roi_box)
-    from spigolo.cli import show
-    from spigolo.stream import Segmenter
+    with opened(words, camera, depth_scale, max_pixels, quiet=check) as source:
+        from spigolo.stream import Segmenter
 
-    run = Segmenter(config)
-    if len(frames) == 1:
-        frame = _read(frames[0], camera, depth_scale, max_pixels, check)
-        _check(frame, frames[0].name, check)
-        result = run(frame, wanted)
-        show.write_result(result, frame, out)
-        if camera is None and frames[0].camera is not None:
-            print(f"intrinsics: {frames[0].camera}")
-        show.print_result(result, out)
-        if frame.undistorted:
-            print(f"the camera has distortion: labels fit {out / 'undistorted.png'}, not the image given")
-        return DONE
-    failed, without = 0, 0
-    for paths in show.progress(frames, "segmenting"):
+        run = Segmenter(config, ids=ids)
+        return (_one if source.count == 1 else _many)(source, run, wanted, check, frames, out)
+
+
+def _one(source: Source, run: Segmenter, wanted: Roi | None, check: bool, _: int | None, out: Path) -> int:
+    """Segment the only frame of a source."""
+    frame = first_frame(source)
+    result = _segmented(frame, run, wanted, check, out)
+    from spigolo.cli import show
+
+    if source.intrinsics:
+        print(f"intrinsics: {source.intrinsics}")
+    show.print_result(result, out)
+    if frame.undistorted:
+        print(f"the camera has distortion: labels fit {out / 'undistorted.png'}, not the image given")
+    return DONE
+
+
+def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit: int | None, out: Path) -> int:
+    """Segment frame after frame. A frame that fails does not stop the others."""
+    from spigolo.cli import show
+
+    source.on_broken = _print_error
+    failed, without, done = 0, 0, 0
+    for frame in show.progress(source, "segmenting"):
         try:
-            frame = _read(paths, camera, depth_scale, max_pixels, check)
-            _check(frame, paths.name, check)
-            result = run(frame, wanted)
-            show.write_result(result, frame, out / paths.name)
+            result = _segmented(frame, run, wanted, check, out / frame.name)
             without += frame.camera is None
-            print(f"{paths.name}: {len(result)} objects")
+            done += 1
+            print(f"{frame.name}: {len(result)} objects")
         except SpigoloError as error:
             failed += 1
-            print(f"spigolo: {paths.name}: {error}", file=sys.stderr)
-    show.print_without_intrinsics(without, len(frames))
-    print(f"{len(frames) - failed} of {len(frames)} frames written to {out} ({config.name} {config.digest})")
+            _print_error(frame.name, error)
+        if limit is not None and done + failed >= limit:
+            break
+    report = source.report()
+    failed += report.broken
+    show.print_without_intrinsics(without, done)
+    total = done + failed if source.count is None or report.tolerance_ms is not None else source.count
+    if report.tolerance_ms is not None or report.pace is not None:
+        print(f"{source.name}: {report}")
+    print(f"segmenting: {run.pace}")
+    print(f"{done} of {total} frames written to {out} ({run.config.name} {run.config.digest})")
     return SOME_FAILED if failed else DONE
+
+
+def _segmented(frame: Frame, run: Segmenter, wanted: Roi | None, check: bool, out: Path) -> Segmentation:
+    """Check and segment a frame, and write its results."""
+    from spigolo.cli import show
+
+    _check(frame, frame.name, check)
+    result = run(frame, wanted)
+    show.write_result(result, frame, out)
+    return result
+
+
+def _print_error(name: str, error: SpigoloError) -> None:
+    print(f"spigolo: {name}: {error}", file=sys.stderr)
 
 
 def trace(
@@ -113,6 +153,7 @@ def trace(
     depth_scale: float | None = None,
     stages: bool = False,
     max_pixels: int = MAX_PIXELS,
+    index: int | None = None,
     out: Out = Path("spigolo-trace"),
 ) -> int:
     """Draw the result of each stage for a frame in trace.png: the seven panels of the paper's Figure 1.
@@ -122,7 +163,8 @@ def trace(
     Parameters
     ----------
     inputs
-        Colour and depth image, or a folder with rgb.png and depth.png. Fields of the preset are flags too.
+        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`. Fields
+        of the preset are flags too.
     camera
         Intrinsics, as for `segment`.
     preset
@@ -133,19 +175,21 @@ def trace(
         Write the array of each stage to stages/NAME.npy too.
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory.
+    index
+        Number of the frame in a recording or data set, from 0. Default: the first frame of a recording.
     out
         Output folder.
 
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, trace)
-    paths = only_frame(find_frames(words))
+    with opened(words, camera, depth_scale, max_pixels) as source:
+        frame = first_frame(source, index)
     from spigolo import pipeline
     from spigolo.cli import show
     from spigolo.frames import files as io
     from spigolo.view import figure1
 
-    frame = _read(paths, camera, depth_scale, max_pixels)
     run = pipeline.trace(frame, config)
     io.write_png(out / "trace.png", figure1.figure1(run))
     if stages:
@@ -157,7 +201,11 @@ def trace(
 
 
 def doctor(
-    *inputs: str, camera: str | None = None, depth_scale: float | None = None, max_pixels: int = MAX_PIXELS
+    *inputs: str,
+    camera: str | None = None,
+    depth_scale: float | None = None,
+    max_pixels: int = MAX_PIXELS,
+    index: int | None = None,
 ) -> int:
     """Check a frame: units, alignment, intrinsics, missing depth, and which cost function fits.
 
@@ -166,33 +214,25 @@ def doctor(
     Parameters
     ----------
     inputs
-        Colour and depth image, or a folder with rgb.png and depth.png.
+        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`.
     camera
         Intrinsics, as for `segment`.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory.
+    index
+        Number of the frame in a recording or data set, from 0. Default: the first frame of a recording.
 
     """
-    paths = only_frame(find_frames(inputs))
+    with opened(inputs, camera, depth_scale, max_pixels, quiet=True) as source:
+        frame = first_frame(source, index)
     from spigolo.cli import show
     from spigolo.doctor import diagnose
 
-    diagnosis = diagnose(_read(paths, camera, depth_scale, max_pixels, True))
+    diagnosis = diagnose(frame)
     show.print_diagnosis(diagnosis)
     return SOME_FAILED if diagnosis.warnings else DONE
-
-
-def _read(
-    paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int, check: bool = False
-) -> Frame:
-    from spigolo.frames import files as io
-
-    if check:
-        warnings.simplefilter("ignore", UnitWarning)  # the doctor says it, and better
-    given = camera if camera is not None else paths.camera
-    return io.read_frame(paths.color, paths.depth, given, depth_scale, max_pixels=max_pixels)
 
 
 def _check(frame: Frame, name: str, wanted: bool) -> None:

@@ -17,18 +17,19 @@ from rich.table import Table
 from spigolo.frames import files as io
 
 if TYPE_CHECKING:
-    from spigolo.cli.inputs import FramePaths
     from spigolo.doctor import Diagnosis
     from spigolo.frames.frame import Frame
     from spigolo.objects.segmentation import Segmentation
+    from spigolo.sources.base import Source
 
 MOST_REJECTED = 10
 """How many rejected regions are printed, the largest first; objects.json has them all."""
 
 
-def progress(frames: list[FramePaths], what: str) -> Iterable[FramePaths]:
-    """Return the frames, with a progress bar on the error stream."""
-    return track(frames, description=what, console=Console(stderr=True), disable=not sys.stderr.isatty())
+def progress(source: Source, what: str) -> Iterable[Frame]:
+    """Return the frames of a source, with a progress bar on the error stream."""
+    console, total = Console(stderr=True), source.count
+    return track(source, description=what, total=total, console=console, disable=not sys.stderr.isatty())
 
 
 def write_result(result: Segmentation, frame: Frame, out: Path) -> None:

@@ -13,6 +13,7 @@ from spigolo.cli.bench import bench
 from spigolo.cli.compare import compare
 from spigolo.cli.datasets import datasets, fetch
 from spigolo.cli.evaluate import evaluate, losses, report
+from spigolo.cli.export import export, view
 from spigolo.cli.figures import figures
 from spigolo.cli.fit import fit
 from spigolo.cli.inputs import DEMO_SCENE, Out, field_names
@@ -36,6 +37,8 @@ app["--help"].group = app["--version"].group = cyclopts.Group("About", sort_key=
 app.command(segment, group=USING, sort_key=1)
 app.command(trace, group=USING, sort_key=2)
 app.command(doctor, group=USING, sort_key=3)
+app.command(export, group=USING, sort_key=3)
+app.command(view, group=USING, sort_key=3)
 app.command(evaluate, group=MEASURING, sort_key=1)
 app.command(report, group=MEASURING, sort_key=2)
 app.command(losses, group=MEASURING, sort_key=2)
@@ -128,16 +131,16 @@ def _value(config: object, field: str) -> object:
 
 
 def _panels(run: Trace) -> Color:
-    from spigolo.view import overlay as view
+    from spigolo.view import overlay
 
     frame, result = run.frame, run.segmentation
     drawn = result.overlay()
-    return view.tile(
+    return overlay.tile(
         {
             "colour": frame.color,
-            "depth (black: missing)": view.depth_picture(frame.depth),
-            "boundaries of objects": view.boundary_picture(run),
-            f"{len(result)} objects with their boxes": view.draw_boxes(drawn, result, frame.camera),
+            "depth (black: missing)": overlay.depth_picture(frame.depth),
+            "boundaries of objects": overlay.boundary_picture(run),
+            f"{len(result)} objects with their boxes": overlay.draw_boxes(drawn, result, frame.camera),
         },
         columns=2,
     )

@@ -31,6 +31,7 @@ __all__ = [
     "Image",
     "PathLike",
     "append_lines",
+    "known_camera",
     "read_camera",
     "read_color",
     "read_depth",
@@ -49,6 +50,7 @@ def read_frame(
     camera: CameraLike | PathLike,
     depth_scale: float | None = None,
     *,
+    name: str | None = None,
     max_pixels: int = MAX_PIXELS,
 ) -> Frame:
     """Return the frame of a colour image, a 16-bit depth PNG (or an array) and a camera.
@@ -57,7 +59,7 @@ def read_frame(
     A string is a file if there is one of that name or it ends as camera files do, and else a camera's name.
     depth_scale: metres per stored unit, 0.001 for millimetres. If None, that of the camera file or mapping for
     integers, and 1 for floating-point depth. One .npz file may be colour, depth and camera.
-    Raises FileError, CameraError or FrameError.
+    name: name of the frame, by default that of the colour file. Raises FileError, CameraError or FrameError.
     """
     try:
         stored = read_depth(depth)
@@ -74,7 +76,17 @@ def read_frame(
                 f"expected depth_scale with the integers in {depth}: metres per unit, 0.001 for millimetres"
                 ' (or "depth_scale" in the camera file)'
             )
-    return Frame(pixels, stored, known, name=Path(color).stem, depth_scale=depth_scale, max_pixels=max_pixels)
+    name = Path(color).stem if name is None else name
+    return Frame(pixels, stored, known, name=name, depth_scale=depth_scale, max_pixels=max_pixels)
+
+
+def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
+    """Return the camera of any form that `read_frame` takes, and its depth_scale, None without one.
+
+    Raises FileError or CameraError.
+    """
+    known, fields = _camera_and_fields(camera, "", width, height)
+    return known, _own_scale(fields, camera)
 
 
 def _camera_and_fields(

@@ -34,6 +34,8 @@ class ObjectMask(RegionFacts):
 
     label: int
     """Number of the object in `Segmentation.labels`, from 1."""
+    id: int | None = None
+    """Number of the object that lasts from frame to frame, from 1. None without `Segmenter(ids=True)`."""
 
     def _summary(self) -> str:
         return f"{self.label}: {RegionFacts._summary(self)}"
@@ -113,15 +115,15 @@ class Segmentation:
             "digest": self.digest,
             "image_size_px": list(self.labels.shape),
             "left_out": list(self.left_out),
-            "objects": [{"label": o.label, **o.to_dict(), "oriented_box": _box(o)} for o in self],
+            "objects": [{**_numbers(o), **o.to_dict(), "oriented_box": _box(o)} for o in self],
             "rejected": [{"reason": r.reason.value, "why": r.why, **r.to_dict()} for r in self.rejected],
         }
 
     def table(self) -> dict[str, list[Any]]:
         """Return the facts of the objects as columns, one row for each object: `pandas.DataFrame(result.table())`."""
-        rows = [{"label": o.label, **o.to_dict()} for o in self]
-        names = ["label", *MEASURED]
-        return {name: [row[name] for row in rows] for name in names}
+        rows = [{**_numbers(o), **o.to_dict()} for o in self]
+        names = [*(["label", "id"] if any(o.id is not None for o in self) else ["label"]), *MEASURED]
+        return {name: [row.get(name) for row in rows] for name in names}
 
     def __iter__(self) -> Iterator[ObjectMask]:
         return iter(self.objects)
@@ -213,7 +215,7 @@ def assemble(
 ) -> Segmentation:
     """Return the answer from the facts of every region, by number, and its verdict (None: an object)."""
     accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
-    objects = tuple(ObjectMask(label=k, **_fields(f)) for k, f in enumerate(accepted, start=1))
+    objects = tuple(ObjectMask(label=k, id=getattr(f, "id", None), **_fields(f)) for k, f in enumerate(accepted, 1))
     rejected = tuple(
         RejectedRegion(reason=v[0], why=v[1], **_fields(f))
         for f, v in zip(facts, verdicts, strict=True)
@@ -234,6 +236,10 @@ def assemble(
         regions=regions,
         scene=scene,
     )
+
+
+def _numbers(o: ObjectMask) -> dict[str, int]:
+    return {"label": o.label} if o.id is None else {"label": o.label, "id": o.id}
 
 
 def _box(o: ObjectMask) -> dict[str, Any] | None:

@@ -1,0 +1,181 @@
+"""The verbs export and view: results in the formats of other programs, and a recording for Rerun."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from spigolo.cli import DONE, SOME_FAILED
+from spigolo.cli.inputs import Inputs, Out, configure, split_flags
+from spigolo.cli.opening import opened
+from spigolo.errors import FileError, SpigoloError
+from spigolo.frames.frame import MAX_PIXELS
+
+if TYPE_CHECKING:
+    from spigolo.objects.segmentation import Segmentation
+    from spigolo.sources.base import Source
+    from spigolo.stream import Segmenter
+
+Format = Literal["coco", "bop", "yolo", "labels", "contact-graspnet", "workspace-mask", "ply", "pcd"]
+SUFFIX = {"yolo": ".txt", "labels": ".png", "contact-graspnet": ".npz", "workspace-mask": ".png"}
+"""Suffix of the files of formats with one file for each frame. The others are one file, or a folder for each frame."""
+WHOLE = ("coco", "bop")
+"""Formats with one file for all frames."""
+
+
+def export(
+    *inputs: Inputs,
+    format: Format,
+    out: Out,
+    camera: str | None = None,
+    preset: str = "OBJECTS",
+    depth_scale: float | None = None,
+    max_pixels: int = MAX_PIXELS,
+    frames: int | None = None,
+) -> int:
+    """Segment frames and write the objects in the format of another program.
+
+    Examples: `spigolo export recordings/ --format coco --out instances.json`, or `spigolo export rgb.png depth.png
+    --camera camera.json --format contact-graspnet --out scene.npz`.
+
+    Parameters
+    ----------
+    inputs
+        Images, folders, a recording, a data set or a camera, as for `segment`. Fields of the preset are flags too.
+    format
+        coco and bop: one JSON file. yolo: text. labels: 16-bit PNG. contact-graspnet: .npz with depth, K, rgb and
+        segmap. workspace-mask: 1-bit PNG. ply and pcd: a cloud for each object.
+    out
+        File to write for coco and bop, and for a single frame. Otherwise a folder with a file NAME for each frame, or,
+        for ply and pcd, a folder NAME.
+    camera
+        Intrinsics, as for `segment`.
+    preset
+        Preset, as for `segment`.
+    depth_scale
+        Metres per unit of the depth image. Default: the value of the source.
+    max_pixels
+        Maximum number of pixels of an image. A larger limit requires more memory.
+    frames
+        Number of frames after which to stop. Default: all.
+
+    """
+    words, flags = split_flags(inputs)
+    config = configure(preset, flags, export)
+    with opened(words, camera, depth_scale, max_pixels) as source:
+        from spigolo.stream import Segmenter
+
+        results = _Results(source, Segmenter(config), frames)
+        if format in WHOLE:
+            _writer(format)(results, out)
+        else:
+            _write_each(results, format, out, source.count == 1)
+    print(f"{source.name}: {source.report()}")
+    if not results.done:
+        raise FileError(f"no frame of {source.name} could be exported")
+    print(f"{results.objects} objects of {results.done} frames written to {out} ({config.name} {config.digest})")
+    return SOME_FAILED if results.failed or source.report().broken else DONE
+
+
+def view(
+    *inputs: Inputs,
+    camera: str | None = None,
+    preset: str = "OBJECTS",
+    depth_scale: float | None = None,
+    max_pixels: int = MAX_PIXELS,
+    frames: int | None = None,
+    show: bool = False,
+    out: Out = Path("spigolo.rrd"),
+) -> int:
+    """Write a recording for the Rerun viewer: colour, depth, masks, clouds and boxes of objects, on a time line.
+
+    Open it with `rerun spigolo.rrd`. Example: `spigolo view recording.mcap --out recording.rrd`.
+
+    Parameters
+    ----------
+    inputs
+        Images, folders, a recording, a data set or a camera, as for `segment`. Fields of the preset are flags too.
+    camera
+        Intrinsics, as for `segment`.
+    preset
+        Preset, as for `segment`.
+    depth_scale
+        Metres per unit of the depth image. Default: the value of the source.
+    max_pixels
+        Maximum number of pixels of an image. A larger limit requires more memory.
+    frames
+        Number of frames after which to stop. Default: all.
+    show
+        Open the viewer and send the frames to it, instead of writing a file.
+    out
+        File of the recording.
+
+    """
+    words, flags = split_flags(inputs)
+    config = configure(preset, flags, view)
+    from spigolo.view.rerun import Recording
+
+    with opened(words, camera, depth_scale, max_pixels) as source, Recording(source.name, None if show else out) as log:
+        from spigolo.stream import Segmenter
+
+        results = _Results(source, Segmenter(config, ids=True), frames)
+        for result in results:
+            log.add(result)
+    print(f"{source.name}: {source.report()}")
+    if not results.done:
+        raise FileError(f"no frame of {source.name} could be shown")
+    written = "sent to the viewer" if show else f"written to {out}: open it with `rerun {out}`"
+    print(f"{results.done} frames {written}")
+    return SOME_FAILED if results.failed or source.report().broken else DONE
+
+
+class _Results:
+    """The results of a source, one after the other. Counts frames, objects and failures."""
+
+    def __init__(self, source: Source, segmenter: Segmenter, limit: int | None) -> None:
+        self.source, self.segmenter, self.limit = source, segmenter, limit
+        self.done = self.objects = self.failed = 0
+        source.on_broken = _print_error
+
+    def __iter__(self) -> Iterator[Segmentation]:
+        from spigolo.cli import show
+
+        for frame in show.progress(self.source, "segmenting"):
+            try:
+                result = self.segmenter(frame)
+            except SpigoloError as error:
+                self.failed += 1
+                _print_error(frame.name, error)
+                continue
+            self.done += 1
+            self.objects += len(result)
+            yield result
+            if self.limit is not None and self.done >= self.limit:
+                break
+
+
+def _write_each(results: _Results, format: Format, out: Path, single: bool) -> None:
+    """Write a file, or a folder, for each frame. A frame that fails does not stop the others, if there are several."""
+    write = _writer(format)
+    for result in results:
+        try:
+            write(result, out if single else out / f"{result.frame.name}{SUFFIX.get(format, '')}")
+        except SpigoloError as error:
+            if single:
+                raise
+            results.failed += 1
+            results.done -= 1
+            _print_error(result.frame.name, error)
+
+
+def _writer(format: Format) -> Callable[[Any, Path], Any]:
+    from spigolo import export as room
+
+    found: Callable[[Any, Path], Any] = getattr(room, format.replace("-", "_"))
+    return found
+
+
+def _print_error(name: str, error: SpigoloError) -> None:
+    print(f"spigolo: {name}: {error}", file=sys.stderr)

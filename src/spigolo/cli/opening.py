@@ -1,0 +1,48 @@
+"""Sources for the verbs: words of the command line become a source, or one frame of it."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from itertools import islice
+from typing import TYPE_CHECKING
+
+from spigolo.errors import FileError, SpigoloError, UnitWarning
+from spigolo.frames.frame import MAX_PIXELS
+
+if TYPE_CHECKING:
+    from spigolo.frames.frame import Frame
+    from spigolo.sources.base import Source
+
+
+def opened(
+    words: Sequence[str],
+    camera: str | None = None,
+    depth_scale: float | None = None,
+    max_pixels: int = MAX_PIXELS,
+    quiet: bool = False,
+) -> Source:
+    """Return the source that words name. quiet: without warnings of the unit, as the doctor says it better."""
+    from spigolo.sources.opening import open_source
+
+    if quiet:
+        warnings.simplefilter("ignore", UnitWarning)
+    return open_source(words, camera, depth_scale, max_pixels=max_pixels)
+
+
+def first_frame(source: Source, index: int | None = None) -> Frame:
+    """Return one frame of a source, of a folder the only one. index: which, from 0. Raises the error of reading it."""
+    from spigolo.sources.folders import FolderSource
+
+    if index is None and isinstance(source, FolderSource) and source.count != 1:
+        raise FileError(f"expected one frame, got {source.count}: give a colour and a depth image")
+
+    def refuse(_: str, error: SpigoloError) -> None:
+        raise error
+
+    if source.count == 1:
+        source.on_broken = refuse
+    frame = next(islice(source, index or 0, None), None)
+    if frame is None:
+        raise FileError(f"there is no frame {index or 0} in {source.name} ({source.report()})")
+    return frame

@@ -1,0 +1,132 @@
+"""Ids of objects that last from frame to frame, by overlap and position in space, matched one to one (ours)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.objects.facts import Labels
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+
+KEPT_FRAMES = 15
+"""Number of frames for which an object that is not found keeps its id (our choice)."""
+REACH_M = 0.05
+"""Distance at which closeness falls to 37 %, metres (our choice)."""
+MIN_AFFINITY = 0.15
+"""Affinity below which two objects are never the same (our choice)."""
+MAX_SIZE_RATIO = 4.0
+"""Ratio of areas above which two objects are never the same (our choice)."""
+
+Matrix = npt.NDArray[np.float64]
+
+
+@dataclass(slots=True)
+class Track:
+    """One object as it was last seen."""
+
+    id: int
+    """Number that lasts."""
+    area_px: int
+    """Number of its pixels."""
+    center_m: npt.NDArray[np.float64] | None
+    """Centroid (X, Y, Z), metres. None without depth or intrinsics."""
+    unseen: int = 0
+    """Number of frames since it was last found."""
+
+
+class Tracker:
+    """Gives the objects of each frame the ids of the same objects in earlier frames."""
+
+    def __init__(self) -> None:
+        self._tracks: list[Track] = []
+        self._image: Labels | None = None  # 1 + index of the track at each pixel, 0 = none
+        self._next = 1
+
+    def follow(self, result: Segmentation) -> Segmentation:
+        """Return the answer with ids."""
+        if self._image is not None and self._image.shape != result.labels.shape:
+            self._tracks, self._image = [], None
+        pairs = match(self._affinity(result)) if self._tracks else {}
+        ids = [self._tracks[pairs[k]].id if k in pairs else self._new_id() for k in range(len(result))]
+        self._remember(result, ids, {track: k for k, track in pairs.items()})
+        return replace(result, objects=tuple(replace(o, id=one) for o, one in zip(result, ids, strict=True)))
+
+    def _new_id(self) -> int:
+        self._next += 1
+        return self._next - 1
+
+    def _affinity(self, result: Segmentation) -> Matrix:
+        """Return the affinity (objects, tracks): overlap plus closeness, 0 for objects that cannot be the same."""
+        assert self._image is not None
+        overlap = _overlaps(result, self._image, [t.area_px for t in self._tracks])
+        drift = self._drift(result, overlap)
+        closeness = np.array([[_closeness(o, t, drift) for t in self._tracks] for o in result])
+        areas = np.array([o.area_px for o in result], float)[:, None]
+        others = np.array([t.area_px for t in self._tracks], float)
+        ratio = np.maximum(areas / others, others / areas)
+        both = overlap + closeness.reshape(overlap.shape)
+        return np.where((ratio <= MAX_SIZE_RATIO) & (both >= MIN_AFFINITY), both, 0)
+
+    def _drift(self, result: Segmentation, overlap: Matrix) -> npt.NDArray[np.float64]:
+        """Return the median shift (3,) of objects that clearly overlap: that of a moving camera."""
+        shifts = [
+            np.subtract(o.centroid_m, center)
+            for k, o in enumerate(result)
+            if overlap[k].max(initial=0) > 0.3
+            and o.centroid_m is not None
+            and (center := self._tracks[int(overlap[k].argmax())].center_m) is not None
+        ]
+        return np.median(shifts, axis=0) if shifts else np.zeros(3)
+
+    def _remember(self, result: Segmentation, ids: list[int], found: dict[int, int]) -> None:
+        """Keep the objects of this frame, and for a while those of earlier ones that were not found."""
+        lost = [(k, t) for k, t in enumerate(self._tracks) if k not in found and t.unseen < KEPT_FRAMES]
+        image = np.zeros(result.labels.shape, np.int32)
+        number_of = np.zeros(len(self._tracks) + 1, np.int32)
+        for number, (k, _) in enumerate(lost, start=len(result) + 1):
+            number_of[k + 1] = number
+        if self._image is not None and lost:
+            image = number_of[self._image]
+        seen = result.labels > 0
+        image[seen] = result.labels[seen]
+        by_label = sorted(zip(result, ids, strict=True), key=lambda pair: pair[0].label)
+        self._tracks = [Track(one, o.area_px, _center(o)) for o, one in by_label]
+        self._tracks += [replace(t, unseen=t.unseen + 1) for _, t in lost]
+        self._image = image
+
+
+def match(affinity: Matrix) -> dict[int, int]:
+    """Return columns by rows, one to one, the largest affinity first. Pairs of affinity 0 do not match."""
+    pairs: dict[int, int] = {}
+    taken: set[int] = set()
+    for flat in np.argsort(-affinity, axis=None, kind="stable"):
+        row, column = divmod(int(flat), affinity.shape[1])
+        if affinity[row, column] <= 0:
+            break
+        if row not in pairs and column not in taken:
+            pairs[row] = column
+            taken.add(column)
+    return pairs
+
+
+def _overlaps(result: Segmentation, image: Labels, areas: list[int]) -> Matrix:
+    """Return the intersection over union (objects, tracks) of masks."""
+    rows, columns = len(result) + 1, len(areas) + 1
+    joint = np.bincount((result.labels * columns + image).ravel(), minlength=rows * columns).reshape(rows, columns)
+    labels = [o.label for o in result]
+    shared = joint[labels][:, 1:].astype(float)
+    own = np.array([o.area_px for o in result], float)[:, None]
+    return np.asarray(shared / np.maximum(own + np.array(areas, float) - shared, 1))
+
+
+def _closeness(o: ObjectMask, track: Track, drift: npt.NDArray[np.float64]) -> float:
+    if o.centroid_m is None or track.center_m is None:
+        return 0.0
+    gap_m = float(np.linalg.norm(np.subtract(o.centroid_m, track.center_m) - drift))
+    return float(np.exp(-gap_m / REACH_M))
+
+
+def _center(o: ObjectMask) -> npt.NDArray[np.float64] | None:
+    return None if o.centroid_m is None else np.array(o.centroid_m)

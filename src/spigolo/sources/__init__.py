@@ -1,0 +1,15 @@
+"""Where frames come from: folders, published data sets, ROS bags, RealSense cameras. Each yields Frames.
+
+    with sp.open_source("recording.mcap") as source:
+        for frame in source:
+            result = segmenter(frame)
+    print(source.report())
+
+| source | example | needs |
+|---|---|---|
+| image files and folders | `recordings/` | |
+| published data sets and TUM lists | `dataset:rgbd-scenes/` | |
+| ROS 1 and ROS 2 bags (.bag, .db3, .mcap) | `recording.mcap` | `spigolo[bags]` |
+| RealSense cameras | `realsense:` or `realsense:SERIAL` | `spigolo[realsense]` |
+| RealSense recordings | `realsense:recording.db3` | `spigolo[realsense]` |
+"""

@@ -1,0 +1,249 @@
+"""Recordings of ROS 1 and ROS 2 as a source, read by rosbags without ROS.
+
+The stamps are read first, so that the number of frames is known and every image finds its nearest partner.
+"""
+
+from __future__ import annotations
+
+import importlib
+import struct
+from collections.abc import Iterator, Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from spigolo.errors import FileError, FrameError, SpigoloError, warn
+from spigolo.frames.camera import Camera
+from spigolo.frames.files import known_camera
+from spigolo.frames.frame import Frame
+from spigolo.sources.base import Report, SizedSource
+from spigolo.sources.options import Options
+from spigolo.sources.pairing import pair_stamps
+from spigolo.sources.ros_images import MILLIMETRES, color_of, depth_of, is_depth
+from spigolo.sources.topics import IMAGE_TYPES, INFO_TYPE, Topics, choose_topics
+
+PIP = 'pip install "spigolo[bags]"'
+REALSENSE = "/device_0/sensor_"
+"""How the topics of a recording of the RealSense SDK begin."""
+
+
+@dataclass(frozen=True, slots=True)
+class Content:
+    """What a first reading finds."""
+
+    topics: Topics
+    """The topics that make frames."""
+    partner: dict[tuple[str, int], int]
+    """Number of the pair by topic and number of the message."""
+    stamps_ns: tuple[int, ...]
+    """Stamp of each pair's colour image."""
+    headless: frozenset[tuple[str, int]]
+    """Topic and number of the messages too short for a stamp."""
+    info: Any
+    """The first readable CameraInfo. None without one."""
+    cut: str
+    """Why the reading ended before the end of the file. Empty if it did not."""
+
+
+class BagSource(SizedSource):
+    """The frames of a bag: pairs of colour and depth whose stamps differ by at most the tolerance."""
+
+    def __init__(self, path: Path, options: Options) -> None:
+        self._path = path
+        with closing(_open(path)) as reader:
+            self._types = {c.topic: c.msgtype for c in reader.connections}
+            self._decoder = _Decoder(reader)
+            self.content = self._survey(reader, options)
+        super().__init__(str(path), options, len(self.content.stamps_ns))
+        topics = self.content.topics
+        if options.camera is None and topics.info is not None and self.content.info is not None:
+            self.intrinsics = f"topic {topics.info}"
+        if not self._count:
+            warn(f"{path}: no pair of {topics.color} and {topics.depth} within {options.tolerance_ms:g} ms")
+
+    def report(self) -> Report:
+        """Return the counts since the last iteration began, with the tolerance of pairs."""
+        counts = super().report()
+        return replace(counts, tolerance_ms=self.options.tolerance_ms)
+
+    def _frames(self) -> Iterator[Frame]:
+        content, waiting = self.content, dict[int, tuple[str, bytes]]()
+        done: dict[int, Frame | None] = {}
+        turn = 0
+        for topic, number, data in self._messages(content.topics):
+            pair = content.partner.get((topic, number))
+            if pair is None:
+                self._count_single(topic, number, data)
+            elif pair not in waiting:
+                waiting[pair] = topic, data
+            else:
+                done[pair] = self._frame(pair, dict([waiting.pop(pair), (topic, data)]))
+            while turn in done:
+                frame = done.pop(turn)
+                turn += 1
+                if frame is not None:
+                    yield frame
+        if content.cut:
+            self._skip(self.name, FileError(f"the recording cannot be read to its end: {content.cut}"))
+
+    def _count_single(self, topic: str, number: int, data: bytes) -> None:
+        """Count a message without a partner as unmatched, or as broken if it cannot be read."""
+        name = f"{topic}, message {number}"
+        if (topic, number) in self.content.headless:
+            self._skip(name, FrameError(f"too short for a stamp ({len(data)} bytes)"))
+            return
+        try:
+            self._decode(topic, data)
+        except SpigoloError as error:
+            self._skip(name, error)
+        else:
+            self._unmatched += 1
+
+    def _frame(self, pair: int, messages: dict[str, bytes]) -> Frame | None:
+        name, topics, own = f"{pair:06d}", self.content.topics, self.options
+        try:
+            color = self._decode(topics.color, messages[topics.color])
+            depth = self._decode(topics.depth, messages[topics.depth])
+            camera, scale = self._camera(color.shape[1], color.shape[0])
+            scale = own.depth_scale or scale or MILLIMETRES
+            stamp = self.content.stamps_ns[pair]
+            scale_given = scale if depth.dtype.kind in "ui" else None
+            return Frame(color, depth, camera, name, stamp, scale_given, max_pixels=own.max_pixels)
+        except SpigoloError as error:
+            self._skip(name, error)
+            return None
+
+    def _camera(self, width: int, height: int) -> tuple[Camera | None, float | None]:
+        given, info = self.options.camera, self.content.info
+        if given is None and info is not None:
+            return known_camera(_camera_info(info, self.content.topics.color), width, height)[0], None
+        return known_camera(given, width, height)
+
+    def _decode(self, topic: str, data: bytes) -> Any:
+        """Return the array of an image message. Raises FrameError, whatever the deserialiser raises."""
+        message = self._decoder.message(data, self._types[topic])
+        return depth_of(message) if topic == self.content.topics.depth else color_of(message)
+
+    def _messages(self, topics: Topics) -> Iterator[tuple[str, int, bytes]]:
+        """Yield topic, number and bytes of the image messages, as far as the file can be read."""
+        numbers = {topics.color: 0, topics.depth: 0}
+        with closing(_open(self._path)) as reader:
+            wanted = [c for c in reader.connections if c.topic in numbers]
+            with suppress(Exception):  # the survey has noted why a file cannot be read to its end
+                for connection, _, data in reader.messages(connections=wanted):
+                    number = numbers[connection.topic]
+                    numbers[connection.topic] += 1
+                    yield connection.topic, number, bytes(data)
+
+    def _survey(self, reader: Any, options: Options) -> Content:
+        images = [c for c in reader.connections if c.msgtype in IMAGE_TYPES]
+        infos = sorted({c.topic for c in reader.connections if c.msgtype == INFO_TYPE})
+        holds = {c.topic: self._decoder.holds_depth(c) for c in images}
+        topics = choose_topics(holds, infos, options, self._path.name)
+        info = self._decoder.first([c for c in reader.connections if c.topic == topics.info])
+        stamps, headless, cut = _read_stamps(reader, topics)
+        colors, depths = stamps[topics.color], stamps[topics.depth]
+        found = pair_stamps([s for s, _ in colors], [s for s, _ in depths], options.tolerance_ms * 1e6)
+        partner = {}
+        for pair, (color, depth) in enumerate(found):
+            partner[topics.color, colors[color][1]] = pair
+            partner[topics.depth, depths[depth][1]] = pair
+        return Content(topics, partner, tuple(colors[color][0] for color, _ in found), headless, info, cut)
+
+
+class _Decoder:
+    """From serialised bytes to messages. Works on when the file is closed."""
+
+    def __init__(self, reader: Any) -> None:
+        self._reader, store = reader, reader.typestore
+        self._deserialize = store.deserialize_cdr if reader.is2 else store.deserialize_ros1
+
+    def message(self, data: bytes, kind: str) -> Any:
+        """Return a message. Raises FrameError, whatever the deserialiser raises."""
+        try:
+            return self._deserialize(data, kind)
+        except Exception as error:  # damaged bytes raise what their parsing meets
+            raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
+
+    def first(self, connections: Sequence[Any]) -> Any:
+        """Return the first message of connections that can be read. None without one."""
+        with suppress(Exception):  # the survey tells what is wrong with the file
+            for connection, _, data in self._reader.messages(connections=connections) if connections else ():
+                with suppress(FrameError):
+                    return self.message(data, connection.msgtype)
+        return None
+
+    def holds_depth(self, connection: Any) -> bool:
+        """Return whether the first readable image of a topic is depth. Without one, the name decides."""
+        message = self.first([connection])
+        return "depth" in connection.topic if message is None else is_depth(message)
+
+
+Stamps = dict[str, list[tuple[int, int]]]
+"""Stamp in nanoseconds and number of each message, by topic."""
+
+
+def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[str, int]], str]:
+    """Return the stamps, the messages without one, and why the file cannot be read to its end, if so."""
+    stamps: Stamps = {topics.color: [], topics.depth: []}
+    numbers, headless = dict.fromkeys(stamps, 0), set()
+    wanted = [c for c in reader.connections if c.topic in stamps]
+    try:
+        for connection, _, data in reader.messages(connections=wanted):
+            topic = connection.topic
+            number, numbers[topic] = numbers[topic], numbers[topic] + 1
+            stamp = _stamp_ns(data, reader.is2)
+            if stamp is None:
+                headless.add((topic, number))
+            else:
+                stamps[topic].append((stamp, number))
+    except Exception as error:  # a damaged file raises what its parsing meets
+        return stamps, frozenset(headless), _told(error)
+    return stamps, frozenset(headless), ""
+
+
+def is_of_realsense(path: Path) -> bool:
+    """Return whether a bag was recorded by the RealSense SDK, whose depth is not registered to colour."""
+    with closing(_open(path)) as reader:
+        return any(c.topic.startswith(REALSENSE) for c in reader.connections)
+
+
+def _open(path: Path) -> Any:
+    """Return an open reader of a bag. Raises FileError."""
+    try:
+        reading = importlib.import_module("rosbags.highlevel")
+        typesys = importlib.import_module("rosbags.typesys")
+    except ImportError:
+        raise FileError(f"reading {path} needs rosbags, which is missing: {PIP}") from None
+    try:
+        usual = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
+        reader = reading.AnyReader([path], default_typestore=usual)
+        reader.open()
+    except Exception as error:  # a damaged file raises what its parsing meets
+        raise FileError(f"{path}: not a readable ROS bag ({_told(error)})") from None
+    return reader
+
+
+def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:
+    """Return the stamp of a serialised header. None if the message is too short."""
+    if len(data) < 12:
+        return None
+    if not is_ros2:
+        sec, nanosec = struct.unpack_from("<II", data, 4)
+    else:
+        sec, nanosec = struct.unpack_from(">iI" if data[1] == 0 else "<iI", data, 4)
+    return int(sec) * 1_000_000_000 + int(nanosec)
+
+
+def _camera_info(info: Any, topic: str) -> Any:
+    """Return CameraInfo in the form that fits a topic: that of P without distortion for rectified images."""
+    projection = getattr(info, "p", None) if hasattr(info, "p") else getattr(info, "P", None)
+    if "rect" not in topic.lower() or projection is None or not any(projection):
+        return info
+    return SimpleNamespace(width=info.width, height=info.height, P=list(map(float, projection)))
+
+
+def _told(error: BaseException) -> str:
+    return " ".join(str(error).split())[:200] or type(error).__name__

@@ -1,0 +1,124 @@
+"""Source: an iterable of frames that counts what it could not use."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TypeVar
+
+from spigolo.clock import Pace
+from spigolo.errors import SpigoloError, warn
+from spigolo.frames.frame import Frame
+from spigolo.sources.options import Options
+
+Own = TypeVar("Own", bound="Source")
+OnBroken = Callable[[str, SpigoloError], None]
+"""Called with the name of a frame or message that cannot be read, and the error."""
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """Counts of a source since its iteration began."""
+
+    frames: int
+    """Frames that were handed out."""
+    unmatched: int = 0
+    """Colour and depth images without a partner within the tolerance."""
+    broken: int = 0
+    """Frames or messages that could not be read."""
+    dropped: int = 0
+    """Frames of a live source that were replaced by newer ones before they were asked for."""
+    tolerance_ms: float | None = None
+    """Maximum difference between the stamps of a pair, ms. None if images are not paired by stamp."""
+    pace: Pace | None = None
+    """Rate, and latency from arrival until the next frame was asked for. None for a recording."""
+
+    def __str__(self) -> str:
+        within = "" if self.tolerance_ms is None else f" (no partner within {self.tolerance_ms:g} ms)"
+        told = [f"{self.frames} frames"]
+        if self.unmatched or self.tolerance_ms is not None:
+            told.append(f"{self.unmatched} unmatched images{within}")
+        told.append(f"{self.broken} broken")
+        if self.pace is not None:
+            told += [f"{self.dropped} dropped", str(self.pace)]
+        return ", ".join(told)
+
+
+class Source(ABC):
+    """Frames of one folder, data set, recording or camera. Iterate over it, best inside `with`.
+
+    Frames that cannot be read are skipped, counted and passed to `on_broken`, which warns by default.
+    """
+
+    live = False
+    """Whether frames come from a camera, without an end."""
+
+    def __init__(self, name: str, options: Options) -> None:
+        self.name = name
+        """Name of the source, for messages."""
+        self.options = options
+        """Options that it was opened with."""
+        self.intrinsics = ""
+        """Where the intrinsics come from. Empty if they were given, or are not known."""
+        self.on_broken: OnBroken = _warn
+        self._frames_done = self._unmatched = self._broken = 0
+
+    @property
+    def count(self) -> int | None:
+        """Number of frames. None if it is not known."""
+        return None
+
+    @abstractmethod
+    def _frames(self) -> Iterator[Frame]:
+        """Yield the frames from the first one on."""
+
+    def __iter__(self) -> Iterator[Frame]:
+        self._frames_done = self._unmatched = self._broken = 0
+        for frame in self._frames():
+            self._frames_done += 1
+            yield frame
+
+    def report(self) -> Report:
+        """Return the counts since the last iteration began."""
+        return Report(self._frames_done, self._unmatched, self._broken)
+
+    def close(self) -> None:  # noqa: B027
+        """Release files and devices."""
+
+    def __enter__(self: Own) -> Own:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        size = "live" if self.live else "frames" if self.count is None else f"{self.count} frames"
+        return f"{type(self).__name__}({self.name!r}, {size})"
+
+    def _skip(self, name: str, error: SpigoloError) -> None:
+        self._broken += 1
+        self.on_broken(name, error)
+
+
+class SizedSource(Source):
+    """A source whose number of frames is known."""
+
+    def __init__(self, name: str, options: Options, count: int) -> None:
+        super().__init__(name, options)
+        self._count = count
+
+    @property
+    def count(self) -> int:
+        """Number of frames, broken ones included."""
+        return self._count
+
+    def __len__(self) -> int:
+        return self._count
+
+
+def _warn(name: str, error: SpigoloError) -> None:
+    warn(f"{name}: {error}")

@@ -1,0 +1,38 @@
+"""Image files and folders as a source."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from spigolo.errors import SpigoloError
+from spigolo.frames.files import read_frame
+from spigolo.frames.frame import Frame
+from spigolo.sources.base import SizedSource
+from spigolo.sources.options import Options
+from spigolo.sources.paths import FramePaths, find_frames
+
+
+class FolderSource(SizedSource):
+    """The frames of image files and folders, in the order in which they are listed."""
+
+    def __init__(self, words: Sequence[str], options: Options) -> None:
+        self.paths = find_frames(words)
+        self._options = options
+        found = self.paths[0].camera
+        super().__init__(words[0] if len(words) == 1 else self.paths[0].name, options, len(self.paths))
+        if options.camera is None and found is not None:
+            self.intrinsics = str(found)
+
+    def _frames(self) -> Iterator[Frame]:
+        for paths in self.paths:
+            try:
+                frame = self._read(paths)
+            except SpigoloError as error:
+                self._skip(paths.name, error)
+                continue
+            yield frame
+
+    def _read(self, paths: FramePaths) -> Frame:
+        own = self._options
+        given = own.camera if own.camera is not None else paths.camera
+        return read_frame(paths.color, paths.depth, given, own.depth_scale, name=paths.name, max_pixels=own.max_pixels)

@@ -1,0 +1,109 @@
+"""Live sources: a thread receives frames, and the reader always gets the newest one."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import abstractmethod
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Generic, TypeVar
+
+from spigolo.clock import Pace
+from spigolo.errors import SpigoloError
+from spigolo.frames.frame import Frame
+from spigolo.sources.base import Report, Source
+from spigolo.sources.options import Options
+
+T = TypeVar("T")
+
+
+class Mailbox(Generic[T]):
+    """One slot between two threads. A newer item replaces one that was not taken."""
+
+    def __init__(self) -> None:
+        self._ready = threading.Condition()
+        self._item: T | None = None
+        self._ended: BaseException | bool = False
+        self.dropped = 0
+        """Number of items that were replaced before they were taken."""
+
+    def put(self, item: T) -> None:
+        """Put the newest item."""
+        with self._ready:
+            self.dropped += self._item is not None
+            self._item = item
+            self._ready.notify()
+
+    def end(self, error: BaseException | None = None) -> None:
+        """Tell the reader that nothing more comes, or why."""
+        with self._ready:
+            self._ended = error or True
+            self._ready.notify()
+
+    def take(self) -> T | None:
+        """Return the newest item, waiting for one. None at the end. Raises the error of the sender."""
+        with self._ready:
+            self._ready.wait_for(lambda: self._item is not None or self._ended)
+            item, self._item = self._item, None
+            if item is None and isinstance(self._ended, BaseException):
+                raise self._ended
+            return item
+
+
+class LiveSource(Source):
+    """Frames of a camera. Frames that arrive while one is worked on are dropped but for the newest.
+
+    `report()` has the latency from the arrival of a frame until the next one is asked for, which is when the work on
+    it is done.
+    """
+
+    live = True
+
+    def __init__(self, name: str, options: Options) -> None:
+        super().__init__(name, options)
+        self._pace = Pace()
+        self._dropped = 0
+        self._stopping = threading.Event()
+
+    @abstractmethod
+    def _receive(self) -> Iterator[Frame]:
+        """Yield the frames as they arrive, until the source is closed. Runs on a thread of its own."""
+
+    def close(self) -> None:
+        """Stop the camera."""
+        self._stopping.set()
+
+    def report(self) -> Report:
+        """Return the counts since the last iteration began, with rate and latency."""
+        return replace(super().report(), dropped=self._dropped, pace=self._pace)
+
+    def _frames(self) -> Iterator[Frame]:
+        self._pace, self._dropped = Pace(), 0
+        self._stopping.clear()
+        box: Mailbox[tuple[float, Frame]] = Mailbox()
+        thread = threading.Thread(target=self._fill, args=(box,), name=f"spigolo {self.name}", daemon=True)
+        thread.start()
+        try:
+            while (item := box.take()) is not None:
+                arrived, frame = item
+                self._dropped = box.dropped
+                yield frame
+                self._pace.add(time.perf_counter() - arrived)
+            self._dropped = box.dropped
+        finally:
+            self._stopping.set()
+            thread.join()
+
+    def _fill(self, box: Mailbox[tuple[float, Frame]]) -> None:
+        try:
+            for frame in self._receive():
+                if self._stopping.is_set():
+                    break
+                box.put((time.perf_counter(), frame))
+        except SpigoloError as error:
+            box.end(error)
+        except Exception as error:  # the reader's thread tells it
+            box.end(SpigoloError(f"{self.name}: {' '.join(str(error).split())}"))
+        else:
+            box.end()

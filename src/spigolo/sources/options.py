@@ -1,0 +1,66 @@
+"""Options of a source, from keywords or from the part of its name after `?`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from spigolo.errors import FileError
+from spigolo.frames.frame import MAX_PIXELS
+from spigolo.frames.intrinsics import CameraLike
+
+NUMBERS: Mapping[str, type[int] | type[float]] = {
+    "depth_scale": float, "tolerance_ms": float, "max_pixels": int, "width": int, "height": int, "fps": int,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How a source is read. Options that a kind of source does not have are ignored."""
+
+    camera: CameraLike = None
+    """Intrinsics in any form that `read_frame` takes. None: those of the source."""
+    depth_scale: float | None = None
+    """Metres per unit of integer depth. None: the unit of the source."""
+    max_pixels: int = MAX_PIXELS
+    """Maximum number of pixels of an image."""
+    color: str | None = None
+    """Topic of the colour images of a bag. None: guessed."""
+    depth: str | None = None
+    """Topic of the depth images of a bag. None: guessed."""
+    info: str | None = None
+    """Topic of the CameraInfo of a bag. None: the one next to the colour topic."""
+    tolerance_ms: float = 20.0
+    """Maximum difference between the stamps of a pair, in milliseconds."""
+    width: int = 640
+    """Width of both streams of a live camera, in pixels."""
+    height: int = 480
+    """Height of both streams of a live camera, in pixels."""
+    fps: int = 30
+    """Frames per second of a live camera."""
+    filters: tuple[str, ...] = field(default=())
+    """Filters of the RealSense SDK, in their order: decimation, threshold, spatial, temporal, holes."""
+    device: Any = None
+    """Device of the RealSense SDK to use, such as a software device. None: one that is connected."""
+
+
+def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
+    """Return the options of texts (words) and of values (given, which win). Raises FileError for an unknown one."""
+    known = [one.name for one in fields(Options)]
+    values = {name: _value(name, text) for name, text in words.items()}
+    values |= {name: value for name, value in given.items() if value is not None}
+    unknown = next((name for name in values if name not in known), None)
+    if unknown is not None:
+        raise FileError(f"unknown option {unknown} of a source: expected one of {', '.join(known)}")
+    if isinstance(values.get("filters"), str):
+        values["filters"] = tuple(values["filters"].split(","))
+    return Options(**values)
+
+
+def _value(name: str, text: str) -> Any:
+    kind = NUMBERS.get(name)
+    try:
+        return text if kind is None else kind(text)
+    except ValueError:
+        raise FileError(f"expected a number as {name} of a source, got {text!r}") from None

@@ -1,0 +1,170 @@
+"""Paths of frames: the colour, depth and camera files that belong together."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+from pathlib import Path
+
+from spigolo.errors import FileError, warn
+from spigolo.frames.camera_files import camera_for
+from spigolo.frames.listing import RECORDINGS, best_of_each, listed
+
+IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".pnm", ".webp")
+DEPTHS = (*IMAGES, ".npy", ".npz", ".exr")
+COLOR_NAMES = ("rgb", "color", "colour", "image")
+
+
+@dataclass(frozen=True, slots=True)
+class FramePaths:
+    """The files of a frame. camera: a file found next to the images, or None."""
+
+    name: str
+    color: Path
+    depth: Path
+    camera: Path | None
+
+
+def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
+    """Return the frames that files and folders name.
+
+    Two files are a frame, colour first. More files are pairs. A folder is a frame if it holds a colour and a depth
+    image (rgb.png and depth.png). Otherwise its subfolders are frames, or the equally named files of its folders rgb/
+    and depth/. Every frame gets a name of its own.
+    """
+    paths = [Path(word) for word in inputs]
+    if not paths:
+        raise FileError("expected a colour and a depth image, or a folder of frames, got nothing")
+    absent = [path for path in paths if not path.exists()]
+    if absent:
+        raise FileError(f"expected an image or folder, but there is no {absent[0]}")
+    files = [path for path in paths if not path.is_dir()]
+    whole = [path for path in files if _is_frame(path)] if len(files) != 2 else []
+    frames = [_whole(path) for path in whole] + _pairs([path for path in files if path not in whole])
+    for folder in (path for path in paths if path.is_dir()):
+        frames += _frames_in(folder)
+    return _named_apart(frames)
+
+
+def _is_frame(path: Path) -> bool:
+    """Return whether a .npz file holds colour and depth."""
+    if path.suffix.lower() != ".npz":
+        return False
+    from spigolo.frames.arrays import names_in
+    from spigolo.frames.images import COLOR_KEYS, DEPTH_KEYS
+
+    names = set(names_in(path))
+    return bool(names & set(COLOR_KEYS)) and bool(names & set(DEPTH_KEYS))
+
+
+def _whole(path: Path) -> FramePaths:
+    """Return the paths of a frame in one .npz file, its camera too where that holds a matrix."""
+    from spigolo.frames.arrays import names_in
+    from spigolo.frames.intrinsics import MATRIX_NAMES
+
+    has_matrix = bool({name.lower() for name in (*MATRIX_NAMES, "fx")} & set(names_in(path)))
+    return FramePaths(path.stem, path, path, path if has_matrix else camera_for(path.parent, path.parent))
+
+
+def _pairs(files: Sequence[Path]) -> list[FramePaths]:
+    """Return the frames of files in pairs, colour then depth. Raises FileError for one without a partner."""
+    recording = next((path for path in files if path.suffix.lower() in RECORDINGS), None)
+    if recording is not None:
+        from spigolo.frames.images import how_to_extract
+
+        raise FileError(f"expected images, got the recording {recording}: {how_to_extract(recording.suffix.lower())}")
+    if len(files) % 2:
+        alone = f"expected files in pairs, colour then depth, got {len(files)}: {files[-1]} has no depth image"
+        if files[-1].suffix.lower() == ".npz":
+            raise FileError(f"{alone}. A .npz file alone is a frame if it holds the arrays rgb and depth, and best K")
+        raise FileError(alone)
+    pairs = zip(files[::2], files[1::2], strict=True)
+    return [FramePaths(color.stem, color, depth, _camera_of(color)) for color, depth in pairs]
+
+
+def _camera_of(color: Path) -> Path | None:
+    """Return the camera file that holds for an image that was given by name."""
+    inner = color.parent.name in COLOR_NAMES
+    return camera_for(color.parent, color.parent.parent if inner else color.parent)
+
+
+def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
+    """Return the only frame. Raises FileError if there are none or several."""
+    if len(frames) != 1:
+        raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
+    return frames[0]
+
+
+def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
+    """Put the name of the folder before equal frame names, and a number after them if that is not enough."""
+    count = Counter(frame.name for frame in frames)
+    taken, apart = {name for name in count if count[name] == 1}, []
+    for frame in frames:
+        name = frame.name
+        if count[name] > 1:
+            base = f"{_around(frame)}_{name}"
+            name = next(n for n in chain([base], (f"{base}_{k}" for k in range(2, len(frames) + 2))) if n not in taken)
+            taken.add(name)
+        apart.append(replace(frame, name=name))
+    return apart
+
+
+def _around(frame: FramePaths) -> str:
+    """Return the name of the folder that holds a frame, or holds the folder of its colour images."""
+    folder = frame.color.resolve().parent
+    return folder.parent.name if folder.name in (frame.name, *COLOR_NAMES) else folder.name
+
+
+def _frames_in(folder: Path) -> list[FramePaths]:
+    frames = _frame_of(folder, folder) or _paired(folder)
+    if not frames:
+        inner = [path for path in listed(folder) if path.is_dir()]
+        frames = [frame for path in inner for frame in _frame_of(path, folder)]
+    if not frames:
+        frames = [_whole(path) for path in listed(folder) if _is_frame(path)]
+    if not frames:
+        raise FileError(
+            f"expected rgb.png and depth.png in {folder} or in its subfolders, or folders rgb/ and depth/ with equally"
+            f" named files{_what_lies_there(folder)}"
+        )
+    return frames
+
+
+def _what_lies_there(folder: Path) -> str:
+    """Return what a message says of a folder that holds something else."""
+    found = next((path for path in listed(folder) if path.suffix.lower() in RECORDINGS), None)
+    return f". {found.name} is a recording: extract its images first" if found else ""
+
+
+def _frame_of(folder: Path, top: Path) -> list[FramePaths]:
+    """Return the frame of a folder that holds one. top: the folder that was given."""
+    files = listed(folder)
+    colors = [f for name in COLOR_NAMES for f in files if f.stem == name and f.suffix.lower() in IMAGES]
+    depths = [f for f in files if f.stem == "depth" and f.suffix.lower() in DEPTHS]
+    color, depth = (next(best_of_each(found), None) for found in (colors, depths))
+    if color and not depth:
+        _warn_of_single([color], "colour images have no depth image")
+    return [FramePaths(folder.name, color, depth, camera_for(folder, top))] if color and depth else []
+
+
+def _paired(folder: Path) -> list[FramePaths]:
+    colors = next((folder / name for name in COLOR_NAMES if (folder / name).is_dir()), None)
+    if colors is None or not (folder / "depth").is_dir():
+        return []
+    stored = best_of_each(f for f in listed(folder / "depth") if f.suffix.lower() in DEPTHS)
+    depths = {f.stem: f for f in stored}
+    images = list(best_of_each(f for f in listed(colors) if f.suffix.lower() in IMAGES))
+    _warn_of_single([f for f in images if f.stem not in depths], "colour images have no depth image")
+    named = {f.stem for f in images}
+    _warn_of_single([f for f in depths.values() if f.stem not in named], "depth images have no colour image")
+    camera = camera_for(folder, folder)
+    return [FramePaths(f.stem, f, depths[f.stem], camera) for f in images if f.stem in depths]
+
+
+def _warn_of_single(images: Sequence[Path], lack: str) -> None:
+    """Warn of images that are skipped because their partner is missing."""
+    if images:
+        named = ", ".join(str(image) for image in images[:3]) + (", ..." if len(images) > 3 else "")
+        warn(f"{len(images)} {lack} of their name: {named}")

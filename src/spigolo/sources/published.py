@@ -1,0 +1,44 @@
+"""Data sets as they were published, and TUM lists, as a source."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from spigolo.errors import SpigoloError
+from spigolo.frames.files import known_camera
+from spigolo.frames.frame import Frame
+from spigolo.lab.datasets import guess
+from spigolo.sources.base import SizedSource
+from spigolo.sources.options import Options
+
+
+class PublishedSource(SizedSource):
+    """The frames of a data set in its order. A given camera or depth_scale replaces the data set's own."""
+
+    def __init__(self, folder: Path, options: Options) -> None:
+        self.entries = guess(folder)
+        super().__init__(str(folder), options, len(self.entries))
+        if options.camera is None:
+            self.intrinsics = f"those of {type(self.entries).__name__}"
+
+    def _frames(self) -> Iterator[Frame]:
+        for entry in self.entries:
+            try:
+                frame = self._changed(entry.read())
+            except SpigoloError as error:
+                self._skip(entry.name, error)
+                continue
+            yield frame
+
+    def _changed(self, frame: Frame) -> Frame:
+        """Return a frame with the camera and the scale that were given."""
+        camera, scale = self.options.camera, self.options.depth_scale
+        if camera is None and scale is None:
+            return frame
+        height, width = frame.shape
+        known = frame.camera if camera is None else known_camera(camera, width, height)[0]
+        depth = frame.depth
+        if scale is not None and frame.unit_m is not None:
+            depth = depth * (scale / frame.unit_m)
+        return Frame(frame.color, depth, known, frame.name, frame.stamp_ns)

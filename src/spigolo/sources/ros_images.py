@@ -1,0 +1,138 @@
+"""Images of ROS messages as arrays: sensor_msgs/Image, CompressedImage, and the stamp of their header.
+
+Takes any object with the fields of the message, so that neither ROS nor a bag reader is needed.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FrameError
+from spigolo.frames.images import Image
+
+MILLIMETRES = 0.001
+"""Unit of integer depth, metres (REP 118)."""
+DEPTH_ENCODINGS = {"16UC1": np.uint16, "mono16": np.uint16, "32FC1": np.float32, "64FC1": np.float64}
+"""Encodings of depth, and the type of their numbers."""
+COLOR_ENCODINGS = {
+    "rgb8": (3, None),
+    "bgr8": (3, cv2.COLOR_BGR2RGB),
+    "8UC3": (3, cv2.COLOR_BGR2RGB),
+    "rgba8": (4, cv2.COLOR_RGBA2RGB),
+    "bgra8": (4, cv2.COLOR_BGRA2RGB),
+    "8UC4": (4, cv2.COLOR_BGRA2RGB),
+    "mono8": (1, cv2.COLOR_GRAY2RGB),
+    "8UC1": (1, cv2.COLOR_GRAY2RGB),
+    "yuv422_yuy2": (2, cv2.COLOR_YUV2RGB_YUY2),
+    "yuyv": (2, cv2.COLOR_YUV2RGB_YUY2),
+    "yuv422": (2, cv2.COLOR_YUV2RGB_UYVY),
+    "uyvy": (2, cv2.COLOR_YUV2RGB_UYVY),
+}
+"""Encodings of colour: bytes for each pixel, and the conversion to RGB."""
+PNG = b"\x89PNG"
+CONFIG = struct.Struct("<i2f")
+"""Header of compressedDepth: format, and the two numbers by which metres were quantised."""
+
+
+def stamp_ns(message: Any) -> int:
+    """Return the stamp of a message's header in nanoseconds."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def encoding_of(message: Any) -> str:
+    """Return the encoding of an image's pixels, such as "16UC1" or "rgb8". Empty if it is not known."""
+    if not hasattr(message, "format"):
+        return str(message.encoding)
+    first = str(message.format).partition(";")[0].strip()
+    return first if first in DEPTH_ENCODINGS or first in COLOR_ENCODINGS else ""
+
+
+def is_depth(message: Any) -> bool:
+    """Return whether an image message holds depth."""
+    packed = "compresseddepth" in str(getattr(message, "format", "")).lower()
+    return packed or encoding_of(message) in DEPTH_ENCODINGS
+
+
+def color_of(message: Any) -> npt.NDArray[np.uint8]:
+    """Return the colour (H, W, 3) RGB of an Image or CompressedImage. Raises FrameError."""
+    if hasattr(message, "format"):
+        stored = _decoded(_bytes(message), cv2.IMREAD_COLOR, str(message.format))
+        return np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB), np.uint8)
+    if message.encoding not in COLOR_ENCODINGS:
+        raise FrameError(
+            f"expected colour as {', '.join(COLOR_ENCODINGS)}, got the encoding {message.encoding!r}: name another"
+            " colour topic, or convert the images"
+        )
+    channels, conversion = COLOR_ENCODINGS[message.encoding]
+    rows = _rows(message, np.dtype(np.uint8), channels)
+    pixels = rows.reshape(message.height, message.width, channels)
+    return np.asarray(pixels if conversion is None else cv2.cvtColor(pixels, conversion), np.uint8)
+
+
+def depth_of(message: Any) -> Image:
+    """Return the depth (H, W) of a message: integers as stored, or floating-point metres. Raises FrameError."""
+    if hasattr(message, "format"):
+        return _compressed_depth(message)
+    if message.encoding not in DEPTH_ENCODINGS:
+        raise FrameError(
+            f"expected depth as {', '.join(DEPTH_ENCODINGS)}, got the encoding {message.encoding!r}: name another"
+            " depth topic"
+        )
+    return _rows(message, np.dtype(DEPTH_ENCODINGS[message.encoding]), 1)
+
+
+def _rows(message: Any, kind: np.dtype[Any], channels: int) -> Image:
+    """Return the numbers of an Image (H, W * channels), without the padding of its rows."""
+    height, width, data = int(message.height), int(message.width), _bytes(message)
+    length = width * channels * kind.itemsize
+    step = int(message.step) or length
+    if height < 1 or width < 1 or step < length or data.size < step * (height - 1) + length:
+        raise FrameError(
+            f"expected {height} rows of {max(step, length)} bytes in a {message.encoding} image of {width}x{height},"
+            f" got {data.size} bytes"
+        )
+    whole = np.zeros(step * height, np.uint8)  # the last row may lack its padding
+    whole[: min(data.size, whole.size)] = data[: whole.size]
+    rows = np.ascontiguousarray(whole.reshape(height, step)[:, :length])
+    stored = kind.newbyteorder(">") if message.is_bigendian else kind.newbyteorder("<")
+    return rows.view(stored).astype(kind, copy=False)
+
+
+def _compressed_depth(message: Any) -> Image:
+    """Return the depth of a CompressedImage: a PNG, with the header of compressedDepth or without."""
+    data, told = _bytes(message), str(message.format)
+    start = next((k for k in (0, CONFIG.size) if data[k : k + 4].tobytes() == PNG), None)
+    if start is None:
+        raise FrameError(f"expected depth as PNG, got the format {told!r}: record the raw depth topic, or its PNG form")
+    stored = _decoded(data[start:], cv2.IMREAD_UNCHANGED, told)
+    if stored.ndim != 2 or stored.dtype != np.uint16:
+        raise FrameError(f"expected depth of 16 bits in one channel, got {stored.dtype} of shape {stored.shape}")
+    if not told.strip().startswith("32FC1"):
+        return stored
+    if start == 0:
+        raise FrameError("expected the header of compressedDepth with 32FC1, got a PNG without it")
+    _, a, b = CONFIG.unpack(data[: CONFIG.size].tobytes())
+    with np.errstate(divide="ignore", invalid="ignore"):
+        metres = np.float32(a) / (stored.astype(np.float32) - np.float32(b))
+    return np.asarray(np.where(stored > 0, metres, 0), np.float32)
+
+
+def _decoded(data: npt.NDArray[np.uint8], flags: int, told: str) -> Image:
+    try:
+        image = cv2.imdecode(data, flags) if data.size else None
+    except cv2.error:
+        image = None
+    if image is None:
+        raise FrameError(f"not a readable image of format {told!r} ({data.size} bytes)")
+    return image
+
+
+def _bytes(message: Any) -> npt.NDArray[np.uint8]:
+    data = message.data
+    return data.view(np.uint8) if isinstance(data, np.ndarray) else np.frombuffer(bytes(data), np.uint8)

@@ -1,0 +1,94 @@
+"""Topics of a bag: which hold colour, depth and CameraInfo."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from spigolo.errors import FileError, warn
+from spigolo.sources.options import Options
+
+IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
+INFO_TYPE = "sensor_msgs/msg/CameraInfo"
+REGISTERED = ("aligned_depth_to_color", "depth_to_rgb", "depth_registered", "registered", "aligned")
+"""Parts of the names of depth topics that are registered to colour, best first."""
+COLOR_WORDS = ("color", "colour", "rgb")
+NOT_COLOR = ("depth", "infra", "/ir", "mask", "label", "overlay", "confidence", "left", "right", "fisheye", "disparity")
+
+
+@dataclass(frozen=True, slots=True)
+class Topics:
+    """The topics that make frames."""
+
+    color: str
+    """Topic of the colour images."""
+    depth: str
+    """Topic of the depth images."""
+    info: str | None
+    """Topic of the CameraInfo. None without one."""
+
+
+def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:
+    """Return the topics that were named, and the best guess for the others.
+
+    depth_of: whether an image topic holds depth, by topic. infos: topics of CameraInfo. Raises FileError.
+    """
+    colors = sorted((t for t, is_depth in depth_of.items() if not is_depth), key=_color_rank)
+    depths = sorted((t for t, is_depth in depth_of.items() if is_depth), key=_depth_rank)
+    color = _named(options.color, list(depth_of), "color", name) or _guessed(colors, "color", depth_of, name)
+    depth = _named(options.depth, list(depth_of), "depth", name) or _guessed(depths, "depth", depth_of, name)
+    info = _named(options.info, infos, "info", name) or _info_of(color, depth, infos)
+    return Topics(color, depth, info)
+
+
+def _named(topic: str | None, topics: Sequence[str], what: str, name: str) -> str | None:
+    if topic is not None and topic not in topics:
+        raise FileError(f"there is no {what} topic {topic} in {name}. Topics: {', '.join(topics) or 'none'}")
+    return topic
+
+
+def _guessed(found: Sequence[str], what: str, depth_of: Mapping[str, bool], name: str) -> str:
+    if not found:
+        kind = "depth as 16UC1, mono16 or 32FC1" if what == "depth" else "colour"
+        raise FileError(
+            f"expected a topic with {kind} images in {name}, got {', '.join(depth_of) or 'no images'}: name one with"
+            f" {what}=TOPIC"
+        )
+    rank = _color_rank if what == "color" else _depth_rank
+    if len(found) > 1 and rank(found[0])[:-1] == rank(found[1])[:-1]:
+        warn(f"{name}: took {found[0]} as {what}, of {', '.join(found)}: name another with {what}=TOPIC")
+    return found[0]
+
+
+def _color_rank(topic: str) -> tuple[bool, bool, bool, str]:
+    low = topic.lower()
+    return (
+        any(word in low for word in NOT_COLOR),
+        not any(word in low for word in COLOR_WORDS),
+        low.endswith("/compressed"),
+        topic,
+    )
+
+
+def _depth_rank(topic: str) -> tuple[bool, int, bool, str]:
+    low = topic.lower()
+    registered = next((k for k, word in enumerate(REGISTERED) if word in low), len(REGISTERED))
+    return "infra" in low or "/ir" in low, registered, low.endswith("/compresseddepth"), topic
+
+
+def _info_of(color: str, depth: str, infos: Sequence[str]) -> str | None:
+    """Return the CameraInfo that shares the longest beginning with the colour topic, else with the depth topic."""
+    for topic in (color, depth):
+        best = max(infos, key=lambda info: len(_shared(info, topic)), default=None)
+        if best is not None and len(_shared(best, topic)) >= min(2, topic.count("/") - 1):
+            return best
+    return infos[0] if len(infos) == 1 else None
+
+
+def _shared(one: str, other: str) -> list[str]:
+    parts = []
+    for a, b in zip(one.strip("/").split("/"), other.strip("/").split("/"), strict=False):
+        if a != b:
+            break
+        parts.append(a)
+    return parts

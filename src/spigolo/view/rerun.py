@@ -1,0 +1,118 @@
+"""A recording for the Rerun viewer: colour, depth, masks, clouds and boxes, frame by frame."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FileError
+from spigolo.objects.drawing import palette
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+
+PIP = 'pip install "spigolo[view]"'
+CLASSES = 256
+"""Number of ids that have a colour of their own."""
+CAMERA = "world/camera"
+Quaternion = npt.NDArray[np.float64]
+
+
+class Recording:
+    """Writes results to a .rrd file, or sends them to a viewer that it opens (path None). Use it inside `with`."""
+
+    def __init__(self, name: str, path: Path | None) -> None:
+        try:
+            self._rr = importlib.import_module("rerun")
+        except ImportError:
+            raise FileError(f"the view needs rerun-sdk, which is missing: {PIP}") from None
+        self._stream = self._rr.RecordingStream("spigolo", recording_id=None)
+        self._frames = 0
+        if path is None:
+            self._stream.spawn()
+        else:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._stream.save(str(path))
+        self._log("name", self._rr.TextDocument(name), static=True)
+        self._log("world", self._rr.ViewCoordinates.RDF, static=True)
+        colors = enumerate(palette(CLASSES - 1).tolist(), start=1)
+        named = [self._rr.AnnotationInfo(id=k, label=f"object {k}", color=color) for k, color in colors]
+        nothing = self._rr.AnnotationInfo(id=0, color=(0, 0, 0, 0))
+        self._log("/", self._rr.AnnotationContext([nothing, *named]), static=True)
+
+    def add(self, result: Segmentation) -> None:
+        """Add a frame with its objects, by their ids where they have them."""
+        rr, frame = self._rr, result.frame
+        self._stream.set_time("frame", sequence=self._frames)
+        if frame.stamp_ns is not None:
+            self._stream.set_time("stamp", timestamp=np.datetime64(frame.stamp_ns, "ns"))
+        self._frames += 1
+        k = frame.camera
+        if k is not None:
+            size, principal = [k.width, k.height], [k.cx, k.cy]
+            self._log(CAMERA, rr.Pinhole(focal_length=[k.fx, k.fy], principal_point=principal, resolution=size))
+        self._log(f"{CAMERA}/colour", rr.Image(frame.color).compress(jpeg_quality=90))
+        self._log(f"{CAMERA}/depth", rr.DepthImage(frame.depth, meter=1.0))
+        self._log(f"{CAMERA}/objects", rr.SegmentationImage(_classes(result)))
+        self._log("world/objects", rr.Clear(recursive=True))
+        for o in result if k is not None else ():
+            self._add_object(o, result)
+
+    def _add_object(self, o: ObjectMask, result: Segmentation) -> None:
+        rr, number = self._rr, _number(o)
+        colors = result.frame.color[o.mask & (result.frame.depth > 0)]
+        self._log(f"world/objects/{number}/cloud", rr.Points3D(o.points_m(), colors=colors))
+        box = o.oriented_box()
+        if box is not None:
+            half, turn = np.array(box.size_m) / 2, quaternion(np.array(box.R_camera_box, float))
+            shape = rr.Boxes3D(
+                centers=[box.center_m], half_sizes=[half], quaternions=[turn], class_ids=[number % CLASSES]
+            )
+            self._log(f"world/objects/{number}/box", shape)
+
+    def _log(self, path: str, value: Any, static: bool = False) -> None:
+        self._stream.log(path, value, static=static)
+
+    def close(self) -> None:
+        """Write what is left and close the file."""
+        self._stream.flush()
+        self._stream.disconnect()
+
+    def __enter__(self) -> Recording:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def quaternion(R: npt.NDArray[np.float64]) -> Quaternion:
+    """Return the unit quaternion (x, y, z, w) of a rotation (3, 3)."""
+    x, y, z = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
+    squares = np.maximum([1 + R[k, k] * 2 - np.trace(R) for k in range(3)] + [1 + np.trace(R)], 0) / 4
+    q: Quaternion = np.sqrt(squares)
+    largest = int(q.argmax())
+    if largest == 3:
+        q[:3] = np.array([x, y, z]) / (4 * q[3])
+        return q
+    signs = {k: R[largest, k] + R[k, largest] for k in range(3) if k != largest}
+    for k, value in signs.items():
+        q[k] = value / (4 * q[largest])
+    q[3] = (x, y, z)[largest] / (4 * q[largest])
+    return q
+
+
+def _number(o: ObjectMask) -> int:
+    return o.label if o.id is None else o.id
+
+
+def _classes(result: Segmentation) -> npt.NDArray[np.uint8]:
+    """Return the label image with ids instead of labels, below 256."""
+    numbers = np.zeros(len(result) + 1, np.uint8)
+    for o in result:
+        numbers[o.label] = (_number(o) - 1) % (CLASSES - 1) + 1
+    return numbers[result.labels]

@@ -1,0 +1,95 @@
+"""The verbs export and view on a bag, each result read back."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+import spigolo as sp
+from bags import usual_bag
+
+SCENE = Path(sp.__file__).parent / "demo_scene"
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    return usual_bag("ros2-mcap", frame, 2, 0, 0).write(tmp_path_factory.mktemp("bag"))
+
+
+def run(*words: object) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "spigolo", *map(str, words)], capture_output=True, text=True, check=False, timeout=300
+    )
+
+
+def test_every_format_of_a_bag_is_what_segment_finds(tmp_path: Path, bag: Path) -> None:
+    results = [sp.segment(frame) for frame in sp.open_source(bag)]
+    formats = ("coco", "yolo", "labels", "contact-graspnet", "workspace-mask", "ply", "pcd")
+    for name in formats:
+        done = run("export", bag, "--format", name, "--out", tmp_path / name)
+        assert done.returncode == 0, done.stderr
+        assert "2 frames, 0 unmatched images" in done.stdout
+    assert len(json.loads((tmp_path / "coco").read_text())["annotations"]) == sum(map(len, results))
+    for result in results:
+        name = result.frame.name
+        stored = cv2.imread(str(tmp_path / "labels" / f"{name}.png"), cv2.IMREAD_UNCHANGED)
+        np.testing.assert_array_equal(stored, result.labels)
+        mask = cv2.imread(str(tmp_path / "workspace-mask" / f"{name}.png"), cv2.IMREAD_UNCHANGED)
+        np.testing.assert_array_equal(mask > 0, result.labels > 0)
+        with np.load(tmp_path / "contact-graspnet" / f"{name}.npz") as arrays:
+            np.testing.assert_array_equal(arrays["segmap"], result.labels)
+            assert arrays["K"][0, 0] == 525
+        assert len((tmp_path / "yolo" / f"{name}.txt").read_text().splitlines()) == len(result)
+        for kind in ("ply", "pcd"):
+            assert len(list((tmp_path / kind / name).glob(f"*.{kind}"))) == len(result)
+
+
+def test_a_single_frame_goes_to_the_file_that_is_named(tmp_path: Path) -> None:
+    done = run("export", SCENE, "--format", "contact-graspnet", "--out", tmp_path / "scene.npz")
+    assert done.returncode == 0 and (tmp_path / "scene.npz").is_file(), done.stderr
+    refused = run("export", SCENE, "--format", "bop", "--out", tmp_path / "bop.json")
+    assert refused.returncode == 2 and "SCENE/IMAGE" in refused.stderr
+
+
+def test_segment_takes_a_bag_and_reports_it(tmp_path: Path, bag: Path) -> None:
+    done = run("segment", bag, "--ids", "--frames", 2, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "2 of 2 frames written" in done.stdout and "frames/s, latency" in done.stdout
+    ids = [{o["id"] for o in json.loads((tmp_path / n / "objects.json").read_text())["objects"]}
+           for n in ("000000", "000001")]  # fmt: skip
+    assert ids[0] and len(ids[0] & ids[1]) >= 0.8 * len(ids[0])
+
+
+def test_view_writes_a_recording_that_rerun_verifies(tmp_path: Path, bag: Path) -> None:
+    pytest.importorskip("rerun")
+    done = run("view", bag, "--out", tmp_path / "x.rrd")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "x.rrd").stat().st_size > 100_000
+    rerun = Path(sys.executable).with_name("rerun")
+    checked = subprocess.run([rerun, "rrd", "verify", tmp_path / "x.rrd"], capture_output=True, text=True, check=False)
+    assert checked.returncode == 0, checked.stderr
+
+
+def test_a_box_of_the_view_is_turned_as_the_object_is() -> None:
+    from spigolo.view.rerun import quaternion
+
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        R = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        R *= np.sign(np.linalg.det(R))
+        x, y, z, w = quaternion(R)
+        turned = np.array(
+            [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+            ]
+        )
+        np.testing.assert_allclose(turned, R, atol=1e-9)

@@ -1,0 +1,81 @@
+"""Ids that last: on a scene that moves, through frames in which an object is not found."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import spigolo as sp
+from spigolo.objects.tracking import KEPT_FRAMES, match
+
+CAMERA = sp.Camera(200, 200, 79.5, 59.5, 160, 120)
+TINTS = ((200, 40, 40), (40, 180, 40), (40, 60, 210))
+
+
+def moved(step: int, hidden: tuple[int, ...] = (), drift: int = 0) -> sp.Frame:
+    """Three boxes before a wall. The first moves right, the second left, the third stands; drift moves all."""
+    color, depth = np.full((120, 160, 3), 150, np.uint8), np.full((120, 160), 1.0, np.float32)
+    places = ((15, 10 + step), (50, 125 - step), (85, 60))
+    for k, ((y, x), tint) in enumerate(zip(places, TINTS, strict=True)):
+        if k not in hidden:
+            x += drift
+            color[y : y + 24, x : x + 24], depth[y : y + 24, x : x + 24] = tint, 0.8
+    return sp.Frame(color, depth, CAMERA)
+
+
+def ids_of(result: sp.Segmentation) -> dict[int, int]:
+    """The id of each box by the channel that is brightest in it."""
+    return {int(result.frame.color[o.mask].mean(axis=0).argmax()): o.id for o in result}
+
+
+@pytest.fixture
+def segmenter() -> sp.Segmenter:
+    return sp.Segmenter(sp.TABLE, ids=True)
+
+
+def test_ids_stay_while_objects_pass_each_other(segmenter: sp.Segmenter) -> None:
+    seen = [ids_of(segmenter(moved(step))) for step in range(0, 100, 4)]
+    assert all(len(set(ids.values())) == 3 for ids in seen)
+    assert all(ids == seen[0] for ids in seen)
+
+
+def test_ids_follow_a_fast_camera(segmenter: sp.Segmenter) -> None:
+    seen = [ids_of(segmenter(moved(0, drift=d))) for d in (0, 5, 10, 4, -2, -8)]
+    assert all(ids == seen[0] for ids in seen)
+
+
+def test_an_object_that_was_not_found_for_a_while_gets_its_id_back(segmenter: sp.Segmenter) -> None:
+    first = ids_of(segmenter(moved(0)))
+    for _ in range(KEPT_FRAMES):
+        hidden = ids_of(segmenter(moved(0, hidden=(1,))))
+        assert hidden == {k: one for k, one in first.items() if k != 1}
+    assert ids_of(segmenter(moved(0))) == first
+    for _ in range(KEPT_FRAMES + 1):
+        segmenter(moved(0, hidden=(1,)))
+    assert ids_of(segmenter(moved(0)))[1] not in first.values()
+
+
+def test_ids_are_in_the_answer_and_survive_corrections(segmenter: sp.Segmenter) -> None:
+    result = segmenter(moved(0))
+    assert {row["id"] for row in result.to_dict()["objects"]} == {o.id for o in result} == {1, 2, 3}
+    assert result.table()["id"] == [o.id for o in result]
+    left = result.drop(result[0])
+    assert [o.id for o in left] == [o.id for o in result[1:]]
+    assert "id" not in sp.segment(moved(0), sp.TABLE).to_dict()["objects"][0]
+    assert pickle.loads(pickle.dumps(segmenter)).ids
+
+
+def test_frames_without_objects_or_of_another_size_are_no_trouble(segmenter: sp.Segmenter) -> None:
+    segmenter(moved(0, hidden=(0, 1, 2)))
+    assert len(segmenter(moved(0))) == 3
+    half = moved(0)
+    segmenter(sp.Frame(half.color[:100], half.depth[:100], None))
+    assert len(segmenter.pace) == 3 and segmenter.pace.latency_ms(99) >= segmenter.pace.latency_ms(50) > 0
+
+
+def test_matching_is_one_to_one_and_leaves_out_what_has_no_affinity() -> None:
+    affinity = np.array([[0.9, 0.8], [0.95, 0.0], [0.0, 0.0]])
+    assert match(affinity) == {1: 0, 0: 1}
+    assert match(np.zeros((0, 3))) == {}

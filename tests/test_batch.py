@@ -131,9 +131,27 @@ def test_one_more_run_computes_nothing(source: Path, undisturbed: Path, tmp_path
     assert_equal(out, undisturbed)
 
 
-@pytest.mark.parametrize(
-    "damage", [b'{"frame": "f0', b"\x00\xff\n", b"[]\n", b'{"frame": 3}\n', b"[" * 100_000 + b"\n"]
-)
+DAMAGES = [b'{"frame": "f0', b"\x00\xff\n", b"[]\n", b'{"frame": 3}\n', b"[" * 100_000 + b"\n"]
+LEAVING = [
+    "../f",
+    "a/../../f",
+    "/etc/f",
+    "",
+    ".",
+    "..",
+    "a//b",
+    "a/",
+    "a\\b",
+    "c:f",
+    ".f",
+    "a\0b",
+    "con",
+    "x" * 300,
+    "f ",
+]
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=range(len(DAMAGES)))
 def test_a_damaged_line_costs_no_more_than_its_frame(
     source: Path, undisturbed: Path, tmp_path: Path, damage: bytes
 ) -> None:
@@ -252,26 +270,7 @@ def test_a_full_disk_ends_the_run_and_the_next_one_continues(source: Path, undis
     assert_equal(out, undisturbed)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "../f",
-        "a/../../f",
-        "/etc/f",
-        "",
-        ".",
-        "..",
-        "a//b",
-        "a/",
-        "a\\b",
-        "c:f",
-        ".hidden",
-        "a\0b",
-        "con",
-        "x" * 300,
-        "f ",
-    ],
-)
+@pytest.mark.parametrize("name", LEAVING, ids=range(len(LEAVING)))
 def test_a_name_that_could_leave_the_folder_fails(source: Path, tmp_path: Path, name: str) -> None:
     with pytest.raises(FileError, match="expected a frame name that can be a file name"):
         check_name(name)
@@ -388,5 +387,5 @@ def test_a_cluster_makes_the_same_files(source: Path, undisturbed: Path, tmp_pat
 def test_a_scheduler_that_is_not_there_is_named(source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
     monkeypatch.setattr("spigolo.batch.cluster.TIMEOUT_S", 1)
-    with pytest.raises(SpigoloError, match="expected a Dask scheduler at tcp://127.0.0.1:9"):
+    with pytest.raises(SpigoloError, match="expected a Dask scheduler at tcp://"):
         run_batch(jobs_of(source, ["f00"]), sp.OBJECTS, tmp_path, dask_cluster("tcp://127.0.0.1:9"))

@@ -117,7 +117,8 @@ class _LocalRun(Generic[T, R]):
             with _pool(1, self.do) as pool:
                 future = pool.submit(_work, item)
                 if not isinstance(future.exception(), BrokenProcessPool):
-                    return _outcome(future)
+                    outcome: R | Lost = _outcome(future)
+                    return outcome
         return Lost(
             f"its worker process died {TRIES_ALONE + 1} times, probably because memory ran out: take fewer workers"
         )

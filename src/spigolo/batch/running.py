@@ -11,10 +11,10 @@ from typing import cast
 from spigolo import __version__
 from spigolo.batch.engine import Engine, Lost
 from spigolo.batch.jobs import Job
-from spigolo.batch.manifest import Entry, Manifest
+from spigolo.batch.manifest import FILE, Entry, Manifest
 from spigolo.batch.places import check_name, place
 from spigolo.batch.results import SUFFIXES, Answer, Work
-from spigolo.batch.tables import read_shards, writer_of
+from spigolo.batch.tables import TABLES, read_shards, writer_of
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frames.files import write_bytes
 from spigolo.settings.config import Config, check_config
@@ -89,12 +89,13 @@ class _Run:
         self.failures: list[tuple[str, str]] = []
 
     def clean(self) -> None:
-        """Remove what a killed run left beside its place."""
-        folders = [self.root / name for name in SUFFIXES if not (self.root / name).is_symlink()]
-        left = [path for folder in folders for path in folder.rglob(".*-*")]
-        for path in [*left, *self.root.glob(".*-*")]:
-            if not path.is_dir():
-                path.unlink(missing_ok=True)
+        """Remove what a killed run left beside its place. Other files of the user stay."""
+        left = [path for name in (FILE, *TABLES) for path in self.root.glob(f".{name}-*")]
+        for folder, suffix in SUFFIXES.items():
+            if not (self.root / folder).is_symlink():
+                left += (self.root / folder).rglob(f".*{suffix}-*")
+        for path in left:
+            path.unlink(missing_ok=True)
 
     def admitted(self, jobs: Sequence[Job]) -> Iterator[Job]:
         """Yield the jobs whose names can be file names, each once. The others have failed."""

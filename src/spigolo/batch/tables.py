@@ -17,6 +17,8 @@ from spigolo.objects.facts import MEASURED
 Shard = Mapping[str, Any]
 Writer = Callable[[Iterable[Shard], Path, Mapping[str, str]], None]
 
+PARQUET, COCO = TABLES = ("objects.parquet", "coco.json")
+"""File names of the tables."""
 ROWS = 20_000
 """Rows of a group of the Parquet file, which bound the memory."""
 INTEGERS = ("label", "region", "area_px", "image_height_px", "image_width_px")
@@ -27,9 +29,9 @@ def writer_of(kind: str) -> tuple[str, Writer]:
     """Return the file name and the writer of a kind of table. Raises ConfigError, or FileError without an extra."""
     if kind == "parquet":
         _arrow()
-        return "objects.parquet", write_parquet
+        return PARQUET, write_parquet
     if kind == "coco":
-        return "coco.json", write_coco
+        return COCO, write_coco
     raise ConfigError(f"unknown table format {kind!r}: expected parquet or coco")
 
 

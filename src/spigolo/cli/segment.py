@@ -73,7 +73,7 @@ def segment(
     words, flags = split_flags(inputs)
     config = configure(preset, flags, segment)
     frames = find_frames(words)
-    wanted = _roi(roi, roi_mask, roi_box)
+    wanted = _roi(roi, roi_mask, roi_box, max_pixels)
     from spigolo.cli import show
     from spigolo.stream import Segmenter
 
@@ -203,7 +203,7 @@ def _check(frame: Frame, name: str, wanted: bool) -> None:
         show.warn_of(diagnose(frame), name)
 
 
-def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Roi | None:
+def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None, max_pixels: int) -> Roi | None:
     if sum(given is not None for given in (pixels, mask, box)) > 1:
         raise FileError(
             "expected one region of interest, got several: --roi, --roi-mask and --roi-box exclude each other"
@@ -211,7 +211,7 @@ def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Ro
     if mask is not None:
         from spigolo.frames.files import read_mask
 
-        return read_mask(mask)
+        return read_mask(mask, max_pixels)
     if box is not None:
         from spigolo.frames.roi import MetricBox
 

@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from spigolo.stream import Segmenter as Segmenter
     from spigolo.stream import warm_up as warm_up
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _ROOMS = ("clock", "errors", "export", "settings")
 _HOMES = {

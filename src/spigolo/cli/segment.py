@@ -82,7 +82,7 @@ def segment(
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, segment)
-    wanted = _roi(roi, roi_mask, roi_box)
+    wanted = _roi(roi, roi_mask, roi_box, max_pixels)
     with opened(words, camera, depth_scale, max_pixels, quiet=check) as source:
         from spigolo.stream import Segmenter
 
@@ -243,7 +243,7 @@ def _check(frame: Frame, name: str, wanted: bool) -> None:
         show.warn_of(diagnose(frame), name)
 
 
-def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Roi | None:
+def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None, max_pixels: int) -> Roi | None:
     if sum(given is not None for given in (pixels, mask, box)) > 1:
         raise FileError(
             "expected one region of interest, got several: --roi, --roi-mask and --roi-box exclude each other"
@@ -251,7 +251,7 @@ def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None) -> Ro
     if mask is not None:
         from spigolo.frames.files import read_mask
 
-        return read_mask(mask)
+        return read_mask(mask, max_pixels)
     if box is not None:
         from spigolo.frames.roi import MetricBox
 

@@ -9,6 +9,7 @@ import cyclopts
 
 from spigolo import __version__
 from spigolo.cli import DONE
+from spigolo.cli.batch import batch
 from spigolo.cli.bench import bench
 from spigolo.cli.compare import compare
 from spigolo.cli.datasets import datasets, fetch
@@ -35,6 +36,7 @@ app = cyclopts.App(
 USING, MEASURING = cyclopts.Group("Using", sort_key=1), cyclopts.Group("Measuring", sort_key=2)
 app["--help"].group = app["--version"].group = cyclopts.Group("About", sort_key=3)
 app.command(segment, group=USING, sort_key=1)
+app.command(batch, group=USING, sort_key=2)
 app.command(trace, group=USING, sort_key=2)
 app.command(doctor, group=USING, sort_key=3)
 app.command(export, group=USING, sort_key=3)

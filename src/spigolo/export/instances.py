@@ -108,3 +108,18 @@ def _pycocotools() -> Any:
         return importlib.import_module("pycocotools.mask")
     except ImportError:
         raise FileError('COCO needs pycocotools, which is missing: pip install "spigolo[export]"') from None
+
+
+def compress(counts: Iterable[int]) -> str:
+    """Return run lengths as COCO's compressed text, which pycocotools reads."""
+    text: list[int] = []
+    runs = list(counts)
+    for k, run in enumerate(runs):
+        value = run - runs[k - 2] if k > 2 else run
+        more = True
+        while more:
+            bits = value & 0x1F
+            value >>= 5
+            more = value != (-1 if bits & 0x10 else 0)
+            text.append((bits | 0x20 if more else bits) + 48)
+    return bytes(text).decode("ascii")

@@ -14,6 +14,8 @@ from spigolo.errors import FileError
 
 PathLike = str | os.PathLike[str]
 Array = npt.NDArray[Any]
+MAX_UNPACKED = 2 << 30
+"""Maximum size in bytes of the arrays of a .npz file, unpacked. A few kilobytes may stand for more than the memory."""
 ALONE = ""
 """Name of the one array of a .npy file."""
 
@@ -28,9 +30,16 @@ def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
         if isinstance(stored, np.ndarray):
             return {ALONE: stored}
         with stored:
+            _check_unpacked(stored)
             return {name: np.asarray(stored[name]) for name in stored.files}
     except Exception as error:  # NumPy reads the header as Python, and raises what that raises
         raise FileError(f"expected {what} in {path}, but it cannot be read: {_reason(error)}") from None
+
+
+def _check_unpacked(stored: Any) -> None:
+    size = sum(member.file_size for member in stored.zip.infolist())
+    if size > MAX_UNPACKED:
+        raise ValueError(f"its arrays have {size} bytes, at most {MAX_UNPACKED} are read: save fewer or smaller ones")
 
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:

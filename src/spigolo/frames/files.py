@@ -62,11 +62,11 @@ def read_frame(
     name: name of the frame, by default that of the colour file. Raises FileError, CameraError or FrameError.
     """
     try:
-        stored = read_depth(depth)
+        stored = read_depth(depth, max_pixels)
     except FrameError:
-        refuse_swapped(color, depth)
+        refuse_swapped(color, depth, max_pixels)
         raise
-    pixels = read_color(color)
+    pixels = read_color(color, max_pixels)
     whole_numbers = stored.dtype.kind in "ui" and stored.dtype.itemsize > 1
     known, fields = _camera_and_fields(camera, Path(color).stem, pixels.shape[1], pixels.shape[0])
     if depth_scale is None and whole_numbers:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from spigolo.errors import FrameError, UnitWarning, warn
 from spigolo.frames.camera import Camera, is_number
+from spigolo.frames.images import MAX_PIXELS, check_count
 from spigolo.frames.intrinsics import CameraLike, as_camera, fields_of
 from spigolo.frames.reach import FARTHEST_M, NEAREST_M, OutOfReach, drop_out_of_reach
 from spigolo.frames.scale import check_scale, scale_from_mapping
@@ -23,9 +24,6 @@ __all__ = ["MAX_PIXELS", "Camera", "Color", "DepthMap", "Frame", "Mask", "depth_
 Color = npt.NDArray[np.uint8]
 DepthMap = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.bool_]
-
-MAX_PIXELS = 16_000_000
-"""Larger images are refused unless they are asked for, as they may fill the memory."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, init=False, repr=False)
@@ -172,11 +170,7 @@ def _check_color(color: npt.NDArray[Any], max_pixels: int) -> None:
         )
     if color.size == 0:
         raise FrameError(f"expected a colour image with pixels, got shape {color.shape}")
-    if color.shape[0] * color.shape[1] > max_pixels:
-        raise FrameError(
-            f"expected at most {max_pixels} pixels, got {_size(color)}: shrink the images, or give"
-            f" max_pixels={color.shape[0] * color.shape[1]} if the memory suffices"
-        )
+    check_count(color.shape[1], color.shape[0], max_pixels)
 
 
 def _check_depth(depth: npt.NDArray[Any], depth_scale: float | None) -> None:

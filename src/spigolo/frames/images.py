@@ -18,16 +18,16 @@ from spigolo.frames.png import as_grey, header_of
 Image = npt.NDArray[Any]
 PathLike = str | os.PathLike[str]
 
+MAX_PIXELS = 16_000_000
+"""Larger images are refused unless they are asked for, as they may fill the memory."""
 ARRAYS = (".npy", ".npz")
 READABLE = "PNG, TIFF, BMP, PGM, EXR, .npy or .npz; colour also JPEG or WebP"
 LOSSY = (".jpg", ".jpeg")
-MOST_PIXELS = 2**28
-"""More pixels would fill the memory before the decoder sees that they are not there."""
 COLOR_KEYS = ("rgb", "color", "colour", "image", "color_image", "rgb_image", "img")
 DEPTH_KEYS = ("depth", "depth_image", "depth_map", "depth_m", "depth_raw", "depth_mm")
 
 
-def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
+def read_color(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.uint8]:
     """Return RGB (H, W, 3) uint8 of an image file or an array. Grey becomes RGB. Transparency is dropped.
 
     More than 8 bits are scaled by what is stored: 10 bits in 16 lose 2 of them. Pixels stay as stored, like the depth
@@ -35,9 +35,9 @@ def read_color(path: PathLike) -> npt.NDArray[np.uint8]:
     """
     if Path(path).suffix.lower() in ARRAYS:
         return _as_color(pick(load_arrays(path), COLOR_KEYS, "a colour image", path), path)
-    stored = decode(path, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION)
+    stored = decode(path, cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH | cv2.IMREAD_IGNORE_ORIENTATION, max_pixels)
     if stored.dtype == np.uint16:
-        _tell_of_one_channel(path)
+        _tell_of_one_channel(path, max_pixels)
     return _as_color(np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB)), path)
 
 
@@ -54,8 +54,8 @@ def _as_color(stored: Image, path: PathLike) -> npt.NDArray[np.uint8]:
     return (rgb >> (bits - 8)).astype(np.uint8)
 
 
-def _tell_of_one_channel(path: PathLike) -> None:
-    stored = decode(path, cv2.IMREAD_UNCHANGED)
+def _tell_of_one_channel(path: PathLike, max_pixels: int) -> None:
+    stored = decode(path, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2:
         bits = max(int(stored.max(initial=0)).bit_length(), 8)
         warn(
@@ -64,7 +64,7 @@ def _tell_of_one_channel(path: PathLike) -> None:
         )
 
 
-def read_depth(path: PathLike) -> Image:
+def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
     """Return depth (H, W) as stored: integers, or floating-point metres of a TIFF, EXR or array.
 
     Raises FileError or FrameError.
@@ -74,7 +74,7 @@ def read_depth(path: PathLike) -> Image:
         raise FrameError(f"expected depth without loss, got the JPEG {path}: store depth as 16-bit PNG")
     if suffix in ARRAYS:
         return pick(load_arrays(path, "a depth array"), DEPTH_KEYS, "a depth array", path)
-    stored = decode(path, cv2.IMREAD_UNCHANGED)
+    stored = decode(path, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2:
         return stored
     if stored.dtype.kind == "f" and all(np.array_equal(stored[..., 0], one) for one in np.moveaxis(stored, 2, 0)[1:3]):
@@ -85,9 +85,10 @@ def read_depth(path: PathLike) -> Image:
     )
 
 
-def refuse_swapped(color: PathLike, depth: PathLike) -> None:
+def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXELS) -> None:
     """Raise FrameError where the colour file holds depth, now that the depth file proved to be a picture."""
-    stored = decode(color, cv2.IMREAD_UNCHANGED) if Path(color).suffix.lower() not in ARRAYS else read_depth(color)
+    is_array = Path(color).suffix.lower() in ARRAYS
+    stored = read_depth(color) if is_array else decode(color, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2 and stored.dtype != np.uint8:
         raise FrameError(
             f"expected colour first and depth second, got them swapped: {color} holds one channel of {stored.dtype},"
@@ -107,25 +108,25 @@ def read_labels(path: PathLike) -> Image:
     return stored // np.array(factor, stored.dtype) if factor > 1 else stored
 
 
-def read_mask(path: PathLike) -> npt.NDArray[np.bool_]:
+def read_mask(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.bool_]:
     """Return where an image (H, W) of any depth is not black. Transparency does not count. Raises FileError."""
-    stored = decode(path, cv2.IMREAD_UNCHANGED)
+    stored = decode(path, cv2.IMREAD_UNCHANGED, max_pixels)
     return np.asarray(stored != 0) if stored.ndim == 2 else np.asarray(stored[..., :3].any(axis=2))
 
 
-def decode(path: PathLike, flags: int) -> Image:
-    """Return the pixels of an image file. Raises FileError, whatever the decoder raises."""
-    return decode_bytes(read_bytes(path), flags, path)
+def decode(path: PathLike, flags: int, max_pixels: int = MAX_PIXELS) -> Image:
+    """Return the pixels of an image file. Raises FileError, and FrameError for too many pixels."""
+    return decode_bytes(read_bytes(path), flags, path, max_pixels)
 
 
-def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike) -> Image:
-    """Return the pixels of an encoded image. path: what a message calls it. Raises FileError."""
+def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
+    """Return the pixels of an encoded image. path: what a message calls it. Raises FileError.
+
+    A PNG file of more than max_pixels is refused before it is decoded: a few kilobytes may stand for gigabytes.
+    """
     header = header_of(data[:32].tobytes())
-    if header is not None and header.width * header.height > MOST_PIXELS:
-        raise FileError(
-            f"expected an image in {path}, but it cannot be read: its header claims {header.width}x{header.height}"
-            " pixels"
-        )
+    if header is not None:
+        check_count(header.width, header.height, max_pixels)
     try:
         image = cv2.imdecode(data, flags) if data.size else None
     except (cv2.error, MemoryError, OverflowError, ValueError) as error:
@@ -136,6 +137,15 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike) -> Ima
             f"expected an image in {path}, but its {data.size} bytes are none that OpenCV reads{_advice(path)}"
         )
     return image
+
+
+def check_count(width: int, height: int, max_pixels: int) -> None:
+    """Raise FrameError for an image of too many pixels."""
+    if width * height > max_pixels:
+        raise FrameError(
+            f"expected at most {max_pixels} pixels, got {width}x{height}: shrink the images, or give"
+            f" max_pixels={width * height} if the memory suffices"
+        )
 
 
 def read_bytes(path: PathLike) -> npt.NDArray[np.uint8]:

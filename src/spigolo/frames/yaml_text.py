@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 import os
 import re
 from typing import Any
@@ -11,6 +12,8 @@ from spigolo.errors import FileError
 
 MATRIX = "tag:yaml.org,2002:opencv-matrix"
 FLOAT = "tag:yaml.org,2002:float"
+MAX_ALIASED = 10_000
+"""Maximum number of values that aliases may repeat. A few lines of aliases of aliases stand for billions."""
 NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)")
 """Numbers such as 1e-3, which YAML 1.1 takes for text."""
 
@@ -26,19 +29,41 @@ def import_yaml(path: str | os.PathLike[str], extra: str = "yaml") -> Any:
 def parse_yaml(yaml: Any, text: str) -> Any:
     """Return what the first document of a YAML text holds. OpenCV's matrices come as their fields.
 
-    OpenCV's own reader ends the process over a damaged file. Raises what the module raises.
+    OpenCV's own reader ends the process over a damaged file. Raises what the module raises, and its YAMLError for
+    aliases that repeat too much or hold themselves.
     """
 
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
         """Knows OpenCV's matrices and all numbers."""
 
+        def get_node(self) -> Any:
+            node = super().get_node()
+            if _count_aliased(node) > MAX_ALIASED:
+                raise yaml.YAMLError(f"its aliases repeat more than {MAX_ALIASED} values, or hold themselves")
+            return node
+
     Loader.add_constructor(MATRIX, lambda loader, node: loader.construct_mapping(node, deep=True))
     Loader.add_implicit_resolver(FLOAT, NUMBER, list("-+0123456789."))
     loader = Loader(_without_directive(text))
     try:
-        return loader.get_data() if loader.check_data() else None
+        return loader.construct_document(loader.get_node()) if loader.check_node() else None
     finally:
         loader.dispose()
+
+
+def _count_aliased(node: Any) -> float:
+    """Return how many values there are beyond those written, were each alias written out. Infinite in a circle."""
+    sizes: dict[int, float] = {}
+
+    def size(one: Any) -> float:
+        if id(one) not in sizes:
+            sizes[id(one)] = math.inf  # until it is known: who meets it again meanwhile is inside of it
+            inner = one.value if isinstance(one.value, list) else []
+            parts = (part for entry in inner for part in (entry if isinstance(entry, tuple) else (entry,)))
+            sizes[id(one)] = 1.0 + sum(map(size, parts))
+        return sizes[id(one)]
+
+    return size(node) - len(sizes)
 
 
 def _without_directive(text: str) -> str:

@@ -1,0 +1,17 @@
+"""Many frames: one table of objects, whatever happens in between.
+
+    jobs = [FrameFiles("a", Path("a/rgb.png"), Path("a/depth.png"), "kinect-v1", 0.001), ...]
+    summary = run_batch(jobs, sp.OBJECTS, Path("out"), local(workers=2))
+
+`run_batch` writes labels/FRAME.png for each frame and one table of all objects. A run that was killed continues where
+it stopped, and ends with the same files. A frame that fails is recorded with its reason.
+"""
+
+from __future__ import annotations
+
+from spigolo.batch.cluster import dask_cluster
+from spigolo.batch.engine import Engine, Lost, local
+from spigolo.batch.jobs import FrameFiles, Job
+from spigolo.batch.running import Progress, Summary, run_batch
+
+__all__ = ["Engine", "FrameFiles", "Job", "Lost", "Progress", "Summary", "dask_cluster", "local", "run_batch"]

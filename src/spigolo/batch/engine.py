@@ -1,0 +1,165 @@
+"""Processes that do work, each with one compute thread."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from typing import Any, Generic, Protocol, TypeVar
+
+import cv2
+
+from spigolo.errors import SpigoloError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+IN_FLIGHT = 2
+"""Items handed out per worker, so that none waits for the next one."""
+TRIES_ALONE = 2
+"""How often an item runs in a process of its own after its worker died."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """The outcome of an item whose worker died."""
+
+    reason: str
+    """The reason, for the record."""
+
+
+class Engine(Protocol):
+    """Does work on items, in any order. `local` and `dask_cluster` are engines."""
+
+    def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
+        """Yield each item with what `do` returned for it, as soon as it is there. do, items: picklable."""
+        ...
+
+
+def local(workers: int = 1) -> Engine:
+    """Return an engine of processes on this machine. Raises SpigoloError for less than one."""
+    if workers < 1:
+        raise SpigoloError(f"expected at least one worker, got {workers}: leave it out for one per core")
+
+    def run(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
+        return iter(_LocalRun(do, items, workers))
+
+    return run
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+class _LocalRun(Generic[T, R]):
+    """One run over the items. A pool that breaks is replaced, and what was in flight runs again, one by one."""
+
+    def __init__(self, do: Callable[[T], R], items: Iterable[T], workers: int) -> None:
+        self.do, self.workers = do, workers
+        self.items = iter(items)
+        self.again: deque[T] = deque()
+        self.in_flight: dict[Future[R], T] = {}
+        self.pool: ProcessPoolExecutor | None = None
+
+    def __iter__(self) -> Iterator[tuple[T, R | Lost]]:
+        try:
+            while self._fill():
+                yield from self._collect()
+        finally:
+            self._stop()
+
+    def _fill(self) -> bool:
+        """Hand out items; return whether there are any."""
+        while len(self.in_flight) < IN_FLIGHT * self.workers:
+            item = self.again.popleft() if self.again else next(self.items, None)
+            if item is None:
+                break
+            if self.pool is None:
+                self.pool = _pool(self.workers, self.do)
+            try:
+                self.in_flight[self.pool.submit(_work, item)] = item
+            except BrokenProcessPool:
+                self.again.append(item)
+                if not self.in_flight:
+                    self._stop()
+                    continue
+                break
+        return bool(self.in_flight)
+
+    def _collect(self) -> Iterator[tuple[T, R | Lost]]:
+        done, _ = wait(self.in_flight, return_when=FIRST_COMPLETED)
+        if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
+            done, _ = wait(self.in_flight)  # all of them break, or were done before
+        broken = []
+        for future in done:
+            item = self.in_flight.pop(future)
+            if isinstance(future.exception(), BrokenProcessPool):
+                broken.append(item)
+            else:
+                yield item, _outcome(future)
+        if broken:
+            self._stop()
+            for item in broken:
+                yield item, self._alone(item)
+
+    def _alone(self, item: T) -> R | Lost:
+        """Return the outcome of an item in a process of its own: it may be what kills its worker."""
+        for _ in range(TRIES_ALONE):
+            with _pool(1, self.do) as pool:
+                future = pool.submit(_work, item)
+                if not isinstance(future.exception(), BrokenProcessPool):
+                    outcome: R | Lost = _outcome(future)
+                    return outcome
+        return Lost(
+            f"its worker process died {TRIES_ALONE + 1} times, probably because memory ran out: take fewer workers"
+        )
+
+    def _stop(self) -> None:
+        if self.pool is not None:
+            self.pool.shutdown(cancel_futures=True)
+            self.pool = None
+
+
+def _outcome(future: Future[Any]) -> Any:
+    """Return the result of a future, or Lost where it could not even be handed over."""
+    error = future.exception()
+    return future.result() if error is None else Lost(f"{type(error).__name__}: {' '.join(str(error).split())}")
+
+
+def _pool(workers: int, do: Callable[[Any], Any]) -> ProcessPoolExecutor:
+    # spawn: OpenCV's threads do not survive a fork
+    return ProcessPoolExecutor(workers, get_context("spawn"), initializer=_prepare, initargs=(do,))
+
+
+_do: Callable[[Any], Any] | None = None
+
+
+def _prepare(do: Callable[[Any], Any]) -> None:
+    """Prepare a new worker process."""
+    global _do  # noqa: PLW0603
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    cv2.setNumThreads(1)
+    _do = do
+
+
+def _end_with_parent() -> None:
+    """End this worker with its parent. Otherwise it would wait for work for ever once the parent was killed."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _work(item: Any) -> Any:
+    assert _do is not None
+    return _do(item)

@@ -1,0 +1,103 @@
+"""Jobs: frames that another process can read."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from spigolo.errors import FileError
+from spigolo.frames.files import read_frame
+from spigolo.frames.frame import MAX_PIXELS, Frame
+
+BLOCK = 1 << 20
+
+
+class Job(Protocol):
+    """A frame that can be pickled and read in another process. Anything with these four members is one."""
+
+    @property
+    def name(self) -> str:
+        """Name of the frame, unique in a run. `/` separates folders."""
+        ...
+
+    def stamp(self) -> str:
+        """Return a text that changes when the inputs may have changed. It must be cheap: no content is read."""
+        ...
+
+    def fingerprint(self) -> str:
+        """Return a hash of all that the frame is made of."""
+        ...
+
+    def read(self) -> Frame:
+        """Return the frame. Raises SpigoloError."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class FrameFiles:
+    """A frame in image files."""
+
+    name: str
+    """Name of the frame, unique in a run."""
+    color: Path
+    """Colour image, or a .npz file of the whole frame."""
+    depth: Path
+    """Depth image."""
+    camera: str | Path | None = None
+    """Camera file, nominal camera or field of view, as `read_frame` takes it."""
+    depth_scale: float | None = None
+    """Metres per unit of the depth image. None: that of the camera file."""
+    max_pixels: int = MAX_PIXELS
+    """Maximum number of pixels of an image."""
+
+    def stamp(self) -> str:
+        """Return a hash of the options, and of the size and time of each file. Raises FileError."""
+        return _hash(*self._options(), *(f"{s.st_size} {s.st_mtime_ns}" for s in map(_stat, self._files())))
+
+    def fingerprint(self) -> str:
+        """Return a hash of the options and of the content of each file. Raises FileError."""
+        return _hash(*self._options(), *map(_content, self._files()))
+
+    def read(self) -> Frame:
+        """Return the frame. Raises FileError, CameraError or FrameError."""
+        return read_frame(self.color, self.depth, self.camera, self.depth_scale, max_pixels=self.max_pixels)
+
+    def _files(self) -> list[Path]:
+        files = [self.color, self.depth]
+        if self.camera is not None and os.path.isfile(self.camera):
+            files.append(Path(self.camera))
+        return files
+
+    def _options(self) -> tuple[str, ...]:
+        """Return what changes the frame besides the content of its files."""
+        text = self.camera if isinstance(self.camera, str) and not os.path.isfile(self.camera) else None
+        return repr(text), repr(self.depth_scale), repr(self.max_pixels)
+
+
+def _hash(*parts: str) -> str:
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
+
+
+def _stat(path: Path) -> os.stat_result:
+    try:
+        return path.stat()
+    except OSError as error:
+        raise _unreadable(path, error) from None
+
+
+def _content(path: Path) -> str:
+    digest = hashlib.sha256()
+    try:
+        with path.open("rb") as file:
+            while block := file.read(BLOCK):
+                digest.update(block)
+    except OSError as error:
+        raise _unreadable(path, error) from None
+    return digest.hexdigest()
+
+
+def _unreadable(path: Path, error: OSError) -> FileError:
+    return FileError(f"expected an image in {path}, but it cannot be read: {error.strerror or error}")

@@ -1,0 +1,156 @@
+"""The record of a run: one line of JSON for each frame that is done or has failed."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from types import TracebackType
+from typing import Any, BinaryIO
+
+from spigolo.errors import FileError, warn
+from spigolo.frames.files import append_lines, write_bytes
+
+FILE = "manifest.jsonl"
+LOCK = ".lock"
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One line of the manifest."""
+
+    frame: str
+    """Name of the frame."""
+    stamp: str
+    """Stamp of the inputs (`Job.stamp`)."""
+    inputs: str
+    """Hash of the inputs (`Job.fingerprint`)."""
+    digest: str
+    """Digest of the preset."""
+    version: str
+    """Version of spigolo."""
+    objects: int
+    """Number of objects."""
+    files: Mapping[str, int]
+    """Size in bytes of each output file, by folder."""
+    warnings: tuple[str, ...]
+    """Warnings about the frame."""
+    error: str | None
+    """Reason of the failure, None if the frame is done."""
+
+
+NAMES = tuple(f.name for f in fields(Entry))
+
+
+class Manifest:
+    """The manifest of an output folder, owned by one run at a time. A later line of a frame replaces an earlier one.
+
+    Raises FileError where another run owns the folder.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root
+        self.path = root / FILE
+        self.entries: dict[str, Entry] = {}
+        self._lock: BinaryIO | None = None
+        self._file: BinaryIO | None = None
+
+    def __enter__(self) -> Manifest:
+        self._lock = _locked(self.root)
+        try:
+            append_lines(self.path).close()  # cuts a last line without its end
+            self._file = self.path.open("ab", buffering=0)
+            self._read()
+        except BaseException:
+            self.__exit__(None, None, None)
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for file in (self._file, self._lock):
+            if file is not None:
+                file.close()
+        self._file = self._lock = None
+
+    def append(self, entry: Entry) -> None:
+        """Write the line of a frame at once. Raises FileError where it does not fit on the disk."""
+        assert self._file is not None
+        line = _line(entry)
+        try:
+            written = self._file.write(line)
+        except OSError as error:
+            raise FileError(f"could not write {self.path}: {error.strerror or error}") from None
+        if written != len(line):
+            raise FileError(f"could not write {self.path}: no space left on the device")
+        self.entries[entry.frame] = entry
+
+    def sort(self, names: Iterable[str]) -> None:
+        """Write the file anew with one line for each frame: those of a run in its order, then earlier ones by name."""
+        first = dict.fromkeys(name for name in names if name in self.entries)
+        order = [*first, *sorted(self.entries.keys() - first.keys())]
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+        write_bytes(self.path, b"".join(_line(self.entries[name]) for name in order))
+
+    def _read(self) -> None:
+        damaged = 0
+        with self.path.open("rb") as file:
+            for line in file:
+                entry = _entry(line)
+                if entry is None:
+                    damaged += 1
+                else:
+                    self.entries[entry.frame] = entry
+        if damaged:
+            warn(f"{self.path}: {damaged} damaged lines are skipped. Their frames are computed again")
+
+
+def _line(entry: Entry) -> bytes:
+    return (json.dumps(asdict(entry)) + "\n").encode()
+
+
+def _entry(line: bytes) -> Entry | None:
+    """Return the entry of a line, None for anything else."""
+    try:
+        values: Any = json.loads(line)
+        values["warnings"] = tuple(values["warnings"])
+        texts = [values[name] for name in ("frame", "stamp", "inputs", "digest", "version")]
+        whole = all(isinstance(text, str) for text in texts) and isinstance(values["files"], dict)
+        return Entry(**{name: values[name] for name in NAMES}) if whole else None
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return None
+
+
+def _locked(root: Path) -> BinaryIO:
+    """Return the open lock file of a folder. The system frees the lock when the process ends, however it ends."""
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        file = (root / LOCK).open("ab")
+    except OSError as error:
+        blocked = next((p for p in (root, *root.parents) if p.is_file()), None)
+        reason = f"{blocked} is a file, not a folder" if blocked else error.strerror or error
+        raise FileError(f"could not write {root}: {reason}") from None
+    try:
+        _lock(file.fileno())
+    except OSError:
+        file.close()
+        raise FileError(f"another run writes to {root}: wait for its end, or give another --out") from None
+    return file
+
+
+def _lock(handle: int) -> None:
+    if sys.platform == "win32":
+        import msvcrt
+
+        os.lseek(handle, 0, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

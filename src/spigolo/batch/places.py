@@ -1,0 +1,48 @@
+"""Places of output files: names of frames never lead out of the output folder."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from spigolo.errors import FileError
+
+FORBIDDEN = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
+"""Characters that a file name cannot have on every system."""
+RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:\..*)?", re.IGNORECASE)
+"""Names of devices on Windows."""
+MAX_BYTES = 200
+"""Maximum length of a part of a name. File systems take 255 bytes, with a suffix and what is put around it."""
+
+
+def check_name(name: str) -> None:
+    """Raise FileError for the name of a frame that cannot be a file name below a folder."""
+    for part in name.split("/"):
+        if wrong := _wrong_with(part):
+            raise FileError(f"expected a frame name that can be a file name, got {name[:MAX_BYTES]!r}: {wrong}")
+
+
+def _wrong_with(part: str) -> str | None:
+    """Return why a part of a name is refused, None if it is not."""
+    wrong = {
+        "a part is empty, or the name begins or ends with /": not part,
+        "it would lead out of the output folder": part in (".", ".."),
+        "a part begins with a dot": part.startswith("."),
+        "a part ends with a dot or a space": part.endswith((".", " ")),
+        "it has a character that some systems forbid in file names": FORBIDDEN.search(part),
+        "it is the name of a device on Windows": RESERVED.fullmatch(part),
+        f"a part has more than {MAX_BYTES} bytes": len(part.encode("utf-8", "surrogatepass")) > MAX_BYTES,
+    }
+    return next((reason for reason, found in wrong.items() if found), None)
+
+
+def place(root: Path, folder: str, name: str, suffix: str) -> Path:
+    """Return where a file of a frame lies: ROOT/FOLDER/NAME + suffix.
+
+    Raises FileError for a name that is not allowed, and where a link on the way leads out of the root.
+    """
+    check_name(name)
+    path = root.joinpath(folder, *f"{name}{suffix}".split("/"))
+    if not path.parent.resolve().is_relative_to(root.resolve()):
+        raise FileError(f"could not write {path}: a link on the way leads out of {root}. Remove the link")
+    return path

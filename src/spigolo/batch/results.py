@@ -1,0 +1,108 @@
+"""The work on one frame: from a job to the bytes of its output files."""
+
+from __future__ import annotations
+
+import json
+import threading
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.batch.jobs import Job
+from spigolo.errors import FrameError, SpigoloError
+from spigolo.export.instances import compress, run_lengths
+from spigolo.objects.segmentation import Segmentation
+from spigolo.settings.config import Config
+from spigolo.stream import Segmenter
+
+SUFFIXES: Mapping[str, str] = {"labels": ".png", "objects": ".json", "undistorted": ".png"}
+"""Folders of the output, and the suffix of the files in each."""
+MAX_LABEL = np.iinfo(np.uint16).max
+_kept = threading.local()
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The outcome of one job."""
+
+    stamp: str = ""
+    """Stamp of the inputs, read before them."""
+    fingerprint: str = ""
+    """Hash of the inputs, empty if they cannot be read."""
+    objects: int = 0
+    """Number of objects."""
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    """Content of the output files by their folder."""
+    warnings: tuple[str, ...] = ()
+    """Warnings about the frame."""
+    error: str | None = None
+    """Reason of a failure, None without one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Work:
+    """Segments the frame of a job. Never raises: a failure is an answer too."""
+
+    config: Config
+    """Parameters."""
+
+    def __call__(self, job: Job) -> Answer:
+        """Return the answer of a job."""
+        stamp = fingerprint = ""
+        try:
+            stamp, fingerprint = job.stamp(), job.fingerprint()
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                result = _segmenter(self.config)(job.read())
+                files = _files(job.name, result)
+        except Exception as error:
+            return Answer(stamp, fingerprint, error=_reason(error))
+        told = tuple(dict.fromkeys(" ".join(str(w.message).split()) for w in caught))
+        return Answer(stamp, fingerprint, len(result), files, told)
+
+
+def _segmenter(config: Config) -> Segmenter:
+    """Return the segmenter of this thread, whose buffers stay warm."""
+    known: Segmenter | None = getattr(_kept, "segmenter", None)
+    if known is None or known.config != config:
+        known = _kept.segmenter = Segmenter(config)
+    return known
+
+
+def _reason(error: Exception) -> str:
+    text = " ".join(str(error).split())
+    return text if isinstance(error, SpigoloError) else f"{type(error).__name__}: {text}"
+
+
+def _files(name: str, result: Segmentation) -> dict[str, bytes]:
+    if len(result) > MAX_LABEL:
+        raise FrameError(f"expected at most {MAX_LABEL} objects in a 16-bit label image, got {len(result)}")
+    files = {"labels": _png(result.labels.astype(np.uint16)), "objects": _shard(name, result)}
+    if result.frame.undistorted:
+        files["undistorted"] = _png(np.asarray(cv2.cvtColor(result.frame.color, cv2.COLOR_RGB2BGR)))
+    return files
+
+
+def _png(image: npt.NDArray[Any]) -> bytes:
+    done, data = cv2.imencode(".png", image)
+    if not done:
+        raise FrameError(f"could not encode an image of shape {image.shape} and type {image.dtype}")
+    return data.tobytes()
+
+
+def _shard(name: str, result: Segmentation) -> bytes:
+    """Return the objects of a frame as JSON, their masks as COCO's compressed run lengths."""
+    facts = result.to_dict()["objects"]
+    masks = [{"mask_rle": compress(run_lengths(o.mask)["counts"])} for o in result]
+    shard = {
+        "frame": name,
+        "image_size_px": list(result.labels.shape),
+        "left_out": list(result.left_out),
+        "objects": [fact | mask for fact, mask in zip(facts, masks, strict=True)],
+    }
+    return (json.dumps(shard, allow_nan=False) + "\n").encode()

@@ -1,0 +1,198 @@
+"""A run over many frames that continues where it was stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import cast
+
+from spigolo import __version__
+from spigolo.batch.engine import Engine, Lost
+from spigolo.batch.jobs import Job
+from spigolo.batch.manifest import FILE, Entry, Manifest
+from spigolo.batch.places import check_name, place
+from spigolo.batch.results import SUFFIXES, Answer, Work
+from spigolo.batch.tables import TABLES, read_shards, writer_of
+from spigolo.errors import FileError, SpigoloError
+from spigolo.frames.files import write_bytes
+from spigolo.settings.config import Config, check_config
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Where a run stands."""
+
+    total: int
+    """Number of frames."""
+    kept: int
+    """Frames that an earlier run had finished."""
+    computed: int
+    """Frames that this run has finished."""
+    failed: int
+    """Frames that have failed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The outcome of a run."""
+
+    progress: Progress
+    """Number of frames, kept, computed and failed."""
+    objects: int
+    """Number of objects in the table."""
+    failures: tuple[tuple[str, str], ...]
+    """Name and reason of each frame that failed."""
+    table: Path
+    """The table of all objects."""
+
+
+def run_batch(
+    jobs: Iterable[Job],
+    config: Config,
+    out: Path,
+    engine: Engine,
+    *,
+    table: str = "parquet",
+    tell: Callable[[Progress], None] | None = None,
+) -> Summary:
+    """Segment the frames of jobs and write labels/FRAME.png, objects/FRAME.json and one table into a folder.
+
+    Frames that the folder's manifest has with the same inputs, preset and version are kept. Failed frames are tried
+    again. table: "parquet" or "coco". tell: called after each frame. Raises FileError where nothing can be written or
+    another run owns the folder.
+    """
+    check_config(config)
+    file, write = writer_of(table)
+    todo = list(jobs)
+    with Manifest(out) as manifest:
+        run = _Run(out, config, manifest, len(todo), tell)
+        run.clean()
+        run.compute([job for job in run.admitted(todo) if not run.keep(job)], engine)
+        names = [job.name for job in todo]
+        done = [e for e in map(manifest.entries.__getitem__, dict.fromkeys(names)) if e.error is None]
+        shards = read_shards(place(out, "objects", entry.frame, SUFFIXES["objects"]) for entry in done)
+        write(shards, out / file, {"version": __version__, "preset": config.name, "digest": config.digest})
+        manifest.sort(names)
+    return Summary(run.progress, sum(entry.objects for entry in done), tuple(run.failures), out / file)
+
+
+class _Run:
+    """The state of one run: what is written, what is counted."""
+
+    def __init__(
+        self, root: Path, config: Config, manifest: Manifest, total: int, tell: Callable[[Progress], None] | None
+    ) -> None:
+        self.root, self.config, self.manifest, self._tell = root, config, manifest, tell
+        self.progress = Progress(total, 0, 0, 0)
+        self.failures: list[tuple[str, str]] = []
+
+    def clean(self) -> None:
+        """Remove what a killed run left beside its place. Other files of the user stay."""
+        left = [path for name in (FILE, *TABLES) for path in self.root.glob(f".{name}-*")]
+        for folder, suffix in SUFFIXES.items():
+            if not (self.root / folder).is_symlink():
+                left += (self.root / folder).rglob(f".*{suffix}-*")
+        for path in left:
+            path.unlink(missing_ok=True)
+
+    def admitted(self, jobs: Sequence[Job]) -> Iterator[Job]:
+        """Yield the jobs whose names can be file names, each once. The others have failed."""
+        taken: dict[str, str] = {}
+        for job in jobs:
+            first = taken.setdefault(job.name.casefold(), job.name)
+            try:
+                check_name(job.name)
+                if id(first) != id(job.name) and first != job.name:
+                    raise FileError(f"expected names that differ in more than case, got {first!r} and {job.name!r}")
+            except FileError as error:
+                self.fail(job.name, Answer(error=str(error)))
+            else:
+                yield job
+
+    def keep(self, job: Job) -> bool:
+        """Return whether a frame is done, and count it."""
+        entry = self.manifest.entries.get(job.name)
+        if entry is None or not self._is_current(entry) or not self._is_whole(entry):
+            return False
+        try:
+            stamp = job.stamp()
+            if stamp != entry.stamp:
+                if job.fingerprint() != entry.inputs:
+                    return False
+                self.manifest.append(replace(entry, stamp=stamp))
+        except SpigoloError:
+            return False
+        self._count(kept=self.progress.kept + 1)
+        return True
+
+    def compute(self, jobs: Sequence[Job], engine: Engine) -> None:
+        """Compute jobs, and write the files of each as it comes."""
+        if not jobs:
+            return
+        with closing(cast("Iterator[tuple[Job, Answer | Lost]]", engine(Work(self.config), jobs))) as outcomes:  # type: ignore[type-var]
+            for job, outcome in outcomes:
+                answer = Answer(error=outcome.reason) if isinstance(outcome, Lost) else outcome
+                if answer.error is None:
+                    self.write(job.name, answer)
+                else:
+                    self.fail(job.name, answer)
+
+    def write(self, name: str, answer: Answer) -> None:
+        """Write the files of a frame, then its line in the manifest."""
+        try:
+            paths = {folder: place(self.root, folder, name, SUFFIXES[folder]) for folder in SUFFIXES}
+        except FileError as error:
+            self.fail(name, replace(answer, error=str(error)))
+            return
+        for folder, path in paths.items():
+            if folder in answer.files:
+                write_bytes(path, answer.files[folder])
+            else:
+                path.unlink(missing_ok=True)
+        self.manifest.append(self._entry(name, answer))
+        self._count(computed=self.progress.computed + 1)
+
+    def fail(self, name: str, answer: Answer) -> None:
+        """Record a failure. Files of an earlier run that would pass for its result are removed."""
+        for folder, suffix in SUFFIXES.items():
+            try:
+                place(self.root, folder, name, suffix).unlink(missing_ok=True)
+            except OSError:  # FileError among them: a place outside is not ours
+                continue
+        self.manifest.append(self._entry(name, answer))
+        self.failures.append((name, answer.error or ""))
+        self._count(failed=self.progress.failed + 1)
+
+    def _entry(self, name: str, answer: Answer) -> Entry:
+        sizes = {folder: len(data) for folder, data in answer.files.items()} if answer.error is None else {}
+        return Entry(
+            frame=name,
+            stamp=answer.stamp,
+            inputs=answer.fingerprint,
+            digest=self.config.digest,
+            version=__version__,
+            objects=answer.objects if answer.error is None else 0,
+            files=sizes,
+            warnings=answer.warnings,
+            error=answer.error,
+        )
+
+    def _is_current(self, entry: Entry) -> bool:
+        return entry.error is None and (entry.digest, entry.version) == (self.config.digest, __version__)
+
+    def _is_whole(self, entry: Entry) -> bool:
+        """Return whether the files of a frame are there with their sizes."""
+        try:
+            paths = {folder: place(self.root, folder, entry.frame, SUFFIXES[folder]) for folder in entry.files}
+            return {"labels", "objects"} <= paths.keys() and all(
+                path.is_file() and path.stat().st_size == entry.files[folder] for folder, path in paths.items()
+            )
+        except (OSError, KeyError):
+            return False
+
+    def _count(self, **numbers: int) -> None:
+        self.progress = replace(self.progress, **numbers)
+        if self._tell is not None:
+            self._tell(self.progress)

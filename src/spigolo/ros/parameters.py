@@ -108,7 +108,8 @@ class NodeParameters:
     def __init__(self, node: Any, kinds: Kinds, on_change: Callable[[State], None]) -> None:
         self._node, self._kinds, self._on_change = node, kinds, on_change
         self._syncing = False
-        named = node.declare_parameter("preset", "OBJECTS", self._descriptor("preset", Options.__doc__ or "")).value
+        meaning = descriptions()["preset"]
+        named = node.declare_parameter("preset", "OBJECTS", self._descriptor("preset", meaning)).value
         self.state = first_state(str(named))
         values, known = values_of(self.state), descriptions(self.state.config)
         given = {

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import array
+import contextlib
 import json
 import threading
 import time
@@ -62,13 +63,12 @@ class Peer:
         self.click = self.node.create_publisher(PointStamped, "spigolo/click", 10)
         policy = ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE
         self.node.create_subscription(Image, "spigolo/labels", self.on_labels, QoSProfile(depth=10, reliability=policy))
-        threading.Thread(target=self.spin, daemon=True).start()
+        self.spinning = threading.Thread(target=self.spin, daemon=True)
+        self.spinning.start()
 
     def spin(self) -> None:
-        try:
+        with contextlib.suppress(ExternalShutdownException):
             rclpy.spin(self.node)
-        except ExternalShutdownException:
-            pass
 
     def watch(self, **kinds: type) -> None:
         for name, kind in kinds.items():
@@ -256,11 +256,10 @@ def asking(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
     out["empty"] = [empty.success, empty.message]
     for key in (700_000, 700_100):
         peer.send(key)
-        time.sleep(0.3)
-    time.sleep(1.0)
+        time.sleep(1.0)
     out["unasked"] = len(peer.labels)
     done = peer.call(Trigger, "/spigolo/segment")
-    peer.until(lambda: peer.labels, "labels after the service")
+    peer.until(lambda: peer.labels, f"labels after the service said {done.message!r}")
     out["service"] = [done.success, done.message, sorted(peer.labels)]
     out["equal"] = peer.labels[700_100][3] == expected(peer.views[0], sp.OBJECTS)
     frame = sp.Frame(*peer.views[0], camera(), depth_scale=0.001)
@@ -291,8 +290,12 @@ def main() -> None:
     given = parser.parse_args()
     rclpy.init()
     peer = Peer(given.best_effort)
-    print(json.dumps({"answers": answers, "parameters": parameters, "asking": asking}[given.what](peer, given)))
+    print(
+        json.dumps({"answers": answers, "parameters": parameters, "asking": asking}[given.what](peer, given)),
+        flush=True,
+    )
     rclpy.try_shutdown()
+    peer.spinning.join(10)  # a thread inside rclpy would abort the process at its end
 
 
 if __name__ == "__main__":

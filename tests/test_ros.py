@@ -80,7 +80,7 @@ def test_with_best_effort_on_both_sides_what_arrives_is_right(tmp_path: Path) ->
 
 
 def test_with_a_queue_of_one_the_newest_pair_wins(tmp_path: Path) -> None:
-    with node(tmp_path / "log", "--preset", "TABLE"):
+    with node(tmp_path / "log", "--preset", "TABLE", "--tolerance-s", "0.004"):
         found = peer("answers", "--pairs", 60, "--rate", 100, "--patience", 20, "--preset", "TABLE")
     assert found["equal"] == found["answered"] < 60
     assert found["last_answered"] and found["other_stamps"] == 0
@@ -98,7 +98,7 @@ def test_parameters_change_at_run_time_and_wrong_ones_are_refused(tmp_path: Path
     assert len(told) == 5 and all(told)
     assert "got -1.0" in told[0] and "'steep'" in told[1] and "expected one of OBJECTS" in told[2]
     assert "read-only" in told[3] and "tolerance_s" in told[4]
-    assert found["after_wrong"] == [0.02, "OBJECTS", 1, 0.02]
+    assert found["after_wrong"] == [0.02, "OBJECTS", 1, 0.015]
     assert found["preset"] == [""] and found["after_preset"] == ["TABLE", 0.0016, 7.5, "none"]
     assert found["equal_after_preset"]
 

@@ -393,7 +393,7 @@ def test_without_rclpy_one_sentence_says_how_to_get_it(monkeypatch: pytest.Monke
 
 
 def test_a_wrong_flag_is_refused_before_the_node_starts() -> None:
-    with pytest.raises(ConfigError, match="did you mean --partition.gamma"):
+    with pytest.raises(ConfigError, match=r"did you mean --partition\.gamma"):
         ros("--partition.gama", "0.01")
     with pytest.raises(ConfigError, match="unknown preset"):
         ros(preset="NOPE")

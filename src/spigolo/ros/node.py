@@ -28,6 +28,8 @@ STATUS_S = 10.0
 QUIET_S = 5.0
 """Time between two reports of broken pairs, s."""
 TAKE_S = 0.2
+KEPT = 5
+"""Minimum number of messages kept for each topic, so that a burst does not separate a pair."""
 TOPICS = ("color", "depth", "camera_info")
 
 
@@ -71,13 +73,13 @@ class SpigoloNode:
         """Create topics, service and timer."""
         qos = self._kinds.rclpy.qos
         policy = qos.ReliabilityPolicy.RELIABLE if options.reliable else qos.ReliabilityPolicy.BEST_EFFORT
-        incoming = qos.QoSProfile(depth=options.queue, reliability=policy)
+        incoming = qos.QoSProfile(depth=max(options.queue, KEPT), reliability=policy)
         sensor, node = self._kinds.sensor, self.node
         node.create_subscription(sensor.Image, "color", self._on_color, incoming)
         node.create_subscription(sensor.Image, "depth", self._on_depth, incoming)
         node.create_subscription(sensor.CameraInfo, "camera_info", self._on_info, incoming)
         node.create_subscription(self._kinds.geometry.PointStamped, "~/click", self._on_click, 10)
-        self._answers = Answers(node, self._kinds, qos.QoSProfile(depth=options.queue))
+        self._answers = Answers(node, self._kinds, qos.QoSProfile(depth=max(options.queue, KEPT)))
         if self._kinds.services is not None:
             node.create_service(self._kinds.services.Trigger, "~/segment", self._on_segment)
         node.create_timer(STATUS_S, self._report)

@@ -28,15 +28,15 @@ class Options(Settings):
     """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. Setting it resets all fields to those of the preset."""
     continuous: bool = True
     """Segment every pair. If false, only the service `segment` and clicks do."""
-    tolerance_s: NotNegative = 0.02
-    """Maximum difference between the stamps of a colour and a depth image, s. Keep it below half a frame."""
+    tolerance_s: NotNegative = 0.015
+    """Maximum difference between the stamps of a colour and a depth image, s. A value below half the time between
+    two frames never pairs images of different frames."""
     depth_scale: Positive = 0.001
     """Metres per unit of integer depth. 0.001 is ROS's millimetres."""
     rectified: bool = False
     """The images are rectified: take the matrix P of CameraInfo and ignore the distortion D."""
     queue: Annotated[int, Field(ge=1, le=1000)] = 1
-    """Messages kept for each topic, and pairs that wait for their turn. 1: the newest wins and no delay builds up.
-    Read-only."""
+    """Maximum number of pairs that wait for their turn. 1: the newest wins and no delay builds up. Read-only."""
     reliable: bool = True
     """Subscribe with the RELIABLE quality of service. Drivers that publish with best effort require false.
     Read-only."""

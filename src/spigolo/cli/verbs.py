@@ -17,13 +17,15 @@ from spigolo.cli.evaluate import evaluate, losses, report
 from spigolo.cli.export import export, view
 from spigolo.cli.figures import figures
 from spigolo.cli.fit import fit
-from spigolo.cli.inputs import DEMO_SCENE, Out, field_names
+from spigolo.cli.inputs import DEMO_SCENE, Out
 from spigolo.cli.render import render
+from spigolo.cli.ros import ros
 from spigolo.cli.segment import doctor, segment, trace
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Color
     from spigolo.pipeline import Trace
+    from spigolo.settings.config import Config
 
 
 app = cyclopts.App(
@@ -41,6 +43,7 @@ app.command(trace, group=USING, sort_key=2)
 app.command(doctor, group=USING, sort_key=3)
 app.command(export, group=USING, sort_key=3)
 app.command(view, group=USING, sort_key=3)
+app.command(ros, group=USING, sort_key=7)
 app.command(evaluate, group=MEASURING, sort_key=1)
 app.command(report, group=MEASURING, sort_key=2)
 app.command(losses, group=MEASURING, sort_key=2)
@@ -67,6 +70,7 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
         Print the preset as a TOML file. Edit the file and pass it to `--preset`.
 
     """
+    from spigolo.settings.fields import field_names
     from spigolo.settings.presets import PRESETS, SUMMARIES
     from spigolo.settings.presets import preset as find
 
@@ -124,12 +128,13 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
     return DONE
 
 
-def _value(config: object, field: str) -> object:
-    for part in field.split("."):
-        config = getattr(config, part, None)
-    if isinstance(config, tuple):
-        return ",".join(map(str, config))
-    return "none" if config is None else "..." if hasattr(config, "model_fields") else config
+def _value(config: Config, field: str) -> object:
+    from spigolo.settings.fields import value_at
+
+    value = value_at(config, field)
+    if isinstance(value, tuple):
+        return ",".join(map(str, value))
+    return "none" if value is None else "..." if hasattr(value, "model_fields") else value
 
 
 def _panels(run: Trace) -> Color:

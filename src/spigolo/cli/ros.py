@@ -1,0 +1,54 @@
+"""The verb ros: the ROS 2 node."""
+
+from __future__ import annotations
+
+from spigolo.cli import DONE
+from spigolo.cli.inputs import Inputs, configure, split_flags
+
+
+def ros(
+    *words: Inputs,
+    color: str | None = None,
+    depth: str | None = None,
+    camera_info: str | None = None,
+    preset: str = "OBJECTS",
+) -> int:
+    """Run the ROS 2 node: segment what a camera publishes.
+
+    Example: `spigolo ros --color /camera/camera/color/image_raw --depth
+    /camera/camera/aligned_depth_to_color/image_raw --camera-info /camera/camera/color/camera_info`.
+
+    Publishes ~/labels, ~/overlay, ~/markers, ~/cloud, ~/objects and ~/detections. Serves ~/segment. Answers ~/click
+    with ~/mask. Every field of the preset is a parameter of the node.
+
+    Parameters
+    ----------
+    words
+        Any parameter of the node as a flag, such as `--queue 5`, `--continuous false`, `--reliable false` or
+        `--partition.gamma 0.004`. What follows `--ros-args` goes to ROS.
+    color
+        Topic of the colour image. Default: `color`, which may be remapped.
+    depth
+        Topic of the depth image, registered to colour. Default: `depth`.
+    camera_info
+        Topic of the CameraInfo of the colour image. Default: `camera_info`.
+    preset
+        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's, or a TOML file.
+
+    """
+    from spigolo.ros.kinds import find_kinds
+    from spigolo.ros.node import run
+    from spigolo.ros.parameters import Options
+    from spigolo.settings.fields import value_of_text
+
+    at = words.index("--ros-args") if "--ros-args" in words else len(words)
+    unnamed, flags = split_flags(words[:at])
+    own = {name: value for name, value in flags.items() if name in Options.model_fields}
+    fields = {name: value for name, value in flags.items() if name not in own}
+    configure(preset, fields, ros)  # refuses what is wrong before the node starts
+    find_kinds()
+    given = {name: value_of_text(value) for name, value in flags.items()}
+    topics = {"color": color, "depth": depth, "camera_info": camera_info}
+    maps = [word for name, topic in topics.items() if topic for word in ("-r", f"{name}:={topic}")]
+    run({"preset": preset, **given}, [*(["--ros-args", *maps] if maps else []), *unnamed, *words[at:]])
+    return DONE

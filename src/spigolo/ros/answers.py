@@ -1,0 +1,138 @@
+"""Results as messages with the header of their colour image."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from spigolo.objects.boxes import OrientedBox
+from spigolo.objects.drawing import palette
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+from spigolo.ros.kinds import Kinds
+from spigolo.ros.messages import POINT, fill_cloud, fill_image, fill_pose, point_records
+
+TEXT_HEIGHT_M = 0.03
+OPACITY = 0.4
+
+
+def label_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
+    """Return the labels as an Image in mono16: 0 = background, 1..N = objects."""
+    return fill_image(kinds.sensor.Image(), header, result.labels.astype(np.uint16), "mono16")
+
+
+def overlay_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
+    """Return the colour image with the objects tinted and numbered, as an Image in rgb8."""
+    return fill_image(kinds.sensor.Image(), header, result.overlay(), "rgb8")
+
+
+def mask_image(kinds: Kinds, header: Any, found: ObjectMask) -> Any:
+    """Return the mask of an object as an Image in mono8: 255 = object."""
+    return fill_image(kinds.sensor.Image(), header, found.mask.astype(np.uint8) * np.uint8(255), "mono8")
+
+
+def object_clouds(kinds: Kinds, header: Any, result: Segmentation) -> Iterator[Any]:
+    """Yield a PointCloud2 for each object in the order of labels. Without intrinsics there are none."""
+    for records in _records(result):
+        yield fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, records)
+
+
+def cloud(kinds: Kinds, header: Any, result: Segmentation) -> Any:
+    """Return one PointCloud2 with the points of all objects in the order of labels; the field `label` tells them."""
+    everything = np.concatenate([np.empty(0, POINT), *_records(result)])
+    return fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, everything)
+
+
+def _records(result: Segmentation) -> Iterator[Any]:
+    if result.frame.camera is None:
+        return
+    for o in result:
+        yield point_records(o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)], o.label)
+
+
+def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
+    """Return a MarkerArray: a box and a number for each object, after a marker that deletes those of the last frame."""
+    assert kinds.visualization is not None
+    kind = kinds.visualization.Marker
+    clear = kind()
+    clear.header, clear.action = header, kind.DELETEALL
+    drawn = [clear]
+    tints = palette(len(result)) / 255
+    for o, box in _boxes(result):
+        solid, text = kind(), kind()
+        for marker, space in ((solid, "boxes"), (text, "labels")):
+            marker.header, marker.ns, marker.id, marker.action = header, space, o.label, kind.ADD
+            fill_pose(marker.pose, box.center_m, box.R_camera_box)
+            color = marker.color
+            color.r, color.g, color.b = map(float, tints[o.label - 1])
+        solid.type, solid.color.a = kind.CUBE, OPACITY
+        solid.scale.x, solid.scale.y, solid.scale.z = map(float, box.size_m)
+        text.type, text.color.a, text.text = kind.TEXT_VIEW_FACING, 1.0, str(o.label)
+        text.scale.z = TEXT_HEIGHT_M
+        drawn += [solid, text]
+    message = kinds.visualization.MarkerArray()
+    message.markers = drawn
+    return message
+
+
+def detections(kinds: Kinds, header: Any, result: Segmentation) -> Any:
+    """Return a Detection3DArray: box, score and label of each object. The class is "object"."""
+    assert kinds.vision is not None
+    found = []
+    for o, box in _boxes(result):
+        detection, hypothesis = kinds.vision.Detection3D(), kinds.vision.ObjectHypothesisWithPose()
+        detection.header, detection.id = header, str(o.label)
+        fill_pose(detection.bbox.center, box.center_m, box.R_camera_box)
+        size = detection.bbox.size
+        size.x, size.y, size.z = map(float, box.size_m)
+        hypothesis.hypothesis.class_id, hypothesis.hypothesis.score = "object", float(o.score)
+        hypothesis.pose.pose = copy.deepcopy(detection.bbox.center)
+        detection.results = [hypothesis]
+        found.append(detection)
+    message = kinds.vision.Detection3DArray()
+    message.header, message.detections = header, found
+    return message
+
+
+def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
+    """Yield each object that has an oriented box, with it."""
+    for o in result:
+        box = o.oriented_box()
+        if box is not None:
+            yield o, box
+
+
+class Answers:
+    """The topics on which results are published. Those to which nobody listens cost no time, except the labels."""
+
+    def __init__(self, node: Any, kinds: Kinds, qos: Any) -> None:
+        self._kinds = kinds
+        image, points = kinds.sensor.Image, kinds.sensor.PointCloud2
+        topics: dict[str, tuple[Any, Callable[..., Any]]] = {
+            "overlay": (image, overlay_image),
+            "cloud": (points, cloud),
+        }
+        if kinds.visualization is not None:
+            topics["markers"] = kinds.visualization.MarkerArray, markers
+        if kinds.vision is not None:
+            topics["detections"] = kinds.vision.Detection3DArray, detections
+        self._labels = node.create_publisher(image, "~/labels", qos)
+        self._mask = node.create_publisher(image, "~/mask", qos)
+        self._objects = node.create_publisher(points, "~/objects", qos)
+        self._others = [(node.create_publisher(kind, f"~/{name}", qos), make) for name, (kind, make) in topics.items()]
+
+    def publish(self, header: Any, result: Segmentation) -> None:
+        """Publish a result with the header of its colour image, labels first."""
+        self._labels.publish(label_image(self._kinds, header, result))
+        for publisher, make in self._others:
+            if publisher.get_subscription_count():
+                publisher.publish(make(self._kinds, header, result))
+        if self._objects.get_subscription_count():
+            for message in object_clouds(self._kinds, header, result):
+                self._objects.publish(message)
+
+    def publish_mask(self, header: Any, found: ObjectMask) -> None:
+        """Publish the mask of the object at a click."""
+        self._mask.publish(mask_image(self._kinds, header, found))

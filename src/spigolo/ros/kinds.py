@@ -1,0 +1,63 @@
+"""The message packages of the user's ROS 2 installation, imported when a node starts."""
+
+from __future__ import annotations
+
+import importlib
+from dataclasses import dataclass
+from typing import Any
+
+from spigolo.errors import SpigoloError
+
+MISSING = (
+    "The node needs {module}, which is missing: run `source /opt/ros/DISTRO/setup.bash` and install spigolo for the"
+    ' Python of ROS, or without a ROS installation (Linux, x86-64) run pip install "spigolo[ros]"'
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Kinds:
+    """Python packages of ROS 2. The optional ones are None where they are not installed."""
+
+    rclpy: Any
+    """The client library."""
+    interfaces: Any
+    """rcl_interfaces.msg: parameters."""
+    sensor: Any
+    """sensor_msgs.msg: images, camera information, point clouds."""
+    geometry: Any
+    """geometry_msgs.msg: clicks."""
+    services: Any | None
+    """std_srvs.srv: the service `segment`."""
+    visualization: Any | None
+    """visualization_msgs.msg: markers."""
+    vision: Any | None
+    """vision_msgs.msg: detections."""
+
+
+def find_kinds() -> Kinds:
+    """Import the packages. Raises SpigoloError, which says how to install them."""
+    for module in ("rclpy", "rclpy.node", "rclpy.qos", "rclpy.executors", "rclpy.parameter"):
+        _required(module)
+    return Kinds(
+        _required("rclpy"),
+        _required("rcl_interfaces.msg"),
+        _required("sensor_msgs.msg"),
+        _required("geometry_msgs.msg"),
+        _optional("std_srvs.srv"),
+        _optional("visualization_msgs.msg"),
+        _optional("vision_msgs.msg"),
+    )
+
+
+def _required(module: str) -> Any:
+    found = _optional(module)
+    if found is None:
+        raise SpigoloError(MISSING.format(module=module.partition(".")[0]))
+    return found
+
+
+def _optional(module: str) -> Any | None:
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError:
+        return None

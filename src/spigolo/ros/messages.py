@@ -1,0 +1,150 @@
+"""NumPy arrays as ROS messages and back, without cv_bridge.
+
+Nothing here imports ROS: a message is any object with the fields of its type, and a new one is given to be filled.
+"""
+
+from __future__ import annotations
+
+import array
+from typing import Any
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.errors import FrameError
+from spigolo.frames.frame import Color
+
+COLORS = {
+    "rgb8": None,
+    "bgr8": cv2.COLOR_BGR2RGB,
+    "rgba8": cv2.COLOR_RGBA2RGB,
+    "bgra8": cv2.COLOR_BGRA2RGB,
+    "mono8": cv2.COLOR_GRAY2RGB,
+}
+"""Encodings of colour images, and OpenCV's conversion to RGB."""
+DEPTHS = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
+"""Encodings of depth images (REP 118): integers in millimetres, or metres as floating-point numbers."""
+CHANNELS = {"rgb8": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4}
+POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4"), ("label", "<u4")])
+"""A point of a cloud. RViz and PCL read `rgb` as a float of the same bytes."""
+UINT32, FLOAT32 = 6, 7
+"""Constants of sensor_msgs/PointField."""
+
+Points = npt.NDArray[np.float32]
+
+
+def stamp_ns(message: Any) -> int:
+    """Return the time in a message's header, ns."""
+    stamp = message.header.stamp
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def read_color(message: Any) -> Color:
+    """Return the pixels (H, W, 3) RGB of a sensor_msgs/Image. Raises FrameError for another encoding."""
+    if message.encoding not in COLORS:
+        raise FrameError(
+            f"expected a colour image with encoding {', '.join(COLORS)}, got {message.encoding!r}:"
+            " convert it with image_proc, or choose another format in the driver"
+        )
+    pixels = _pixels(message, "u1")
+    conversion = COLORS[message.encoding]
+    return pixels if conversion is None else np.asarray(cv2.cvtColor(pixels, conversion), np.uint8)
+
+
+def read_depth(message: Any) -> npt.NDArray[Any]:
+    """Return the stored depth (H, W) of a sensor_msgs/Image. Raises FrameError for another encoding."""
+    if message.encoding not in DEPTHS:
+        raise FrameError(
+            f"expected a depth image with encoding {', '.join(DEPTHS)}, got {message.encoding!r}:"
+            " take the raw topic of depth aligned to colour"
+        )
+    return _pixels(message, DEPTHS[message.encoding])
+
+
+def _pixels(message: Any, kind: str) -> npt.NDArray[Any]:
+    """Return the pixels of an image without the padding of its rows, in this machine's order of bytes."""
+    height, width, step = int(message.height), int(message.width), int(message.step)
+    channels = CHANNELS.get(message.encoding, 1)
+    stored = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
+    row = width * channels * stored.itemsize
+    size = len(message.data)
+    if height * width == 0 or step < row or size < height * step:
+        raise FrameError(
+            f"expected {height} rows of at least {row} bytes for a {width}x{height} image in {message.encoding}, got"
+            f" step {step} and {size} bytes: the message is damaged"
+        )
+    rows = np.frombuffer(message.data, np.uint8)[: height * step].reshape(height, step)[:, :row]
+    pixels = np.ascontiguousarray(rows).view(stored).astype(np.dtype(kind), copy=False)
+    return pixels.reshape((height, width, channels) if channels > 1 else (height, width))
+
+
+def fill_image(message: Any, header: Any, pixels: npt.NDArray[Any], encoding: str) -> Any:
+    """Fill a sensor_msgs/Image with pixels (H, W) or (H, W, channels) and return it."""
+    stored = np.ascontiguousarray(pixels, pixels.dtype.newbyteorder("<"))
+    message.header = header
+    message.height, message.width = stored.shape[:2]
+    message.encoding = encoding
+    message.is_bigendian = 0
+    message.step = stored.nbytes // stored.shape[0]
+    message.data = _bytes(stored)
+    return message
+
+
+def fill_cloud(message: Any, field: Any, header: Any, points: npt.NDArray[np.void]) -> Any:
+    """Fill a sensor_msgs/PointCloud2 with records of `POINT` and return it. field: the class PointField."""
+    message.header = header
+    message.height, message.width = 1, len(points)
+    kinds = {"x": FLOAT32, "y": FLOAT32, "z": FLOAT32, "rgb": FLOAT32, "label": UINT32}
+    message.fields = [_field(field(), name, 4 * k, kind) for k, (name, kind) in enumerate(kinds.items())]
+    message.is_bigendian = False
+    message.point_step, message.row_step = POINT.itemsize, POINT.itemsize * len(points)
+    message.data = _bytes(points)
+    message.is_dense = True
+    return message
+
+
+def point_records(points_m: Points, colors: Color, label: int) -> npt.NDArray[np.void]:
+    """Return points (N, 3) in metres with colours (N, 3) RGB as records of `POINT`."""
+    records = np.empty(len(points_m), POINT)
+    for k, name in enumerate("xyz"):
+        records[name] = points_m[:, k]
+    red, green, blue = colors.astype(np.uint32).T
+    records["rgb"] = red << 16 | green << 8 | blue
+    records["label"] = label
+    return records
+
+
+def fill_pose(message: Any, center_m: npt.NDArray[np.float64], R: npt.NDArray[np.float64]) -> Any:
+    """Fill a geometry_msgs/Pose with a position (3,) and a rotation (3, 3) and return it."""
+    message.position.x, message.position.y, message.position.z = map(float, center_m)
+    q = message.orientation
+    q.x, q.y, q.z, q.w = quaternion(R)
+    return message
+
+
+def quaternion(R: npt.NDArray[np.float64]) -> tuple[float, float, float, float]:
+    """Return the rotation (3, 3) as a unit quaternion x, y, z, w."""
+    # the largest eigenvector of this symmetric matrix (Bar-Itzhack 2000), stable at every angle
+    K = np.array(
+        [
+            [R[0, 0] - R[1, 1] - R[2, 2], R[1, 0] + R[0, 1], R[2, 0] + R[0, 2], R[2, 1] - R[1, 2]],
+            [R[1, 0] + R[0, 1], R[1, 1] - R[0, 0] - R[2, 2], R[2, 1] + R[1, 2], R[0, 2] - R[2, 0]],
+            [R[2, 0] + R[0, 2], R[2, 1] + R[1, 2], R[2, 2] - R[0, 0] - R[1, 1], R[1, 0] - R[0, 1]],
+            [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1], R[0, 0] + R[1, 1] + R[2, 2]],
+        ]
+    )
+    x, y, z, w = np.linalg.eigh(K)[1][:, 3].tolist()
+    return x, y, z, w
+
+
+def _field(message: Any, name: str, offset: int, kind: int) -> Any:
+    message.name, message.offset, message.datatype, message.count = name, offset, kind, 1
+    return message
+
+
+def _bytes(values: npt.NDArray[Any]) -> array.array[int]:
+    """Return the bytes as the array type that rclpy takes without checking each of them."""
+    out = array.array("B")
+    out.frombytes(np.ascontiguousarray(values).tobytes())
+    return out

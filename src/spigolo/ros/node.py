@@ -1,0 +1,245 @@
+"""The node: colour, aligned depth and CameraInfo in; labels, overlay, markers, clouds and masks out."""
+
+from __future__ import annotations
+
+import copy
+import threading
+import time
+import traceback
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from spigolo.errors import SpigoloError
+from spigolo.frames.frame import Frame
+from spigolo.objects.segmentation import Segmentation
+from spigolo.ros.answers import Answers
+from spigolo.ros.kinds import Kinds, find_kinds
+from spigolo.ros.messages import read_color, read_depth, stamp_ns
+from spigolo.ros.pairing import Pair, StampMatcher, Waiting
+from spigolo.ros.parameters import NodeParameters, Options, State
+from spigolo.stream import Segmenter, warm_up
+
+STATUS_S = 10.0
+"""Time between two lines about what was received and answered, s."""
+QUIET_S = 5.0
+"""Time between two reports of broken pairs, s."""
+TAKE_S = 0.2
+KEPT = 5
+"""Minimum number of messages kept for each topic, so that a burst does not separate a pair."""
+TOPICS = ("color", "depth", "camera_info")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """The newest result, for clicks."""
+
+    pair: Pair
+    """The messages that it was made from."""
+    result: Segmentation
+    """The objects."""
+    state: State
+    """The parameters."""
+
+
+class SpigoloNode:
+    """Receives on the thread that spins and segments on a thread of its own."""
+
+    def __init__(self, kinds: Kinds, overrides: Mapping[str, Any]) -> None:
+        parameter = kinds.rclpy.parameter.Parameter
+        given = [parameter(name, value=value) for name, value in overrides.items()]
+        self.node = kinds.rclpy.create_node("spigolo", parameter_overrides=given)
+        self._kinds, self._log = kinds, self.node.get_logger()
+        self._parameters = NodeParameters(self.node, kinds, self._apply)
+        options = self._parameters.state.options
+        self._matcher = StampMatcher(round(options.tolerance_s * 1e9))
+        self._waiting = Waiting(options.queue)
+        self._segmenter = Segmenter(self._parameters.state.config)
+        self._busy = threading.Lock()
+        self._newest: Pair | None = None
+        self._info: Any = None
+        self._answer: Answer | None = None
+        self._received = dict.fromkeys(TOPICS, 0)
+        self._answered, self._failed = 0, 0
+        self._times_ms: deque[float] = deque(maxlen=300)
+        self._open(options)
+        self._ended = threading.Event()
+        self._worker = threading.Thread(target=self._work, name="segmenter", daemon=True)
+
+    def _open(self, options: Options) -> None:
+        """Create topics, service and timer."""
+        qos = self._kinds.rclpy.qos
+        policy = qos.ReliabilityPolicy.RELIABLE if options.reliable else qos.ReliabilityPolicy.BEST_EFFORT
+        incoming = qos.QoSProfile(depth=max(options.queue, KEPT), reliability=policy)
+        sensor, node = self._kinds.sensor, self.node
+        node.create_subscription(sensor.Image, "color", self._on_color, incoming)
+        node.create_subscription(sensor.Image, "depth", self._on_depth, incoming)
+        node.create_subscription(sensor.CameraInfo, "camera_info", self._on_info, incoming)
+        node.create_subscription(self._kinds.geometry.PointStamped, "~/click", self._on_click, 10)
+        self._answers = Answers(node, self._kinds, qos.QoSProfile(depth=max(options.queue, KEPT)))
+        if self._kinds.services is not None:
+            node.create_service(self._kinds.services.Trigger, "~/segment", self._on_segment)
+        node.create_timer(STATUS_S, self._report)
+
+    def start(self) -> None:
+        """Compile, then begin to segment."""
+        warm_up(self._parameters.state.config)
+        self._worker.start()
+        config = self._parameters.state.config
+        topics = ", ".join(self.node.resolve_topic_name(name) for name in TOPICS)
+        self._log.info(f"ready with {config.name} {config.digest}, listening to {topics}")
+
+    def stop(self) -> None:
+        """End the thread that segments."""
+        self._ended.set()
+        if self._worker.is_alive():
+            self._worker.join(10)
+
+    # what comes in
+
+    def _on_color(self, message: Any) -> None:
+        self._add("color", message)
+
+    def _on_depth(self, message: Any) -> None:
+        self._add("depth", message)
+
+    def _on_info(self, message: Any) -> None:
+        self._received["camera_info"] += 1
+        self._info = message
+
+    def _add(self, topic: str, message: Any) -> None:
+        self._received[topic] += 1
+        found = self._matcher.add(topic, stamp_ns(message), message)
+        if found is not None:
+            self._newest = Pair(*found, time.perf_counter())
+            if self._parameters.state.options.continuous:
+                self._waiting.put(self._newest)
+
+    def _apply(self, state: State) -> None:
+        self._matcher.tolerance_ns = round(state.options.tolerance_s * 1e9)
+
+    # what is done
+
+    def _work(self) -> None:
+        """Segment pair after pair until the node ends."""
+        try:
+            while not self._ended.is_set():
+                pair = None if self._info is None else self._waiting.take(TAKE_S)
+                if pair is not None:
+                    self._segment(pair)
+                elif self._info is None:
+                    self._ended.wait(TAKE_S / 10)
+        except Exception:
+            self._log.fatal(f"the segmenter ended: {traceback.format_exc()}")
+            self._kinds.rclpy.try_shutdown()
+
+    def _segment(self, pair: Pair) -> Answer | str:
+        """Segment a pair and publish the result. For a pair that cannot be segmented, return why."""
+        with self._busy:
+            state = self._parameters.state
+            self._segmenter.config = state.config
+            try:
+                result = self._segmenter(_frame_of(pair, self._info, state.options))
+            except SpigoloError as error:
+                self._failed += 1
+                self._log.error(str(error), throttle_duration_sec=QUIET_S)
+                return str(error)
+            self._answer = Answer(pair, result, state)
+        if not self._ended.is_set():
+            self._answers.publish(pair.color.header, result)
+        self._answered += 1
+        self._times_ms.append((time.perf_counter() - pair.arrived_s) * 1000)
+        return self._answer
+
+    def _current(self) -> Answer | str:
+        """Return the answer for clicks: the newest one, or with `continuous` off one for the newest pair."""
+        state, answer, pair = self._parameters.state, self._answer, self._newest
+        if pair is None or self._info is None:
+            return self._lacking()
+        fresh = answer is not None and answer.state is state and (state.options.continuous or answer.pair is pair)
+        return answer if fresh and answer is not None else self._segment(pair)
+
+    def _lacking(self) -> str:
+        """Return what is missing for a frame."""
+        silent = [self.node.resolve_topic_name(name) for name, count in self._received.items() if not count]
+        return f"no message on {', '.join(silent)}" if silent else "no pair of colour and depth within the tolerance"
+
+    # what is asked
+
+    def _on_segment(self, _: Any, response: Any) -> Any:
+        """Serve `segment`: segment the newest pair."""
+        pair = self._newest
+        found = self._lacking() if pair is None or self._info is None else self._segment(pair)
+        response.success = isinstance(found, Answer)
+        response.message = found if isinstance(found, str) else f"{len(found.result)} objects"
+        return response
+
+    def _on_click(self, message: Any) -> None:
+        """Publish the mask of the object at a pixel, x to the right and y down."""
+        found = self._current()
+        if isinstance(found, str):
+            self._log.warning(f"a click was ignored: {found}")
+            return
+        try:
+            object_mask = found.result.object_at((message.point.y, message.point.x))
+        except (IndexError, ValueError) as error:
+            self._log.warning(f"a click was ignored: {error}")
+            return
+        self._answers.publish_mask(found.pair.color.header, object_mask)
+
+    def _report(self) -> None:
+        """Log what was received and answered."""
+        if self._newest is None or self._info is None:
+            self._log.warning(f"nothing to segment: {self._lacking()}{self._hint()}")
+            return
+        median = f", median {np.median(self._times_ms):.0f} ms" if self._times_ms else ""
+        self._log.info(
+            f"{self._answered} pairs answered{median}; {self._waiting.dropped} dropped for newer ones,"
+            f" {self._matcher.unmatched} images without a partner, {self._failed} pairs not segmented"
+        )
+
+    def _hint(self) -> str:
+        """Return the mend where a publisher's quality of service does not fit, or nobody publishes."""
+        for name in (topic for topic, count in self._received.items() if not count):
+            publishers = self.node.get_publishers_info_by_topic(self.node.resolve_topic_name(name))
+            if not publishers:
+                return f". Nobody publishes there: give the topic with --{name.replace('_', '-')}"
+            if self._parameters.state.options.reliable:
+                return ". If the driver publishes with best effort, start with --reliable false"
+        return ""
+
+
+def _frame_of(pair: Pair, info: Any, options: Options) -> Frame:
+    """Return the frame of a pair. Raises FrameError or CameraError for messages that make none."""
+    depth = read_depth(pair.depth)
+    scale = options.depth_scale if depth.dtype.kind == "u" else None
+    camera = info
+    if options.rectified:
+        camera = copy.copy(info)
+        camera.k, camera.d = np.asarray(info.p, float).reshape(3, 4)[:, :3].ravel(), []
+    return Frame(read_color(pair.color), depth, camera, "", stamp_ns(pair.color), scale)
+
+
+def run(overrides: Mapping[str, Any], ros_args: Sequence[str]) -> None:
+    """Run the node until it is interrupted. ros_args: arguments for ROS such as remappings.
+
+    Raises SpigoloError without rclpy or for a wrong parameter.
+    """
+    kinds = find_kinds()
+    rclpy = kinds.rclpy
+    rclpy.init(args=["spigolo", *ros_args])
+    served: SpigoloNode | None = None
+    try:
+        served = SpigoloNode(kinds, overrides)
+        served.start()
+        rclpy.spin(served.node)
+    except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+        pass
+    finally:
+        if served is not None:
+            served.stop()
+            served.node.destroy_node()
+        rclpy.try_shutdown()

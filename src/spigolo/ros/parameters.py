@@ -1,0 +1,156 @@
+"""Every field of the configuration as a ROS parameter, checked when it is set."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BaseModel, Field
+
+from spigolo.errors import ConfigError, SpigoloError
+from spigolo.ros.kinds import Kinds
+from spigolo.settings.config import Config
+from spigolo.settings.fields import field_names, value_at, value_of_text
+from spigolo.settings.parameters import NotNegative, Positive, Settings
+from spigolo.settings.presets import OBJECTS, PRESETS, preset
+
+FIXED = ("queue", "reliable")
+"""Options that hold from the start of the node to its end."""
+ON, OFF = "on", "none"
+"""Values of a stage's parameter."""
+
+
+class Options(Settings):
+    """The node's own parameters."""
+
+    preset: str = "OBJECTS"
+    """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. Setting it resets all fields to those of the preset."""
+    continuous: bool = True
+    """Segment every pair. If false, only the service `segment` and clicks do."""
+    tolerance_s: NotNegative = 0.015
+    """Maximum difference between the stamps of a colour and a depth image, s. A value below half the time between
+    two frames never pairs images of different frames."""
+    depth_scale: Positive = 0.001
+    """Metres per unit of integer depth. 0.001 is ROS's millimetres."""
+    rectified: bool = False
+    """The images are rectified: take the matrix P of CameraInfo and ignore the distortion D."""
+    queue: Annotated[int, Field(ge=1, le=1000)] = 1
+    """Maximum number of pairs that wait for their turn. 1: the newest wins and no delay builds up. Read-only."""
+    reliable: bool = True
+    """Subscribe with the RELIABLE quality of service. Drivers that publish with best effort require false.
+    Read-only."""
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """All parameters of a node."""
+
+    options: Options
+    """Those of the node."""
+    config: Config
+    """Those of the method."""
+
+
+def first_state(name: str = "OBJECTS") -> State:
+    """Return the state with a preset and default options. Raises ConfigError for an unknown preset."""
+    return State(Options(preset=name), preset(name))
+
+
+def descriptions(config: Config = OBJECTS) -> dict[str, str]:
+    """Return the name and meaning of every parameter: the options, and the fields that any preset can have."""
+    found = {name: " ".join((field.description or "").split()) for name, field in Options.model_fields.items()}
+    for one in (config, *PRESETS.values()):
+        found = field_names(one) | found
+    return found
+
+
+def values_of(state: State) -> dict[str, Any]:
+    """Return the value of every parameter as ROS takes it. Fields that the preset does not have are "none"."""
+    options = state.options.model_dump()
+    return {name: options[name] if name in options else _stored(state, name) for name in descriptions(state.config)}
+
+
+def _stored(state: State, name: str) -> Any:
+    value = value_at(state.config, name)
+    if value is None:
+        return OFF
+    if isinstance(value, BaseModel):
+        return ON
+    return list(map(float, value)) if isinstance(value, tuple) else value
+
+
+def changed(state: State, changes: Mapping[str, Any]) -> State:
+    """Return the state with changed parameters, a preset first. Raises ConfigError for a wrong name or value."""
+    known = descriptions(state.config)
+    unknown = next((name for name in changes if name not in known), None)
+    if unknown is not None:
+        raise ConfigError(f"unknown parameter {unknown!r}: `ros2 param list` shows all of them")
+    own = {name: value for name, value in changes.items() if name in Options.model_fields}
+    options = state.options.replace(**own) if own else state.options
+    config = preset(options.preset) if "preset" in own else state.config
+    fields = {name: _given(config, name, value) for name, value in changes.items() if name not in own}
+    return State(options, config.replace(**fields) if fields else config)
+
+
+def _given(config: Config, name: str, value: Any) -> Any:
+    """Return a value from ROS as the configuration takes it."""
+    if value == ON:
+        return {}  # what the stage has, or its defaults
+    if isinstance(value, str):
+        return value_of_text(value)
+    return value if isinstance(value, bool | int | float) else list(value)
+
+
+class NodeParameters:
+    """Declares the parameters of a node and keeps `state` equal to them."""
+
+    def __init__(self, node: Any, kinds: Kinds, on_change: Callable[[State], None]) -> None:
+        self._node, self._kinds, self._on_change = node, kinds, on_change
+        self._syncing = False
+        meaning = descriptions()["preset"]
+        named = node.declare_parameter("preset", "OBJECTS", self._descriptor("preset", meaning)).value
+        self.state = first_state(str(named))
+        values, known = values_of(self.state), descriptions(self.state.config)
+        given = {
+            name: node.declare_parameter(name, value, self._descriptor(name, known[name])).value
+            for name, value in values.items()
+            if name != "preset"
+        }
+        self.state = changed(self.state, {name: value for name, value in given.items() if value != values[name]})
+        self._store(set(given))
+        node.add_on_set_parameters_callback(self._set)
+
+    def _descriptor(self, name: str, meaning: str) -> Any:
+        descriptor = self._kinds.interfaces.ParameterDescriptor()
+        descriptor.description = meaning
+        descriptor.dynamic_typing = True  # a whole number for a float, "none" for any
+        descriptor.read_only = name in FIXED
+        return descriptor
+
+    def _set(self, parameters: list[Any]) -> Any:
+        """Check new values. The reason of a refusal goes back to the caller."""
+        answer = self._kinds.interfaces.SetParametersResult
+        if self._syncing:
+            return answer(successful=True)
+        wanted = {p.name: p.value for p in parameters if p.name in descriptions(self.state.config)}
+        before = values_of(self.state)
+        try:
+            self.state = changed(self.state, wanted)
+        except SpigoloError as error:
+            return answer(successful=False, reason=str(error))
+        after = values_of(self.state)
+        self._store({name for name, value in after.items() if before.get(name) != value} - wanted.keys())
+        self._on_change(self.state)
+        return answer(successful=True)
+
+    def _store(self, names: set[str]) -> None:
+        """Write values that follow from others into the node's parameters."""
+        values = values_of(self.state)
+        kind = self._kinds.rclpy.parameter.Parameter
+        self._syncing = True
+        try:
+            changes = [kind(name, value=values[name]) for name in names - set(FIXED) if name in values]
+            self._node.set_parameters([p for p in changes if self._node.has_parameter(p.name)])
+        finally:
+            self._syncing = False

@@ -1,0 +1,55 @@
+"""The fields of a preset by dotted name, as flags, sliders and ROS parameters show them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from pydantic import BaseModel
+
+from spigolo.settings.config import Config
+
+
+def field_names(config: Config) -> dict[str, str]:
+    """Return the dotted name and the meaning of every field that a preset can have."""
+    return dict(_walk(config, ""))
+
+
+def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
+    """Yield the fields of a model or a model's class. For an unset stage, yield those that setting one would create."""
+    kind: type[BaseModel] = model if isinstance(model, type) else type(model)
+    for name, field in kind.model_fields.items():
+        value = None if isinstance(model, type) else getattr(model, name)
+        candidates = [field.annotation, *getattr(field.annotation, "__args__", ())]
+        stages = [c for c in candidates if isinstance(c, type) and issubclass(c, BaseModel)]
+        inner = value if isinstance(value, BaseModel) else stages[0] if stages else None
+        if inner is not None:
+            yield from _walk(inner, f"{prefix}{name}.")
+            if type(None) in candidates:
+                yield f"{prefix}{name}", "`none` switches it off."
+        elif name not in ("name", "kind"):
+            yield f"{prefix}{name}", " ".join((field.description or "").split())
+
+
+def value_at(config: Config, field: str) -> Any:
+    """Return the value at a dotted name. None for a field of a stage that is switched off or of another cost."""
+    value: Any = config
+    for part in field.split("."):
+        value = getattr(value, part, None)
+    return value
+
+
+def value_of_text(text: str) -> Any:
+    """Return a value as TOML would read it. `1,2` is a list. Anything else is text."""
+    if "," in text:
+        return [value_of_text(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]
+    if text.lower() == "none":
+        return "none"
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text

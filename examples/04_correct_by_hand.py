@@ -1,8 +1,7 @@
 """Correct by hand.
 
 An operator clicks and says what belongs together: keep, drop and merge each give a new answer, measured anew.
-OBJECTS would join the inside and the outside of the bowl and of the mug by itself. Here its rules for that are off,
-as if they had missed; the outside of the bowl is not even an object then.
+OBJECTS joins the inside and the outside of the bowl and of the mug by itself. OBJECTS_1, its first version, does not.
 
     python examples/04_correct_by_hand.py [--out FOLDER]
 """
@@ -32,8 +31,7 @@ def main() -> None:
     clicked = sp.segment_at(frame, FLASHLIGHT)  # one call where one object is wanted
     print(f"at {FLASHLIGHT}: {clicked.area_px} px, {clicked.distance_m:.3f} m away")
 
-    answer = first = sp.segment(frame, sp.OBJECTS.replace(additions={"joining": None}))
-    print("outside of the bowl:", first.at(BOWL[1]).why)
+    answer = first = sp.segment(frame, sp.PRESETS["OBJECTS_1"])
     for name, (inside, outside) in {"bowl": BOWL, "mug": MUG}.items():
         before = [answer.at(inside).area_px, answer.at(outside).area_px]
         answer = answer.merge(answer.at(inside), answer.at(outside))  # each answer takes its own regions

@@ -196,7 +196,8 @@ def test_a_rescaled_frame_keeps_its_depths_and_its_view(scene: sp.Frame) -> None
 @compiled
 def test_the_stages_are_those_of_the_configuration(small: sp.Frame) -> None:
     taken = time_stages(small, {"table": sp.TABLE, "shelf": sp.SHELF, "objects": sp.OBJECTS}, rounds=2)
-    ours, boundary = {"support plane", "contours", "joining"}, {"edges", "contours"}
+    ours = {"support plane", "contours", "merging", "joining", "outlines"}
+    boundary = {"edges", "contours"}
     assert set(PARTS.values()) <= set(STAGES)
     assert set(taken["table"]) == {*STAGES, "depth: in-painting", "depth: smoothing"} - ours
     assert set(taken["shelf"]) == {*STAGES, "depth: smoothing", "saliency"} - ours - boundary
@@ -302,10 +303,11 @@ def test_memory_is_counted_by_pixel(report: Report) -> None:
 
 
 @compiled
-@pytest.mark.parametrize("preset", ["TABLE", "SHELF", "OBJECTS"])
-def test_a_frame_takes_60_bytes_a_pixel_beyond_its_answer(preset: str, scene: sp.Frame) -> None:
+@pytest.mark.parametrize(("preset", "most"), [("TABLE", 60), ("SHELF", 60), ("OBJECTS", 90)])
+def test_a_frame_takes_few_bytes_a_pixel_beyond_its_answer(preset: str, most: int, scene: sp.Frame) -> None:
+    """Outlines by colour take the largest part with OBJECTS: the colour of the tree at every pixel."""
     memory = measure_memory(scene, CONFIGS[f"{preset} 8c"])
-    assert memory.workspace + memory.frame - memory.answer <= 60
+    assert memory.workspace + memory.frame - memory.answer <= most
 
 
 @compiled

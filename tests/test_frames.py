@@ -38,7 +38,8 @@ def test_every_frame_runs_and_its_answer_holds_together(data: Path, name: str) -
         assert result.labels.shape == frame.shape
         assert result.labels.dtype == np.int32
         assert np.array_equal(np.unique(result.labels[result.labels > 0]), np.arange(1, len(result) + 1))
-        assert len(result) + len(result.rejected) == trace.regions.count
+        assert len(result) + len(result.rejected) == result.regions.count
+        assert result.regions.count <= trace.regions.count  # outlines drawn again can take all of a small region
         for o in result:
             assert np.array_equal(o.mask, result.labels == o.label)
             assert o.area_px == np.count_nonzero(o.mask)

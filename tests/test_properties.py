@@ -393,6 +393,8 @@ def values_of(annotation: Any, limits: dict[str, Any]) -> st.SearchStrategy[Any]
     if origin in (typing.Union, types.UnionType):
         return st.one_of([values_of(part, limits) for part in parts])
     low, high = limits.get("gt", limits.get("ge", 0)), limits.get("le", limits.get("lt"))
+    if origin is tuple and Ellipsis not in parts:
+        return st.tuples(*(values_of(part, limits) for part in parts))
     plain: dict[Any, Callable[[], st.SearchStrategy[Any]]] = {
         Literal: lambda: st.sampled_from(parts),
         tuple: lambda: st.lists(st.integers(1, 200), min_size=1, max_size=6).map(tuple),

@@ -38,20 +38,7 @@ def height_at(depth, slope_x, slope_y, slope, offset, y, x):
 
 @kernel
 def sum_outlines(
-    labels,
-    depth,
-    slope_x,
-    slope_y,
-    slope,
-    offset,
-    near,
-    deep,
-    shadow,
-    step_m,
-    step_share,
-    ledge_m,
-    ledge_per_m,
-    sums,
+    labels, depth, slope_x, slope_y, slope, offset, near, deep, shadow, step_m, step_share, ledge_m, ledge_per_m, sums
 ):
     """Steps of depth and of height across the outline of each region.
 

@@ -202,9 +202,8 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     Weights are rounded down to whole grey levels. Ties go to the edge that was found first.
 
     color (H, W, 3) uint8; depth (H, W) float32 metres, 0 = missing; labels (H, W) int32, those of open pixels are
-    written; opened (H, W) uint8 as `open_layers` fills it, 0 afterwards wherever a root reaches; count: number of open
-    pixels; step_m, step_per_m, step_weight float32; source_of (H * W,) int32: number y * width + x of the root that
-    claimed each open pixel.
+    written; opened (H, W) uint8 as `open_layers` fills it, 0 afterwards wherever a root reaches; count: of open pixels;
+    step_m, step_per_m, step_weight float32; source_of (H * W,) int32: y * width + x of the root of each open pixel.
     """
     width = labels.shape[1]
     points, flat, label, state = color.reshape(-1, 3), depth.reshape(-1), labels.reshape(-1), opened.reshape(-1)
@@ -212,8 +211,7 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     pixel, source, following = np.empty((3, 4 * count + 1), np.int32)
     least = np.full(label.size, LEVELS, np.int16)  # lightest edge that was found to each pixel
     tree = np.empty((label.size, 3), np.float32)  # colour of the tree at each labelled pixel
-    keep, own, carried = f32(memory), f32(1.0 - memory), f32(carry)
-    size, level = 0, LEVELS
+    keep, own, carried, size, level = f32(memory), f32(1.0 - memory), f32(carry), 0, LEVELS
     for p in range(state.size):
         for k in range(4 if state[p] else 0):
             q = neighbour(p, k, state[p], width, state.size)
@@ -221,8 +219,7 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
                 continue
             tree[q] = points[q]
             source_of[q] = q
-            weight = edge_weight(tree, q, points, p, flat, step_m, step_per_m, step_weight)
-            bucket = min(int(weight), LEVELS - 1)
+            bucket = min(int(edge_weight(tree, q, points, p, flat, step_m, step_per_m, step_weight)), LEVELS - 1)
             if bucket < least[p]:
                 least[p] = bucket
                 push(bucket, p, q, size, head, tail, pixel, source, following)

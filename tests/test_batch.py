@@ -309,6 +309,7 @@ def test_two_runs_cannot_share_a_folder(source: Path, tmp_path: Path) -> None:
         run(source, tmp_path)
 
 
+@pytest.mark.filterwarnings("ignore:__array__:DeprecationWarning")  # pycocotools with NumPy 2
 def test_the_table_holds_what_the_label_images_hold(source: Path, undisturbed: Path) -> None:
     mask_of = pytest.importorskip("pycocotools.mask")
     table = pq.read_table(undisturbed / "objects.parquet")
@@ -330,6 +331,7 @@ def test_the_table_holds_what_the_label_images_hold(source: Path, undisturbed: P
         assert [{name: row[name] for name in facts[0]} for row in found] == facts
 
 
+@pytest.mark.filterwarnings("ignore:__array__:DeprecationWarning")  # pycocotools with NumPy 2
 def test_coco_reads_the_other_table(source: Path, undisturbed: Path, tmp_path: Path) -> None:
     coco = pytest.importorskip("pycocotools.coco")
     out = shutil.copytree(undisturbed, tmp_path / "out")
@@ -350,6 +352,7 @@ def test_an_unknown_table_is_refused_before_the_work(source: Path, tmp_path: Pat
         local(0)
 
 
+@pytest.mark.filterwarnings("ignore:__array__:DeprecationWarning")  # pycocotools with NumPy 2
 @pytest.mark.parametrize("shape", [(1, 1), (7, 5), (64, 80)])
 @pytest.mark.parametrize("share", [0.0, 0.02, 0.5, 1.0])
 def test_compressed_run_lengths_are_those_of_pycocotools(shape: tuple[int, int], share: float) -> None:

@@ -44,7 +44,7 @@ def _run(distributed: Any, client: Any, do: Callable[[T], R], items: Iterable[T]
         in_flight.update(futures)
         return list(futures)
 
-    queue = distributed.as_completed(submit(_window(client)))
+    queue = distributed.as_completed(submit(_window(client)), loop=client.loop)
     for future in queue:
         item = in_flight.pop(future)
         error = future.exception()

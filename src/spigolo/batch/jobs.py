@@ -42,9 +42,9 @@ class FrameFiles:
 
     name: str
     """Name of the frame, unique in a run."""
-    color: Path
+    color: str | Path
     """Colour image, or a .npz file of the whole frame."""
-    depth: Path
+    depth: str | Path
     """Depth image."""
     camera: str | Path | None = None
     """Camera file, nominal camera or field of view, as `read_frame` takes it."""
@@ -66,7 +66,7 @@ class FrameFiles:
         return read_frame(self.color, self.depth, self.camera, self.depth_scale, max_pixels=self.max_pixels)
 
     def _files(self) -> list[Path]:
-        files = [self.color, self.depth]
+        files = [Path(self.color), Path(self.depth)]
         if self.camera is not None and os.path.isfile(self.camera):
             files.append(Path(self.camera))
         return files

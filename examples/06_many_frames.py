@@ -1,0 +1,51 @@
+"""Many frames.
+
+Segments a folder of frames on two processes and reads the objects of all of them from one table. A run that is killed
+continues with the same call, and ends with the same files. The table is COCO, which needs no extra.
+
+    python examples/06_many_frames.py [--out FOLDER]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections import Counter
+from pathlib import Path
+
+import spigolo as sp
+from spigolo.batch import FrameFiles, local, run_batch
+from spigolo.frames.files import write_png
+
+SCENE = Path(sp.__file__).parent / "demo_scene"
+MOST = 5  # how many images are printed
+
+
+def main() -> None:
+    """Segments frames in two processes, twice: the second run finds everything done."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")
+    out = parser.parse_args().out
+
+    files = SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"
+    jobs = [FrameFiles(f"morning/{k:04d}", *files) for k in range(3)]  # / in a name makes a folder
+    jobs.append(FrameFiles("lost", SCENE / "no-such.png", *files[1:]))  # fails, and stops nothing
+
+    for _ in range(2):
+        summary = run_batch(jobs, sp.OBJECTS, out / "06_batch", local(workers=2), table="coco")
+        state = summary.progress
+        print(f"{state.computed} computed, {state.kept} kept from an earlier run, {state.failed} failed")
+    for name, reason in summary.failures:
+        print(f"{name}: {reason.partition(':')[2].strip()}")
+
+    coco = json.loads(summary.table.read_text(encoding="utf-8"))
+    count = Counter(annotation["image_id"] for annotation in coco["annotations"])
+    for image in coco["images"][:MOST]:
+        print(f"{image['file_name']}: {count[image['id']]} objects")
+
+    write_png(out / "06_first.png", sp.segment(jobs[0].read()).overlay())
+    print(f"written to {out}")
+
+
+if __name__ == "__main__":
+    main()

@@ -18,6 +18,7 @@ from spigolo.cli.fit import fit
 from spigolo.cli.inputs import DEMO_SCENE, Out, field_names
 from spigolo.cli.render import render
 from spigolo.cli.segment import doctor, segment, trace
+from spigolo.cli.tune import tune
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Color
@@ -36,6 +37,7 @@ app["--help"].group = app["--version"].group = cyclopts.Group("About", sort_key=
 app.command(segment, group=USING, sort_key=1)
 app.command(trace, group=USING, sort_key=2)
 app.command(doctor, group=USING, sort_key=3)
+app.command(tune, group=USING, sort_key=3)
 app.command(evaluate, group=MEASURING, sort_key=1)
 app.command(report, group=MEASURING, sort_key=2)
 app.command(losses, group=MEASURING, sort_key=2)

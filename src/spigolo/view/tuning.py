@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from spigolo.errors import SpigoloError
-from spigolo.frames.frame import Frame
+from spigolo.frames.frame import Color, Frame
 from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS
 from spigolo.view import tuning_scene as scene
 from spigolo.view import tuning_text as text
 from spigolo.view.tuning_controls import Controls
 from spigolo.view.tuning_lists import Lists
-from spigolo.view.tuning_session import Answer, Pixel, Session, inner_pixel
+from spigolo.view.tuning_session import Answer, Pixel, Session
 from spigolo.view.tuning_worker import Latest
 
 if TYPE_CHECKING:
@@ -31,6 +31,10 @@ KEEP, DROP, MERGE, UNDO = "keep", "drop", "merge", "undo"
 RESET, SAVE = "reset to preset", "save preset"
 BACK, ON = "◀ previous", "next ▶"
 WIDTH_PX = 360
+PHONE = """<style>@media (max-width: 600px) {
+.mantine-Paper-root[style*="position: fixed"][style*="bottom: 0px"], .mantine-Paper-root div[style*="width: 20em"]
+{ width: 100% !important; } }</style>"""
+"""On a phone the controls take the whole width."""
 BRAND = (46, 134, 222)
 
 
@@ -122,10 +126,13 @@ class TuningPage:
 
     def _build(self) -> None:
         gui = self.server.gui
-        gui.configure_theme(control_width="large", dark_mode=True, show_logo=False, show_share_button=False, brand_color=BRAND)
+        gui.configure_theme(
+            control_width="large", dark_mode=True, show_logo=False, show_share_button=False, brand_color=BRAND
+        )
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH_PX)
         self.server.scene.set_up_direction("-y")
+        gui.add_html(PHONE)
         self._status = gui.add_markdown("segmenting ...")
         self._build_view(gui)
         self._chosen = gui.add_markdown(text.HINT)
@@ -144,7 +151,7 @@ class TuningPage:
         stages = gui.add_dropdown("show", scene.STAGES, hint="Picture of a stage.")
         stages.on_update(lambda event: self._show(event.target.value))
         views = gui.add_button_group("look at", VIEWS)
-        views.on_click(lambda event: event.client and self._look(event.client, event.target.value))
+        views.on_click(self._turn)
         several = self.session.reel.count != 1
         steps = gui.add_button_group("frame", (BACK, ON), visible=several)
         steps.on_click(lambda event: self._move(1 if event.target.value == ON else -1))
@@ -158,10 +165,14 @@ class TuningPage:
         name = gui.add_text("file", "mine.toml", hint=f"Name of the file to save to, in {self._folder.resolve()}.")
         actions = gui.add_button_group("values", (RESET, SAVE))
         actions.on_click(
-            lambda event: self._save(name.value, event.client)
-            if event.target.value == SAVE
-            else self._load(self._preset.value)
+            lambda event: (
+                self._save(name.value, event.client) if event.target.value == SAVE else self._load(self._preset.value)
+            )
         )
+
+    def _turn(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None:
+            self._look(event.client, event.target.value)
 
     def _set(self, key: str, value: Any) -> None:
         if self.session.set(key, value):
@@ -231,7 +242,7 @@ class TuningPage:
             self._lists.show(answer.result, chosen)
             self.drawn += 1
 
-    def _draw_board(self, picture: scene.Color, frame: Frame) -> None:
+    def _draw_board(self, picture: Color, frame: Frame) -> None:
         if frame is not self._frame:
             before, self._frame = self._stand, frame
             self._stand = scene.stand_of(frame)

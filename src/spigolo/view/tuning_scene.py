@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
@@ -47,19 +48,17 @@ def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Co
 def _stage(answer: Answer, stage: str) -> Color:
     run, result = answer.run, answer.result
     frame = run.frame
-    if stage == "objects":
-        return _objects(result)
-    if stage == "objects and boxes":
-        return draw_boxes(_objects(result), result, frame.camera)
-    if stage == "rejected regions":
-        return _rejected(result)
-    if stage == "boundary map":
-        return boundary_picture(run)
-    if stage == "weights":
-        return weight_picture(run.graph.weights)
-    if stage == "regions":
-        return region_picture(result.regions.labels)
-    return depth_picture(frame.depth) if stage == "depth" else frame.color
+    drawn: dict[str, Callable[[], Color]] = {
+        "objects": lambda: _objects(result),
+        "objects and boxes": lambda: draw_boxes(_objects(result), result, frame.camera),
+        "rejected regions": lambda: _rejected(result),
+        "boundary map": lambda: boundary_picture(run),
+        "weights": lambda: weight_picture(run.graph.weights),
+        "regions": lambda: region_picture(result.regions.labels),
+        "depth": lambda: depth_picture(frame.depth),
+        "colour": lambda: frame.color,
+    }
+    return drawn[stage]()
 
 
 def _objects(result: Segmentation) -> Color:
@@ -141,7 +140,7 @@ class Stand:
             target, away = self.board, distance(width, height, aspect)
         if aspect <= PORTRAIT:
             seen = 2 * away * np.tan(FOV / 2)
-            target = target + [0, 0.47 * seen - height / 2, 0]
+            target = target + np.array([0, 0.47 * seen - height / 2, 0])
         return target + lift - [0, 0, away], target
 
 

@@ -21,6 +21,7 @@ from spigolo.cli.inputs import DEMO_SCENE, Out
 from spigolo.cli.render import render
 from spigolo.cli.ros import ros
 from spigolo.cli.segment import doctor, segment, trace
+from spigolo.cli.tune import tune
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Color
@@ -44,6 +45,7 @@ app.command(doctor, group=USING, sort_key=3)
 app.command(export, group=USING, sort_key=3)
 app.command(view, group=USING, sort_key=3)
 app.command(ros, group=USING, sort_key=7)
+app.command(tune, group=USING, sort_key=3)
 app.command(evaluate, group=MEASURING, sort_key=1)
 app.command(report, group=MEASURING, sort_key=2)
 app.command(losses, group=MEASURING, sort_key=2)

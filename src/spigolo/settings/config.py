@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Mapping
+from typing import Any
 
 from pydantic import model_validator
 
@@ -54,11 +56,19 @@ class Config(Parameters):
         """Return a copy for images (H, W). Lengths grow where the additions say so (`Settings.at_size`)."""
         return super().at_size(shape, lengths or (self.additions is not None and self.additions.lengths_grow))
 
-    def to_toml(self) -> str:
-        """Return the values as TOML, which `from_toml` reads."""
+    def to_toml(self, base: str | None = None) -> str:
+        """Return the values as TOML, which `from_toml` reads.
+
+        base: a preset's name. The text then has a line `base` and only the values that differ from that preset.
+        """
         import tomli_w
 
-        return tomli_w.dumps(self.model_dump(exclude_none=True))
+        if base is None:
+            return tomli_w.dumps(self.model_dump(exclude_none=True))
+        start = base_preset(base)
+        differing = _changes(start.model_dump(exclude={"name"}), self.model_dump(exclude={"name"}))
+        named = {} if self.name in (start.name, base) else {"name": self.name}
+        return tomli_w.dumps({"base": base.upper(), **named, **differing})
 
     @classmethod
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
@@ -71,6 +81,22 @@ class Config(Parameters):
         named = values.pop("base", None)
         start = base if named is None else base_preset(named)
         return cls(**values) if start is None else start.replace(**values)
+
+
+def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of `new` that differ from those of `old`, nested. The word "none" stands for None."""
+    changes: dict[str, Any] = {}
+    for key, value in new.items():
+        before = old.get(key)
+        if value == before:
+            continue
+        if isinstance(value, Mapping) and isinstance(before, Mapping) and value.get("kind") == before.get("kind"):
+            changes[key] = _changes(before, value)
+        elif isinstance(value, Mapping):
+            changes[key] = _changes({}, value)
+        else:
+            changes[key] = "none" if value is None else value
+    return changes
 
 
 BASES: dict[str, Config] = {}

@@ -1,0 +1,294 @@
+"""The tuning page: every parameter as a control, and the answer beside it, in a browser on this machine."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import threading
+import webbrowser
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from spigolo.errors import SpigoloError
+from spigolo.frames.frame import Color, Frame
+from spigolo.settings.config import Config
+from spigolo.settings.presets import OBJECTS
+from spigolo.view import tuning_scene as scene
+from spigolo.view import tuning_text as text
+from spigolo.view.tuning_controls import Controls
+from spigolo.view.tuning_lists import Lists
+from spigolo.view.tuning_session import Answer, Pixel, Session
+from spigolo.view.tuning_worker import Latest
+
+if TYPE_CHECKING:
+    import viser
+
+VIEWS = ("picture", "both", "cloud")
+KEEP, DROP, MERGE, UNDO = "keep", "drop", "merge", "undo"
+RESET, SAVE = "reset to preset", "save preset"
+BACK, ON = "◀ previous", "next ▶"
+WIDTH_PX = 360
+PHONE = """<style>@media (max-width: 600px) {
+.mantine-Paper-root[style*="position: fixed"][style*="bottom: 0px"], .mantine-Paper-root div[style*="width: 20em"]
+{ width: 100% !important; } }</style>"""
+"""On a phone the controls take the whole width."""
+BRAND = (46, 134, 222)
+
+
+def tune(
+    frames: Frame | Iterable[Frame],
+    config: Config = OBJECTS,
+    port: int = 8080,
+    host: str = "127.0.0.1",
+    *,
+    open_browser: bool = True,
+    folder: Path | str = ".",
+    block: bool = True,
+) -> TuningPage:
+    """Show a page on which parameters are tuned by looking at frames.
+
+    frames: a frame, a list of frames, or a stream such as a camera. config: the configuration to start from. host:
+    the address to listen on, this machine alone by default. folder: where presets are saved. block: return only when
+    the page is closed or Ctrl-C is pressed. Needs `pip install "spigolo[tune]"`. Raises SpigoloError without it.
+    """
+    page = TuningPage(Session(frames, config), port, host, Path(folder))
+    if open_browser:
+        webbrowser.open(page.url)
+    if block:
+        page.wait()
+    return page
+
+
+class TuningPage:
+    """A page in the browser. Close it with `close`, or use it in a `with` block."""
+
+    def __init__(self, session: Session, port: int = 8080, host: str = "127.0.0.1", folder: Path = Path()) -> None:
+        self.session = session
+        self.server = _server(host, port)
+        self.url = f"http://{host}:{self.server.get_port()}"
+        """Address of the page."""
+        self.drawn = 0
+        """Number of pictures drawn so far."""
+        self._folder, self._saved = folder, set[Path]()
+        self._stage, self._merging = scene.STAGES[0], False
+        self._stand: scene.Stand | None = None
+        self._frame: Frame | None = None
+        self._drawing = threading.RLock()
+        self._closed = threading.Event()
+        self._build()
+        self.worker = Latest(self._run)
+        self.server.scene.on_click()(self._clicked)
+        self.server.on_client_connect(lambda client: self._look(client, "both"))
+        self.worker.ask()
+
+    def __enter__(self) -> TuningPage:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def wait(self) -> None:
+        """Return when the page is closed or Ctrl-C is pressed."""
+        try:
+            self._closed.wait()
+        except KeyboardInterrupt:
+            self.close()
+
+    def close(self) -> None:
+        """Stop the server and the worker."""
+        self._playing.value = False
+        self.worker.close()
+        self.server.stop()
+        self._closed.set()
+
+    def select(self, pixel: Pixel | None) -> None:
+        """Highlight the object or rejected region at a pixel (y, x), or merge it with the one chosen before."""
+        if self._merging and pixel is not None and self.session.selected is not None:
+            self.session.correct("merge", self.session.selected, pixel)
+        self._merging = False
+        self.session.selected = pixel
+        self._draw()
+
+    def act(self, action: str) -> None:
+        """Keep, drop or merge what is selected, or undo the last correction."""
+        pixel = self.session.selected
+        self._merging = action == MERGE and pixel is not None
+        if action == UNDO:
+            self.session.undo()
+        elif action == KEEP and pixel is not None:
+            self.session.correct("keep", pixel)
+        elif action == DROP and pixel is not None:
+            self.session.correct("drop", pixel)
+        self._draw()
+
+    def _build(self) -> None:
+        gui = self.server.gui
+        gui.configure_theme(
+            control_width="large", dark_mode=True, show_logo=False, show_share_button=False, brand_color=BRAND
+        )
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(WIDTH_PX)
+        self.server.scene.set_up_direction("-y")
+        gui.add_html(PHONE)
+        self._status = gui.add_markdown("segmenting ...")
+        self._build_view(gui)
+        self._chosen = gui.add_markdown(text.HINT)
+        actions = gui.add_button_group("selected", (KEEP, DROP, MERGE, UNDO))
+        actions.on_click(lambda event: self.act(event.target.value))
+        tabs = gui.add_tab_group()
+        with tabs.add_tab("Tune"):
+            self._build_presets(gui)
+            self._controls = Controls(gui, self.session.values, self._set)
+        with tabs.add_tab("Objects"):
+            self._lists = Lists(gui, self.select)
+        with tabs.add_tab("Time"):
+            self._times = gui.add_markdown("")
+
+    def _build_view(self, gui: viser.GuiApi) -> None:
+        stages = gui.add_dropdown("show", scene.STAGES, hint="Picture of a stage.")
+        stages.on_update(lambda event: self._show(event.target.value))
+        views = gui.add_button_group("look at", VIEWS)
+        views.on_click(self._turn)
+        several = self.session.reel.count != 1
+        steps = gui.add_button_group("frame", (BACK, ON), visible=several)
+        steps.on_click(lambda event: self._move(1 if event.target.value == ON else -1))
+        self._playing = gui.add_checkbox("play", False, hint="Go on to the next frame by itself.", visible=several)
+        self._playing.on_update(lambda _: self.worker.ask())
+
+    def _build_presets(self, gui: viser.GuiApi) -> None:
+        names = tuple(self.session.presets)
+        self._preset = gui.add_dropdown("preset", names, initial_value=self.session.preset)
+        self._preset.on_update(lambda event: self._load(event.target.value))
+        name = gui.add_text("file", "mine.toml", hint=f"Name of the file to save to, in {self._folder.resolve()}.")
+        actions = gui.add_button_group("values", (RESET, SAVE))
+        actions.on_click(
+            lambda event: (
+                self._save(name.value, event.client) if event.target.value == SAVE else self._load(self._preset.value)
+            )
+        )
+
+    def _turn(self, event: viser.GuiEvent[Any]) -> None:
+        if event.client is not None:
+            self._look(event.client, event.target.value)
+
+    def _set(self, key: str, value: Any) -> None:
+        if self.session.set(key, value):
+            self.worker.ask()
+
+    def _load(self, name: str) -> None:
+        self.session.load(name)
+        with self.server.atomic():
+            self._controls.refresh()
+        self.worker.ask()
+
+    def _show(self, stage: str) -> None:
+        self._stage = stage
+        self._draw()
+
+    def _move(self, step: int) -> None:
+        try:
+            if self.session.move(step):
+                self.worker.ask()
+        except SpigoloError as error:
+            self._status.content = text.trouble(error)
+
+    def _save(self, name: str, client: viser.ClientHandle | None) -> None:
+        try:
+            self._write(name)
+            said = f"{name} saved. Use it with --preset {name}"
+        except (SpigoloError, OSError) as error:
+            said = str(error)
+        if client is not None:
+            client.add_notification("spigolo", said, auto_close_seconds=8.0)
+
+    def _write(self, name: str) -> None:
+        path = self._folder / Path(name).name
+        if path.exists() and path not in self._saved:
+            raise SpigoloError(f"{path.name} exists already: choose another name")
+        self.session.save(path)
+        self._saved.add(path)
+
+    def _run(self) -> bool:
+        """Segment and draw, on the worker's thread. Return whether the next frame follows at once."""
+        try:
+            if self._playing.value and self.session.answer is not None and not self.session.move(1):
+                self._playing.value = False
+            first = self.session.answer is None
+            self.session.run()
+            self._draw()
+            if first:  # it loaded the kernels: measured again
+                return True
+        except SpigoloError as error:
+            self._status.content = text.trouble(error)
+        except Exception as error:  # the page goes on
+            self._status.content = text.trouble(error)
+        return bool(self._playing.value)
+
+    def _draw(self) -> None:
+        """Draw the answer, and what is selected in it."""
+        with self._drawing:
+            answer = self.session.answer
+            if answer is None:
+                return
+            chosen = self.session.at(self.session.selected)
+            self._draw_board(scene.picture(answer, self._stage, chosen), answer.run.frame)
+            self._draw_cloud(answer, chosen)
+            self._status.content = text.status(answer, self.session)
+            self._chosen.content = text.selection(chosen, self._merging)
+            self._times.content = text.times(answer)
+            self._lists.show(answer.result, chosen)
+            self.drawn += 1
+
+    def _draw_board(self, picture: Color, frame: Frame) -> None:
+        if frame is not self._frame:
+            before, self._frame = self._stand, frame
+            self._stand = scene.stand_of(frame)
+            self._board = self.server.scene.add_image(
+                "/picture", picture, *self._stand.size, format="jpeg", jpeg_quality=88, position=self._stand.board
+            )
+            if before is None:
+                for client in self.server.get_clients().values():
+                    self._look(client, "both")
+            return
+        self._board.image = picture
+
+    def _draw_cloud(self, answer: Answer, chosen: Any) -> None:
+        assert self._stand is not None
+        add = self.server.scene
+        if not len(self._stand.points):
+            return
+        colors = scene.cloud_colors(answer, self._stand, chosen)
+        size = float(self._stand.size[0]) / 260
+        add.add_point_cloud("/cloud", self._stand.points, colors, point_size=size, point_shape="rounded")
+        ends, tints = scene.box_lines(answer.result)
+        if len(ends):
+            add.add_line_segments("/boxes", ends, tints, thickness=2.5, thickness_units="screen")
+        else:
+            add.remove_by_name("/boxes")
+
+    def _look(self, client: viser.ClientHandle, view: str) -> None:
+        if self._stand is None:
+            return
+        position, target = self._stand.look(view, client.camera.aspect)
+        with client.atomic():
+            client.camera.fov = scene.FOV
+            client.camera.up_direction = (0.0, -1.0, 0.0)
+            client.camera.position = position
+            client.camera.look_at = target
+
+    def _clicked(self, event: viser.SceneClickEvent) -> None:
+        if self._stand is not None:
+            origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)
+            self.select(self._stand.pixel_at(origin, direction))
+
+
+def _server(host: str, port: int) -> viser.ViserServer:
+    try:
+        import viser
+    except ImportError:
+        raise SpigoloError('the tuning page needs viser: pip install "spigolo[tune]"') from None
+    with contextlib.redirect_stdout(io.StringIO()):  # its banner
+        return viser.ViserServer(host=host, port=port, label="spigolo", verbose=False)

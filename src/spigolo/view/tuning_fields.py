@@ -1,0 +1,289 @@
+"""The parameters of a configuration as controls: one for each field, with range, step, unit and help from the field."""
+
+from __future__ import annotations
+
+import math
+import re
+import types
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from spigolo.settings.config import Config
+from spigolo.settings.parameters import Grows
+from spigolo.settings.presets import OBJECTS, PRESETS
+
+UNITS = {"m": "m", "px": "px", "px2": "px²", "deg": "°", "per_m": "1/m", "px_m": "px/m"}
+SHORT = {"min": "min.", "max": "max."}
+LIMITS = ("ge", "gt", "le", "lt")
+STEPS = 200
+"""Number of steps of a slider whose field has no upper limit."""
+
+MAIN = {
+    "additions.support.min_height_m": "height above plane (m)",
+    "additions.contours.step_m": "depth step (m)",
+    "additions.rules.min_contour": "min. contour",
+    "additions.merging.max_mean": "merge up to",
+    "partition.gamma": "region size (gamma)",
+    "partition.min_size_px2": "min. region (px²)",
+    "additions.rules.max_length_m": "max. length (m)",
+    "additions.rules.max_width_m": "max. width (m)",
+    "rejection.max_distance_m": "reach (m)",
+}
+"""The fields that matter first, in the order of the page, with their names there."""
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """The range of a slider."""
+
+    low: float
+    """Smallest value."""
+    high: float
+    """Largest value."""
+    step: float
+    """Distance of two values."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """One number, switch, choice or list."""
+
+    path: str
+    """Dotted name of the field, as in `Config.replace`."""
+    key: str
+    """Unique name. It differs from the path in the variants of a stage."""
+    label: str
+    """Name and unit, for the page."""
+    help: str
+    """Meaning of the field."""
+    kind: Literal["number", "integer", "switch", "choice", "list"]
+    """Type of the control."""
+    optional: bool
+    """True if the field may be None: the rule can be switched off."""
+    limits: tuple[float | None, float | None]
+    """Range of the field, ends included. None without a limit."""
+    choices: tuple[str | int, ...]
+    """The values of a choice."""
+    above: bool
+    """True if the lower limit itself is not allowed."""
+    odd: bool
+    """True if only odd numbers are allowed."""
+    default: Any
+    """Value of the field where nothing else is known, of one of several models always."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """One model with its fields."""
+
+    path: str
+    """Dotted name of the field, "" for the configuration."""
+    key: str
+    """Unique name."""
+    label: str
+    """Name for the page."""
+    help: str
+    """Meaning of the stage."""
+    optional: bool
+    """True if the stage may be None: the addition can be switched off."""
+    model: type[BaseModel]
+    """The class of its values."""
+    parts: tuple[Leaf | Stage | Variants, ...]
+    """Its fields."""
+
+
+@dataclass(frozen=True, slots=True)
+class Variants:
+    """A stage that has one of several models, such as the cost function."""
+
+    path: str
+    """Dotted name of the field."""
+    key: str
+    """Unique name."""
+    label: str
+    """Name for the page."""
+    help: str
+    """Meaning of the stage."""
+    stages: dict[str, Stage]
+    """The models by the value of their field `kind`."""
+
+
+Part = Leaf | Stage | Variants
+
+
+def controls_of(model: type[BaseModel] = Config) -> Stage:
+    """Return the controls of a model's fields."""
+    return Stage("", "", "", "", False, model, tuple(_parts(model, "", "")))
+
+
+def leaves(part: Part) -> Iterator[Leaf]:
+    """Yield all leaves of a part."""
+    if isinstance(part, Leaf):
+        yield part
+        return
+    for inner in part.stages.values() if isinstance(part, Variants) else part.parts:
+        yield from leaves(inner)
+
+
+def walk(part: Part) -> Iterator[Part]:
+    """Yield a part and all below it."""
+    yield part
+    if not isinstance(part, Leaf):
+        for inner in part.stages.values() if isinstance(part, Variants) else part.parts:
+            yield from walk(inner)
+
+
+def value_at(values: Any, path: str) -> Any:
+    """Return the value at a dotted path of nested mappings or models. None below a stage that is off."""
+    for name in path.split(".") if path else ():
+        values = values.get(name) if isinstance(values, Mapping) else getattr(values, name, None)
+    return values
+
+
+def range_of(leaf: Leaf, value: float) -> Range:
+    """Return a slider's range: the limits of the field, or four times the value or the largest preset's near it."""
+    low, high = leaf.limits
+    near = [abs(value), *(v for v in _presets(leaf.path) if v <= 10 * abs(value) or value == 0)]
+    top = _round_up(4 * max([*near, 1e-3]))
+    if high is not None:
+        top = min(top, high) if leaf.kind == "integer" or high > 180 else high
+    bottom = low if low is not None else min(-top if value < 0 else 0.0, value)
+    if leaf.kind == "integer":
+        return Range(bottom + leaf.odd * (1 - bottom % 2), max(math.ceil(top), bottom + 2), 1 + leaf.odd)
+    step = _round_down((top - bottom) / STEPS)
+    step = min(step, _finest(value, step))
+    return Range(bottom + step if leaf.above else bottom, top, step)
+
+
+def first_value(leaf: Leaf) -> Any:
+    """Return the value of a leaf that no preset in use has: that of OBJECTS, of another preset or of the model."""
+    if leaf.key == leaf.path:
+        for config in (OBJECTS, *PRESETS.values()):
+            value = value_at(config, leaf.path)
+            if value is not None:
+                return value
+    if leaf.default is not None:
+        return leaf.default
+    printed = re.search(r"\((?:authors' release|paper): ([0-9.]+)", leaf.help)
+    if printed:
+        return float(printed[1])
+    return {"number": 0.5, "integer": 1, "switch": False, "list": (0.0, -1.0, 0.0)}[leaf.kind]
+
+
+def _parts(model: type[BaseModel], path: str, key: str) -> Iterator[Part]:
+    for name, field in model.model_fields.items():
+        if name in ("name", "kind"):
+            continue
+        where, unique = f"{path}{name}", f"{key}{name}"
+        models = _models(field.annotation)
+        text = " ".join((field.description or "").split())
+        if len(models) > 1:
+            stages = {str(m.model_fields["kind"].default): _stage(m, where, f"{unique}[{m.__name__}]") for m in models}
+            yield Variants(where, unique, _words(name), text, stages)
+        elif models:
+            optional = type(None) in get_args(field.annotation)
+            yield Stage(
+                where,
+                unique,
+                _words(name),
+                text,
+                optional,
+                models[0],
+                tuple(_parts(models[0], f"{where}.", f"{unique}.")),
+            )
+        else:
+            yield _leaf(field, where, unique, text)
+
+
+def _stage(model: type[BaseModel], path: str, key: str) -> Stage:
+    kind = str(model.model_fields["kind"].default)
+    text = " ".join((model.__doc__ or "").split())
+    return Stage(path, key, kind, text, False, model, tuple(_parts(model, f"{path}.", f"{key}.")))
+
+
+def _leaf(field: FieldInfo, path: str, key: str, text: str) -> Leaf:
+    name = path.rpartition(".")[2]
+    bare, optional, marks = _bare(field.annotation, list(field.metadata))
+    limits = _limits(marks)
+    origin = get_origin(bare)
+    choices = get_args(bare) if origin is Literal else ()
+    kind: Literal["number", "integer", "switch", "choice", "list"]
+    if choices:
+        kind = "choice"
+    elif origin is tuple:
+        kind = "list"
+    else:
+        kind = "switch" if bare is bool else "integer" if bare is int else "number"
+    grows = next((mark for mark in marks if isinstance(mark, Grows)), None)
+    default = None if field.is_required() else field.default
+    odd = grows is not None and grows.odd
+    return Leaf(path, key, _label(name), text, kind, optional, limits[:2], choices, limits[2], odd, default)
+
+
+def _bare(annotation: Any, marks: list[Any]) -> tuple[Any, bool, list[Any]]:
+    """Return an annotation without None and marks, whether None was in it, and the marks."""
+    optional = False
+    while get_origin(annotation) in (Annotated, Union, types.UnionType):
+        if get_origin(annotation) is Annotated:
+            annotation, *more = get_args(annotation)
+            marks = [*marks, *more]
+        else:
+            optional = type(None) in get_args(annotation)
+            annotation = next(part for part in get_args(annotation) if part is not type(None))
+    return annotation, optional, marks
+
+
+def _limits(marks: list[Any]) -> tuple[float | None, float | None, bool]:
+    """Return the lower and the upper limit, and whether the lower one itself is not allowed."""
+    found = [inner for mark in marks for inner in (mark, *getattr(mark, "metadata", ()))]
+    value = {name: next((v for m in found if (v := getattr(m, name, None)) is not None), None) for name in LIMITS}
+    low = value["gt"] if value["ge"] is None else value["ge"]
+    return low, value["le"] if value["lt"] is None else value["lt"], value["gt"] is not None
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type):
+        return [annotation] if issubclass(annotation, BaseModel) else []
+    return [model for part in get_args(annotation) for model in _models(part)]
+
+
+def _words(name: str) -> str:
+    words = [SHORT.get(word, word) for word in name.split("_")]
+    return " ".join(words)
+
+
+def _label(name: str) -> str:
+    for suffix in sorted(UNITS, key=len, reverse=True):
+        if name.endswith(f"_{suffix}"):
+            return f"{_words(name.removesuffix(f'_{suffix}'))} ({UNITS[suffix]})"
+    return _words(name)
+
+
+def _presets(path: str) -> list[float]:
+    values = (value_at(config, path) for config in PRESETS.values())
+    return [float(v) for v in values if isinstance(v, int | float)]
+
+
+def _round_up(value: float) -> float:
+    """Return the next of 1, 2, 5, 10, ... times a power of ten."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(float(f"{m * power:.6g}") for m in (1, 2, 5, 10) if m * power >= value * (1 - 1e-9))
+
+
+def _round_down(value: float) -> float:
+    """Return the last of 1, 2, 5, 10, ... times a power of ten that is not above a value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next(float(f"{m * power:.6g}") for m in (5, 2, 1) if m * power <= value * (1 + 1e-9))
+
+
+def _finest(value: float, step: float) -> float:
+    """Return a step on which a value lies, at most a hundred times finer than the given one."""
+    for divisor in (1, 2, 5, 10, 20, 50, 100):
+        count = value / step * divisor
+        if abs(count - round(count)) < 1e-6:
+            return float(f"{step / divisor:.6g}")
+    return step / 100

@@ -1,0 +1,200 @@
+"""The pictures of the tuning page, and its scene: a picture on a board and the cloud below, in metres."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.frames.frame import Color, Frame, Mask
+from spigolo.objects.drawing import draw_objects, palette
+from spigolo.objects.facts import RegionFacts
+from spigolo.objects.segmentation import ObjectMask, Segmentation
+from spigolo.view.figure1 import weight_picture
+from spigolo.view.overlay import BOX_EDGES, boundary_picture, depth_picture, draw_boxes, region_picture
+from spigolo.view.tuning_session import Answer, Pixel
+
+Vectors = npt.NDArray[np.float64]
+
+STAGES = ("objects", "objects and boxes", "rejected regions", "boundary map", "weights", "regions", "depth", "colour")
+"""The pictures that can be shown."""
+CHOSEN, REFUSED = (255, 214, 10), (235, 64, 52)
+"""Colours of what is selected, and of a rejected region."""
+FAR = 1.6
+"""Distance, as a multiple of the median, from which points are left out of the cloud: a wall far behind."""
+MOST_POINTS = 80_000
+"""Points of the cloud that are sent to the browser."""
+GAP = 0.08
+"""Distance between picture and cloud, as a share of the picture's height."""
+PORTRAIT = 0.9
+"""Width over height of a window up to which it is a phone's."""
+FOV = 0.7
+"""Vertical field of view of the page's camera, rad."""
+CLICK = 0.012
+"""Distance of a point of the cloud from a click, as a share of its distance, up to which the point is meant."""
+
+
+def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
+    """Return the picture of a stage (one of STAGES), with the chosen region outlined."""
+    drawn = _stage(answer, stage).copy()
+    if chosen is not None:
+        _outline(drawn, chosen, CHOSEN)
+    return drawn
+
+
+def _stage(answer: Answer, stage: str) -> Color:
+    run, result = answer.run, answer.result
+    frame = run.frame
+    drawn: dict[str, Callable[[], Color]] = {
+        "objects": lambda: _objects(result),
+        "objects and boxes": lambda: draw_boxes(_objects(result), result, frame.camera),
+        "rejected regions": lambda: _rejected(result),
+        "boundary map": lambda: boundary_picture(run),
+        "weights": lambda: weight_picture(run.graph.weights),
+        "regions": lambda: region_picture(result.regions.labels),
+        "depth": lambda: depth_picture(frame.depth),
+        "colour": lambda: frame.color,
+    }
+    return drawn[stage]()
+
+
+def _objects(result: Segmentation) -> Color:
+    """Draw the overlay of a result with a background that is dimmed less."""
+    drawn, behind = result.overlay(), result.labels == 0
+    near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # outlines and numbers lie there
+    plain = (0.7 * result.frame.color).astype(np.uint8)
+    return np.where((behind & ~near)[..., None], plain, drawn)
+
+
+def _rejected(result: Segmentation) -> Color:
+    """Draw each rejected region in its own colour, the objects left as they are."""
+    drawn = draw_objects(result.frame.color, {k: r.mask for k, r in enumerate(result.rejected, start=1)})
+    on = result.labels > 0
+    drawn[on] = result.frame.color[on]
+    return drawn
+
+
+def _outline(drawn: Color, region: RegionFacts, color: tuple[int, int, int]) -> None:
+    """Draw the outline of a region, in place, and a rejected region's pixels red."""
+    mask, width = region.mask, max(2, round(drawn.shape[0] / 160))
+    if not isinstance(region, ObjectMask):
+        drawn[mask] = (0.55 * drawn[mask] + 0.45 * np.array(REFUSED)).astype(np.uint8)
+    outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    cv2.drawContours(drawn, outlines, -1, (20, 20, 20), width + 2, cv2.LINE_AA)
+    cv2.drawContours(drawn, outlines, -1, color, width, cv2.LINE_AA)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stand:
+    """The places of a frame's picture and cloud. Axes are those of the camera: X right, Y down, Z forward."""
+
+    size: tuple[float, float]
+    """Width and height of the picture, m."""
+    board: Vectors
+    """Centre (3,) of the picture."""
+    middle: Vectors
+    """Centre (3,) of the cloud."""
+    points: npt.NDArray[np.float32]
+    """Points (N, 3) of the cloud, some of all pixels."""
+    rows: npt.NDArray[np.intp]
+    """Row of each point's pixel."""
+    columns: npt.NDArray[np.intp]
+    """Column of each point's pixel."""
+    shape: tuple[int, int]
+    """Size (H, W) of the image."""
+
+    def pixel_at(self, origin: Vectors, direction: Vectors) -> Pixel | None:
+        """Return the pixel that a ray hits: on the picture, or the nearest point of the cloud. None beside both."""
+        along = (self.board[2] - origin[2]) / direction[2] if direction[2] else -1.0
+        x, y = (origin + along * direction - self.board)[:2] / self.size + 0.5
+        if along > 0 and 0 <= x < 1 and 0 <= y < 1:
+            return int(y * self.shape[0]), int(x * self.shape[1])
+        return self._nearest(origin, direction)
+
+    def _nearest(self, origin: Vectors, direction: Vectors) -> Pixel | None:
+        away = self.points - origin
+        along = away @ (direction / np.linalg.norm(direction))
+        apart = np.sqrt(np.maximum((away**2).sum(axis=1) - along**2, 0))
+        hit = np.flatnonzero((along > 0) & (apart < CLICK * along))
+        if not hit.size:
+            return None
+        k = hit[np.argmin(along[hit])]
+        return int(self.rows[k]), int(self.columns[k])
+
+    def look(self, view: str, aspect: float) -> tuple[Vectors, Vectors]:
+        """Return position (3,) and target (3,) of the page's camera: "picture", "cloud" or "both".
+
+        On a phone (aspect below 0.9) the controls cover the lower half: the picture then stands above it.
+        """
+        (width, height), wanted = self.size, view if len(self.points) else "picture"
+        lift = np.zeros(3)
+        if wanted == "cloud":
+            target, away = self.middle, distance(width, height, aspect)
+            lift[:2] = 0.15 * width, -0.55 * height
+        elif wanted == "both" and aspect > PORTRAIT:
+            target, away = (self.board + self.middle) / 2, distance(width, (2 + GAP) * height, aspect)
+        else:
+            target, away = self.board, distance(width, height, aspect)
+        if aspect <= PORTRAIT:
+            seen = 2 * away * np.tan(FOV / 2)
+            target = target + np.array([0, 0.47 * seen - height / 2, 0])
+        return target + lift - [0, 0, away], target
+
+
+def distance(width: float, height: float, aspect: float) -> float:
+    """Return the distance from which a rectangle fills a window."""
+    return float(1.04 * max(height, width / aspect) / 2 / np.tan(FOV / 2))
+
+
+def stand_of(frame: Frame) -> Stand:
+    """Return the places of a frame's picture and cloud. Without intrinsics the cloud has no points."""
+    height, width = frame.shape
+    if frame.camera is None or not (frame.depth > 0).any():
+        middle, none = np.array([0, 0, 1.0]), np.zeros(0, np.intp)
+        return Stand((1.0, height / width), middle, middle, np.zeros((0, 3), np.float32), none, none, frame.shape)
+    chosen = _some(frame)
+    points = frame.camera.back_project(frame.depth, chosen).astype(np.float32)
+    rows, columns = np.nonzero(chosen)
+    camera, away = frame.camera, float(np.median(points[:, 2]))
+    size = away * width / camera.fx, away * height / camera.fy
+    middle = away * np.array([(width / 2 - camera.cx) / camera.fx, (height / 2 - camera.cy) / camera.fy, 1])
+    board = middle - [0, (1 + GAP) * size[1], 0]
+    return Stand(size, board, middle, points, rows, columns, frame.shape)
+
+
+def _some(frame: Frame) -> Mask:
+    """Return the pixels (H, W) that the cloud shows."""
+    stride = max(round(np.sqrt(frame.depth.size / MOST_POINTS)), 1)
+    chosen = np.zeros(frame.shape, bool)
+    chosen[::stride, ::stride] = True
+    measured = frame.depth > 0
+    return np.asarray(chosen & measured & (frame.depth < FAR * np.median(frame.depth[measured])))
+
+
+def cloud_colors(answer: Answer, stand: Stand, chosen: RegionFacts | None) -> npt.NDArray[np.uint8]:
+    """Return the colours (N, 3) of the cloud: objects in their own, what is chosen in its own, the rest dimmed."""
+    labels = answer.result.labels[stand.rows, stand.columns]
+    color = answer.run.frame.color[stand.rows, stand.columns].astype(np.float32)
+    tints = np.vstack([np.zeros((1, 3)), palette(len(answer.result))])
+    mixed = np.where((labels > 0)[:, None], 0.45 * color + 0.55 * tints[labels], 0.6 * color)
+    if chosen is not None:
+        on = answer.result.regions.labels[stand.rows, stand.columns] == chosen.region
+        mixed[on] = 0.3 * color[on] + 0.7 * np.array(CHOSEN if isinstance(chosen, ObjectMask) else REFUSED)
+    return mixed.astype(np.uint8)
+
+
+def box_lines(result: Segmentation) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
+    """Return the edges of all oriented boxes: ends (N, 2, 3) in metres and colours (N, 2, 3)."""
+    ends, colors = [], []
+    for o, tint in zip(result, palette(len(result)), strict=True):
+        box = o.oriented_box()
+        if box is not None:
+            corners = box.corners_m()
+            ends.append(corners[np.array(BOX_EDGES)])
+            colors.append(np.broadcast_to(tint, (len(BOX_EDGES), 2, 3)))
+    if not ends:
+        return np.zeros((0, 2, 3), np.float32), np.zeros((0, 2, 3), np.uint8)
+    return np.concatenate(ends).astype(np.float32), np.concatenate(colors).astype(np.uint8)

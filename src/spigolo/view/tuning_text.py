@@ -1,0 +1,68 @@
+"""The texts of the tuning page, as Markdown."""
+
+from __future__ import annotations
+
+from spigolo.objects.segmentation import ObjectMask, RejectedRegion
+from spigolo.view.tuning_session import Answer, Session
+
+HINT = "Click an object or any other region, in the picture or the cloud."
+MERGE_HINT = "Now click the other part."
+
+
+def status(answer: Answer, session: Session) -> str:
+    """Return the head line: counts, time, frame, changes, warnings."""
+    found = count(len(answer.result), "object")
+    frame = answer.run.frame
+    known = session.reel.count
+    place = f"frame {session.reel.position + 1}{'' if known is None else f' of {known}'}" if known != 1 else "frame"
+    named = f"{place} {frame.name}".strip()
+    lines = [f"### {found} · {answer.wall_s * 1000:.0f} ms", f"{named} · {len(answer.result.rejected)} rejected"]
+    if session.corrections:
+        lines.append(f"{count(len(session.corrections), 'correction')} by hand")
+    if answer.result.left_out:
+        lines.append(f"No intrinsics: without {', '.join(answer.result.left_out)}.")
+    return "  \n".join([*lines[:1], "\n" + "  \n".join([*lines[1:], *(f"⚠ {note}" for note in answer.notes)])])
+
+
+def trouble(error: Exception) -> str:
+    """Return the head line for values or frames that give no answer."""
+    return f"### ⚠ No answer\n\n{error}"
+
+
+def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
+    """Return what is selected."""
+    if region is None:
+        return HINT
+    title = f"**Object {region.label}**" if isinstance(region, ObjectMask) else f"**Rejected**: {region.why}"
+    return f"{title}  \n{MERGE_HINT if merging else facts(region)}"
+
+
+def line(region: ObjectMask | RejectedRegion) -> str:
+    """Return one short line of a list."""
+    if isinstance(region, RejectedRegion):
+        return f"{region.reason.value} · {region.area_px} px"
+    box = region.oriented_box()
+    size = "" if box is None else " · " + " × ".join(f"{100 * v:.0f}" for v in box.size_m) + " cm"
+    return f"{region.label} · score {region.score:.2f}{size}"
+
+
+def facts(region: ObjectMask | RejectedRegion) -> str:
+    """Return the facts of a region that the rules read."""
+    parts = [f"{region.area_px} px", f"contour {region.contour:.2f}", f"missing {region.missing:.0%}"]
+    if region.above is not None:
+        parts.append(f"above plane {region.above:.0%}")
+    if region.distance_m is not None:
+        parts.append(f"{region.distance_m:.2f} m away")
+    return " · ".join(parts)
+
+
+def times(answer: Answer) -> str:
+    """Return the time of each stage as a table."""
+    rows = [f"| {name} | {1000 * spent:.1f} |" for name, spent in answer.stages_s.items()]
+    head = f"**{answer.wall_s * 1000:.0f} ms** for this frame, the picture of the page not counted."
+    return "\n".join([head, "", "| stage | ms |", "|:--|--:|", *rows])
+
+
+def count(number: int, name: str) -> str:
+    """Return a number with its noun."""
+    return f"{number} {name}{'' if number == 1 else 's'}"

@@ -1,0 +1,103 @@
+"""The values of all controls: a preset, and what a user changed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from spigolo.errors import ConfigError
+from spigolo.settings.config import Config
+from spigolo.settings.presets import PRESETS
+from spigolo.view.tuning_fields import Leaf, Part, Stage, Variants, controls_of, first_value, value_at, walk
+
+SHOWN = ("OBJECTS", "SHELF", "TABLE", "CLUTTER")
+"""The presets to start from."""
+
+
+class Values:
+    """The value of each control by its key. A control keeps its value while its rule or stage is off."""
+
+    def __init__(self, config: Config) -> None:
+        self.tree = controls_of()
+        self.parts: dict[str, Part] = {part.key: part for part in walk(self.tree)}
+        self.of: dict[str, Any] = {}
+        """Value of each leaf, and the chosen model of each stage that has several."""
+        self.on: dict[str, bool] = {}
+        """False for each optional leaf and stage that is off."""
+        self.load(config)
+
+    def load(self, config: Config) -> None:
+        """Take the values of a configuration."""
+        self.name = config.name
+        for part in self.parts.values():
+            held = value_at(config, part.path)
+            if isinstance(part, Variants):
+                self.of[part.key] = held.kind
+            elif isinstance(part, Stage):
+                self.on[part.key] = held is not None
+            else:
+                here = held is not None and self._is_of(part, config)
+                self.of[part.key] = held if here else first_value(part)
+                self.on[part.key] = held is not None or not part.optional
+
+    def set(self, key: str, value: Any) -> bool:
+        """Set a control and return whether that changes it. None switches it off, True switches a stage on."""
+        if key not in self.parts:
+            raise ConfigError(f"unknown control {key!r}: expected one of {', '.join(self.parts)}")
+        before = self.of.get(key), self.on.get(key)
+        part = self.parts[key]
+        if isinstance(part, Stage):
+            self.on[key] = bool(value)
+        elif value is None:
+            self.on[key] = False
+        else:
+            self.of[key] = value
+            self.on[key] = True
+        if isinstance(part, Variants):  # its threshold goes with it
+            self.on["partition.gamma_shadows"] = value == "auto"
+        return before != (self.of.get(key), self.on.get(key))
+
+    def switch(self, key: str, on: bool) -> bool:
+        """Switch an optional leaf or stage on or off, and return whether that changes it."""
+        changed = self.on[key] != on
+        self.on[key] = on
+        return changed
+
+    def shown(self, key: str) -> Any:
+        """Return the value of a control. None for a rule that is off."""
+        return self.of[key] if self.on.get(key, True) else None
+
+    def active(self, key: str) -> bool:
+        """Return whether all stages around a control are on."""
+        names = key.split(".")[:-1]
+        around = [".".join(names[: k + 1]) for k in range(len(names))]
+        return all(self.on.get(stage, True) for stage in around)
+
+    def config(self) -> Config:
+        """Return the configuration. Raises ConfigError for values that do not go together."""
+        return Config(name=self.name, **self._nested(self.tree))
+
+    def _nested(self, stage: Stage) -> dict[str, Any]:
+        nested: dict[str, Any] = {}
+        for part in stage.parts:
+            name = part.path.rpartition(".")[2]
+            if isinstance(part, Leaf):
+                nested[name] = self.shown(part.key)
+            elif isinstance(part, Variants):
+                kind = self.of[part.key]
+                nested[name] = {"kind": kind, **self._nested(part.stages[kind])}
+            else:
+                nested[name] = self._nested(part) if self.on[part.key] else None
+        return nested
+
+    def _is_of(self, part: Leaf, config: Config) -> bool:
+        """Return whether a leaf belongs to the model that a configuration has there."""
+        if part.key == part.path:
+            return True
+        variants = next(p for p in self.parts.values() if isinstance(p, Variants) and part.key.startswith(f"{p.key}["))
+        kind = value_at(config, variants.path).kind
+        return part.key.startswith(f"{variants.stages[kind].key}.")
+
+
+def nearest_preset(config: Config) -> str:
+    """Return the name of the preset from which a configuration differs in the fewest lines."""
+    return min((PRESETS[name].name for name in SHOWN), key=lambda name: config.to_toml(name).count("\n"))

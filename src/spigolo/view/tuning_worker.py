@@ -1,0 +1,56 @@
+"""A worker that never lags: of several requests that wait, it does the last one."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+
+class Latest:
+    """Calls a function on a thread of its own whenever asked. Requests during a call become one more call.
+
+    work: the function. It returns True to be called again at once.
+    """
+
+    def __init__(self, work: Callable[[], bool]) -> None:
+        self._work = work
+        self._changed = threading.Condition()
+        self._wanted = False
+        self._busy = False
+        self._closed = False
+        self._thread = threading.Thread(target=self._loop, name="spigolo tuning", daemon=True)
+        self._thread.start()
+
+    def ask(self) -> None:
+        """Request a call. Return at once."""
+        with self._changed:
+            self._wanted = True
+            self._changed.notify_all()
+
+    def idle(self, timeout_s: float | None = None) -> bool:
+        """Wait until nothing is left to do, and return whether that is so."""
+        with self._changed:
+            return self._changed.wait_for(lambda: not (self._wanted or self._busy), timeout_s)
+
+    def close(self) -> None:
+        """End the thread after the call that runs."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify_all()
+        self._thread.join()
+
+    def _loop(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._wanted or self._closed)
+                if self._closed:
+                    return
+                self._wanted, self._busy = False, True
+            again = False
+            try:
+                again = self._work()
+            finally:
+                with self._changed:
+                    self._busy = False
+                    self._wanted = self._wanted or again
+                    self._changed.notify_all()

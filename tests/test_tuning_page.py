@@ -1,0 +1,178 @@
+"""The tuning page in a real browser: a slider changes the picture, a click keeps a rejected region.
+
+SPIGOLO_SCREENSHOTS=docs/images python -m pytest tests/test_tuning_page.py draws the picture of docs/tuning.md again.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import statistics
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import cv2
+import numpy as np
+import pytest
+
+import spigolo as sp
+from browser import chromium, in_browser, opened, until
+from spigolo.view.tuning import TuningPage
+from spigolo.view.tuning_session import Session
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+pytestmark = [
+    in_browser,
+    pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels"),
+]
+SCENE = Path(sp.__file__).parent / "demo_scene"
+TABLE, BALL = (440, 150), (325, 545)
+HEIGHT = "additions.support.min_height_m"
+WINDOW, PHONE = (1280, 800), (390, 844)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as started:
+        yield started
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Iterator[TuningPage]:
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    with TuningPage(Session([frame, frame]), port, folder=tmp_path) as started:
+        yield started
+
+
+def test_a_slider_changes_the_picture_and_a_click_keeps_a_region(
+    browser: Browser, page: TuningPage, tmp_path: Path
+) -> None:
+    seen = opened(browser, page.url, *WINDOW)
+    settle(page, seen)
+    found = len(answer(page))
+    before = canvas(seen)
+
+    slider = seen.get_by_role("slider").first  # that of the height above the plane
+    slider.focus()
+    for _ in range(3):
+        slider.press("ArrowRight")
+    until(lambda: page.session.values.of[HEIGHT] > 0.008)
+    slider.press("End")
+    until(lambda: page.session.values.of[HEIGHT] == 0.05)
+    settle(page, seen)
+    assert len(answer(page)) < found or len(answer(page).rejected) > 2
+    assert changed(before, canvas(seen)) > 0.001
+    seen.get_by_role("heading", name=f"{len(answer(page))} object").wait_for(timeout=20_000)
+
+    seen.get_by_role("button", name="reset to preset").click()
+    until(lambda: page.session.values.of[HEIGHT] == 0.008)
+    settle(page, seen)
+    assert len(answer(page)) == found
+
+    click(page, seen, TABLE)
+    until(lambda: page.session.selected is not None)
+    seen.get_by_text("Rejected: support").first.wait_for(timeout=20_000)
+    seen.get_by_role("button", name="keep").click()
+    until(lambda: len(answer(page)) == found + 1)
+    assert answer(page).labels[TABLE] > 0
+    seen.get_by_role("button", name="undo").click()
+    until(lambda: len(answer(page)) == found)
+
+    seen.get_by_role("button", name="save preset").click()
+    until((tmp_path / "mine.toml").is_file)
+    assert sp.preset(tmp_path / "mine.toml").digest == sp.OBJECTS.digest
+    seen.close()
+
+
+def test_it_looks_as_in_the_docs_and_fits_a_phone(browser: Browser, page: TuningPage, tmp_path: Path) -> None:
+    folder = Path(os.environ.get("SPIGOLO_SCREENSHOTS", tmp_path))
+    seen = opened(browser, page.url, *WINDOW)
+    settle(page, seen)
+    click(page, seen, BALL)
+    until(lambda: page.session.selected is not None)
+    settle(page, seen)
+    write(folder / "tuning.jpg", screenshot(seen))
+    seen.close()
+    seen = opened(browser, page.url, *PHONE)
+    settle(page, seen)
+    write(tmp_path / "phone.jpg", screenshot(seen))
+    box = seen.get_by_role("button", name="keep").bounding_box()
+    assert box is not None
+    assert 0 <= box["x"] < box["x"] + box["width"] <= PHONE[0]
+    seen.close()
+
+
+def test_a_new_picture_follows_a_slider_soon(browser: Browser, page: TuningPage) -> None:
+    seen = opened(browser, page.url, *WINDOW)
+    settle(page, seen)
+    times = [seen.evaluate(MOVED, k % 2 == 0) for k in range(12)]
+    print(f"slider to new picture in the page: median {statistics.median(times):.0f} ms, largest {max(times):.0f} ms")
+    assert statistics.median(times) < 5000
+    seen.close()
+
+
+MOVED = """async up => {
+    const head = () => document.querySelector("h3").innerText
+    const slider = document.querySelector("[role=slider]")
+    const before = head(), began = performance.now()
+    const changed = new Promise(done => {
+        const watch = new MutationObserver(() => { if (head() != before) { watch.disconnect(); done() } })
+        watch.observe(document.body, {subtree: true, childList: true, characterData: true})
+        setTimeout(done, 20000)
+    })
+    slider.dispatchEvent(new KeyboardEvent("keydown", {key: up ? "End" : "Home", bubbles: true}))
+    await changed
+    await new Promise(requestAnimationFrame)
+    return performance.now() - began
+}"""
+
+
+def answer(page: TuningPage) -> sp.Segmentation:
+    assert page.session.answer is not None
+    return page.session.answer.result
+
+
+def settle(page: TuningPage, seen: Page) -> None:
+    """Wait until the last answer is drawn."""
+    assert page.worker.idle(60)
+    seen.wait_for_timeout(2500)
+
+
+def click(page: TuningPage, seen: Page, pixel: tuple[int, int]) -> None:
+    """Click on a pixel (y, x) of the picture, where the page's camera sees it."""
+    stand = page._stand
+    assert stand is not None
+    client = list(page.server.get_clients().values())[-1]
+    height, width = stand.shape
+    share = np.array([(pixel[1] + 0.5) / width - 0.5, (pixel[0] + 0.5) / height - 0.5, 0])
+    away = stand.board + share * [*stand.size, 0] - client.camera.position
+    box = seen.locator("canvas").first.bounding_box()
+    assert box is not None
+    scale = box["height"] / 2 / np.tan(client.camera.fov / 2)
+    x, y = away[:2] / away[2] * scale
+    seen.mouse.click(box["x"] + box["width"] / 2 + x, box["y"] + box["height"] / 2 + y)
+
+
+def screenshot(seen: Page) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    return np.asarray(cv2.imdecode(np.frombuffer(seen.screenshot(), np.uint8), cv2.IMREAD_COLOR), np.uint8)
+
+
+def canvas(seen: Page) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    return screenshot(seen)[:, :900]
+
+
+def changed(a: np.ndarray[Any, Any], b: np.ndarray[Any, Any]) -> float:
+    """Return the share of pixels that differ clearly."""
+    return float((np.abs(a.astype(int) - b).max(axis=2) > 40).mean())
+
+
+def write(path: Path, picture: np.ndarray[Any, Any]) -> None:
+    cv2.imwrite(str(path), picture, [cv2.IMWRITE_JPEG_QUALITY, 88])
+    assert path.stat().st_size < 200_000
+    assert picture.std() > 20

@@ -443,6 +443,13 @@ def test_toml_brings_every_configuration_back(config: Config) -> None:
     assert read.to_toml() == config.to_toml()
 
 
+def test_what_is_switched_off_against_its_default_comes_back_switched_off() -> None:
+    off = {"refinement": {"min_solidity": None}, "rules": {"wall": {"max_cut_ratio": None}}}
+    config = sp.OBJECTS.replace(additions=off)
+    assert 'max_cut_ratio = "none"' in config.to_toml()
+    assert Config.from_toml(config.to_toml()) == config
+
+
 @given(models(Config), st.text(max_size=5))
 def test_digest_tells_values_but_not_names(config: Config, name: str) -> None:
     assert config.replace(name=name).digest == config.digest

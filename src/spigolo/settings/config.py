@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from typing import Any
 
 from pydantic import model_validator
 
@@ -19,7 +20,7 @@ from spigolo.settings.paper import (
     Rejection,
     SaliencyConfig,
 )
-from spigolo.settings.parameters import Parameters, parse_toml
+from spigolo.settings.parameters import Parameters, Settings, parse_toml
 
 
 class Config(Parameters):
@@ -58,7 +59,7 @@ class Config(Parameters):
         """Return the values as TOML, which `from_toml` reads."""
         import tomli_w
 
-        return tomli_w.dumps(self.model_dump(exclude_none=True))
+        return tomli_w.dumps(_written(self))
 
     @classmethod
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
@@ -71,6 +72,18 @@ class Config(Parameters):
         named = values.pop("base", None)
         start = base if named is None else base_preset(named)
         return cls(**values) if start is None else start.replace(**values)
+
+
+def _written(stage: Settings) -> dict[str, Any]:
+    """Return the values by name, without None where it is the default, else as the word "none": TOML has no null."""
+    values: dict[str, Any] = {}
+    for name, field in type(stage).model_fields.items():
+        value = getattr(stage, name)
+        if isinstance(value, Settings):
+            values[name] = _written(value)
+        elif value is not None or field.default is not None:
+            values[name] = "none" if value is None else value
+    return values
 
 
 BASES: dict[str, Config] = {}

@@ -33,6 +33,7 @@ from spigolo.settings import (
     SaliencyCost,
     Smoothing,
 )
+from spigolo.settings.presets import OBJECTS
 from spigolo.stages.color import color_points
 from spigolo.stages.cues import Cues
 from spigolo.stages.depth import find_gaps, inpaint_small_gaps, smooth
@@ -441,6 +442,13 @@ def test_toml_brings_every_configuration_back(config: Config) -> None:
     assert read == config
     assert read.digest == config.digest
     assert read.to_toml() == config.to_toml()
+
+
+def test_what_is_switched_off_against_its_default_comes_back_switched_off() -> None:
+    off = {"refinement": {"min_solidity": None}, "rules": {"wall": {"max_cut_ratio": None}}}
+    config = OBJECTS.replace(additions=off)
+    assert 'max_cut_ratio = "none"' in config.to_toml()
+    assert Config.from_toml(config.to_toml()) == config
 
 
 @given(models(Config), st.text(max_size=5))

@@ -21,7 +21,7 @@ from spigolo.settings.paper import (
     Rejection,
     SaliencyConfig,
 )
-from spigolo.settings.parameters import Parameters, parse_toml
+from spigolo.settings.parameters import Parameters, Settings, parse_toml
 
 
 class Config(Parameters):
@@ -64,7 +64,7 @@ class Config(Parameters):
         import tomli_w
 
         if base is None:
-            return tomli_w.dumps(self.model_dump(exclude_none=True))
+            return tomli_w.dumps(_written(self))
         start = base_preset(base)
         differing = _changes(start.model_dump(exclude={"name"}), self.model_dump(exclude={"name"}))
         named = {} if self.name in (start.name, base) else {"name": self.name}
@@ -97,6 +97,18 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
         else:
             changes[key] = "none" if value is None else value
     return changes
+
+
+def _written(stage: Settings) -> dict[str, Any]:
+    """Return the values by name, without None where it is the default, else as the word "none": TOML has no null."""
+    values: dict[str, Any] = {}
+    for name, field in type(stage).model_fields.items():
+        value = getattr(stage, name)
+        if isinstance(value, Settings):
+            values[name] = _written(value)
+        elif value is not None or field.default is not None:
+            values[name] = "none" if value is None else value
+    return values
 
 
 BASES: dict[str, Config] = {}

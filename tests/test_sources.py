@@ -134,9 +134,7 @@ def test_topics_are_guessed_or_named(tmp_path: Path, frame: sp.Frame) -> None:
     infra = sp.open_source(f"{path}?color=/camera/infra1/image_rect_raw&info={INFO}&tolerance_ms=1")
     (one, *_) = infra
     np.testing.assert_array_equal(one.color[..., 2], frame.color[..., 0])
-    with pytest.raises(
-        FileError, match=r"there is no color topic /rgb in ros2-mcap\. Topics: "
-    ):
+    with pytest.raises(FileError, match=r"there is no color topic /rgb in ros2-mcap\. Topics: "):
         sp.open_source(path, color="/rgb")
     with pytest.raises(FileError, match="unknown option colour"):
         sp.open_source(path, colour="/rgb")

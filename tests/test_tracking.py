@@ -18,9 +18,9 @@ def moved(step: int, hidden: tuple[int, ...] = (), drift: int = 0) -> sp.Frame:
     """Three boxes before a wall. The first moves right, the second left, the third stands; drift moves all."""
     color, depth = np.full((120, 160, 3), 150, np.uint8), np.full((120, 160), 1.0, np.float32)
     places = ((15, 10 + step), (50, 125 - step), (85, 60))
-    for k, ((y, x), tint) in enumerate(zip(places, TINTS, strict=True)):
+    for k, ((y, first), tint) in enumerate(zip(places, TINTS, strict=True)):
         if k not in hidden:
-            x += drift
+            x = first + drift
             color[y : y + 24, x : x + 24], depth[y : y + 24, x : x + 24] = tint, 0.8
     return sp.Frame(color, depth, CAMERA)
 

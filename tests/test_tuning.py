@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -23,6 +24,8 @@ from spigolo.view.tuning_worker import Latest
 SCENE = Path(sp.__file__).parent / "demo_scene"
 TABLE, BALL, MUG = (440, 150), (325, 545), (285, 420)
 HEIGHT = "additions.support.min_height_m"
+PAIRED = ("edges.canny_low", "edges.canny_high", "edges.contact_low_deg", "edges.contact_high_deg")
+"""Thresholds of which the low one may not be above the high one."""
 
 compiled = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels")
 
@@ -67,15 +70,13 @@ def test_a_saved_preset_holds_only_what_differs(name: str, base: str) -> None:
 def test_ends_of_a_range_are_allowed() -> None:
     values = Values(sp.OBJECTS)
     for leaf in leaves(values.tree):
-        if leaf.kind in ("number", "integer") and leaf.key == leaf.path and "lambda" not in leaf.key:
+        if leaf.kind in ("number", "integer") and leaf.key == leaf.path and values.on[leaf.key]:
             before = values.of[leaf.key]
             span = range_of(leaf, before)
             for end in (span.low, span.high):
                 values.set(leaf.key, int(end) if leaf.kind == "integer" else end)
-                try:
+                with contextlib.suppress(sp.SpigoloError) if leaf.key in PAIRED else contextlib.nullcontext():
                     values.config()
-                except sp.SpigoloError as error:
-                    assert "above its high one" in str(error), (leaf.key, end)
             values.set(leaf.key, before)
             values.load(sp.OBJECTS)
 
@@ -90,7 +91,7 @@ def test_stages_and_rules_switch_off_and_on_with_their_values() -> None:
     values.set("rejection.max_distance_m", None)
     assert values.config().rejection.max_distance_m is None
     values.set("additions.support", False)
-    with pytest.raises(sp.SpigoloError, match="joining needs additions.support"):
+    with pytest.raises(sp.SpigoloError, match="joining needs additions"):
         values.config()
     values.load(sp.OBJECTS)
     values.set("cost", "auto")
@@ -125,7 +126,7 @@ def test_a_session_sets_corrects_and_saves(frame: sp.Frame, tmp_path: Path) -> N
     session.set(HEIGHT, 0.02)
     session.save(tmp_path / "mine.toml")
     assert (tmp_path / "mine.toml").read_text().split() == (
-        'base = "OBJECTS_2" [additions.support] min_height_m = 0.02'.split()
+        ["base", "=", '"OBJECTS_2"', "[additions.support]", "min_height_m", "=", "0.02"]
     )
     assert sp.preset(tmp_path / "mine.toml").additions.support.min_height_m == 0.02  # type: ignore[union-attr]
     with pytest.raises(sp.SpigoloError, match=r"ends in \.toml"):
@@ -154,7 +155,7 @@ def test_every_stage_has_a_picture(frame: sp.Frame, name: str) -> None:
         assert (scene.picture(answer, stage, chosen) != drawn).any()
     stand = scene.stand_of(frame)
     assert scene.cloud_colors(answer, stand, chosen).shape == stand.points.shape
-    ends, colors = scene.box_lines(answer.result)
+    ends, colors = scene.box_lines([o.oriented_box() for o in answer.result])
     assert ends.shape == colors.shape == (12 * len(answer.result), 2, 3)
 
 
@@ -209,7 +210,8 @@ def test_of_many_requests_the_last_one_counts() -> None:
         return False
 
     worker = Latest(work)
-    for wanted in range(100):
+    for k in range(100):
+        wanted = k
         worker.ask()
     gate.set()
     assert worker.idle(10)

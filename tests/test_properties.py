@@ -12,7 +12,7 @@ from typing import Any, Literal
 import cv2
 import numpy as np
 import pytest
-from hypothesis import assume, example, given
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from pydantic import BaseModel
@@ -436,6 +436,7 @@ def models(draw: st.DrawFn, model: type[BaseModel]) -> BaseModel:
     return model(**values)
 
 
+@settings(max_examples=settings.default.max_examples // 4)  # a whole configuration is long to draw
 @given(models(Config))
 def test_toml_brings_every_configuration_back(config: Config) -> None:
     read = Config.from_toml(config.to_toml())

@@ -14,6 +14,7 @@ import numpy as np
 
 from spigolo.errors import SpigoloError
 from spigolo.frames.frame import Color, Frame
+from spigolo.objects.boxes import OrientedBox
 from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS
 from spigolo.view import tuning_scene as scene
@@ -235,11 +236,12 @@ class TuningPage:
                 return
             chosen = self.session.at(self.session.selected)
             self._draw_board(scene.picture(answer, self._stage, chosen), answer.run.frame)
-            self._draw_cloud(answer, chosen)
+            boxes = [o.oriented_box() for o in answer.result]
+            self._draw_cloud(answer, boxes, chosen)
             self._status.content = text.status(answer, self.session)
             self._chosen.content = text.selection(chosen, self._merging)
             self._times.content = text.times(answer)
-            self._lists.show(answer.result, chosen)
+            self._lists.show(answer.result, boxes, chosen)
             self.drawn += 1
 
     def _draw_board(self, picture: Color, frame: Frame) -> None:
@@ -255,7 +257,7 @@ class TuningPage:
             return
         self._board.image = picture
 
-    def _draw_cloud(self, answer: Answer, chosen: Any) -> None:
+    def _draw_cloud(self, answer: Answer, boxes: list[OrientedBox | None], chosen: Any) -> None:
         assert self._stand is not None
         add = self.server.scene
         if not len(self._stand.points):
@@ -263,7 +265,7 @@ class TuningPage:
         colors = scene.cloud_colors(answer, self._stand, chosen)
         size = float(self._stand.size[0]) / 260
         add.add_point_cloud("/cloud", self._stand.points, colors, point_size=size, point_shape="rounded")
-        ends, tints = scene.box_lines(answer.result)
+        ends, tints = scene.box_lines(boxes)
         if len(ends):
             add.add_line_segments("/boxes", ends, tints, thickness=2.5, thickness_units="screen")
         else:

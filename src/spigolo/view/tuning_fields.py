@@ -153,7 +153,8 @@ def range_of(leaf: Leaf, value: float) -> Range:
         top = min(top, high) if leaf.kind == "integer" or high > 180 else high
     bottom = low if low is not None else min(-top if value < 0 else 0.0, value)
     if leaf.kind == "integer":
-        return Range(bottom + leaf.odd * (1 - bottom % 2), max(math.ceil(top), bottom + 2), 1 + leaf.odd)
+        top = max(math.ceil(top), bottom + 2)
+        return Range(bottom + leaf.odd * (1 - bottom % 2), top - leaf.odd * (1 - top % 2), 1 + leaf.odd)
     step = _round_down((top - bottom) / STEPS)
     step = min(step, _finest(value, step))
     return Range(bottom + step if leaf.above else bottom, top, step)

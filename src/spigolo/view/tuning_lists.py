@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from spigolo.objects.boxes import OrientedBox
 from spigolo.objects.drawing import palette
 from spigolo.objects.segmentation import ObjectMask, RejectedRegion, Segmentation
 from spigolo.view import tuning_text as text
@@ -29,8 +30,13 @@ class Lists:
         self._refused = gui.add_markdown("")
         self.rejected = [self._button(gui, k) for k in range(MOST_OBJECTS, MOST_OBJECTS + MOST_REJECTED)]
 
-    def show(self, result: Segmentation, chosen: ObjectMask | RejectedRegion | None) -> None:
-        """List what an answer holds, with the chosen one in its colour."""
+    def show(
+        self,
+        result: Segmentation,
+        boxes: Sequence[OrientedBox | None],
+        chosen: ObjectMask | RejectedRegion | None,
+    ) -> None:
+        """List what an answer holds, with the boxes of its objects and the chosen one in its colour."""
         tints = palette(len(result))
         refused = sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]
         self._title.content = text.count(len(result), "object")
@@ -43,7 +49,7 @@ class Lists:
                 here = chosen is not None and chosen.region == region.region
                 plain = tuple(int(v * 0.75) for v in tints[k]) if is_object else GREY
                 _set(button, "color", (YELLOW if is_object else RED) if here else plain)
-                _set(button, "label", text.line(region))
+                _set(button, "label", text.line(region, boxes[k] if is_object else None))
                 _set(button, "hint", text.facts(region))
             _set(button, "visible", region is not None)
 

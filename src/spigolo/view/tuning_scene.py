@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.frames.frame import Color, Frame, Mask
+from spigolo.objects.boxes import OrientedBox
 from spigolo.objects.drawing import draw_objects, palette
 from spigolo.objects.facts import RegionFacts
 from spigolo.objects.segmentation import ObjectMask, Segmentation
@@ -186,11 +187,10 @@ def cloud_colors(answer: Answer, stand: Stand, chosen: RegionFacts | None) -> np
     return mixed.astype(np.uint8)
 
 
-def box_lines(result: Segmentation) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
-    """Return the edges of all oriented boxes: ends (N, 2, 3) in metres and colours (N, 2, 3)."""
+def box_lines(boxes: Sequence[OrientedBox | None]) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
+    """Return the edges of the oriented boxes of all objects: ends (N, 2, 3) in metres and colours (N, 2, 3)."""
     ends, colors = [], []
-    for o, tint in zip(result, palette(len(result)), strict=True):
-        box = o.oriented_box()
+    for box, tint in zip(boxes, palette(len(boxes)), strict=True):
         if box is not None:
             corners = box.corners_m()
             ends.append(corners[np.array(BOX_EDGES)])

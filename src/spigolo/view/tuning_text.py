@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from spigolo.objects.boxes import OrientedBox
 from spigolo.objects.segmentation import ObjectMask, RejectedRegion
 from spigolo.view.tuning_session import Answer, Session
 
@@ -37,11 +38,10 @@ def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
     return f"{title}  \n{MERGE_HINT if merging else facts(region)}"
 
 
-def line(region: ObjectMask | RejectedRegion) -> str:
-    """Return one short line of a list."""
+def line(region: ObjectMask | RejectedRegion, box: OrientedBox | None) -> str:
+    """Return one short line of a list. box: that of an object, if it has one."""
     if isinstance(region, RejectedRegion):
         return f"{region.reason.value} · {region.area_px} px"
-    box = region.oriented_box()
     size = "" if box is None else " · " + " × ".join(f"{100 * v:.0f}" for v in box.size_m) + " cm"
     return f"{region.label} · score {region.score:.2f}{size}"
 

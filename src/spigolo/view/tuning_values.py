@@ -33,7 +33,7 @@ class Values:
             if isinstance(part, Variants):
                 self.of[part.key] = held.kind
             elif isinstance(part, Stage):
-                self.on[part.key] = held is not None
+                self.on[part.key] = held is not None or not part.optional
             else:
                 here = held is not None and self._is_of(part, config)
                 self.of[part.key] = held if here else first_value(part)

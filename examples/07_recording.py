@@ -3,7 +3,7 @@
 Reads a recording, a folder or a camera frame by frame and follows the objects by ids that last while they stay in view.
 Prints what could not be used, the frame rate and the latency. Writes the picture of the last frame.
 
-    python examples/06_recording.py [SOURCE] [--out FOLDER]
+    python examples/07_recording.py [SOURCE] [--out FOLDER]
 
 SOURCE: a folder, a ROS bag (recording.mcap), `realsense:`. Default: the bundled scene, seen by a camera that moves.
 """

@@ -3,7 +3,7 @@
 A page with a slider for each parameter, the masks and the cloud is one call: tune(frames). Without a browser the same
 session runs in a script: parameters are set by name, regions are corrected by a pixel, and the preset is saved.
 
-    python examples/06_tune_by_looking.py [--page] [--out FOLDER]
+    python examples/08_tune_by_looking.py [--page] [--out FOLDER]
 """
 
 from __future__ import annotations

@@ -28,6 +28,7 @@ from spigolo.settings import (
     BoundaryCost,
     ColorConfig,
     EdgesConfig,
+    Facing,
     Inpainting,
     SaliencyConfig,
     SaliencyCost,
@@ -426,6 +427,8 @@ def models(draw: st.DrawFn, model: type[BaseModel]) -> BaseModel:
         values[low], values[high] = sorted((values[low], values[high]))
     if "blur_px" in values:
         values["blur_px"] |= 1
+    if model is Facing and values["up"] is not None:
+        assume(any(values["up"]))
     if model is BoundaryCost:
         assume(values["k_x"] + values["k_b"] > 0)
     if model is Config:
@@ -443,6 +446,11 @@ def test_toml_brings_every_configuration_back(config: Config) -> None:
     assert read == config
     assert read.digest == config.digest
     assert read.to_toml() == config.to_toml()
+
+
+def test_an_upward_direction_of_no_length_is_refused() -> None:
+    with pytest.raises(ConfigError, match="such as"):
+        OBJECTS.replace(additions={"support": {"facing": {"up": (0.0, 0.0, 0.0)}}})
 
 
 def test_what_is_switched_off_against_its_default_comes_back_switched_off() -> None:

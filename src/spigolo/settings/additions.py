@@ -39,6 +39,12 @@ class Facing(Settings):
     min_share_sideways: Share = 0.5
     """Minimum share of the measured pixels on a plane that faces sideways. The camera may be mounted on its side."""
 
+    @model_validator(mode="after")
+    def _up_points_somewhere(self) -> Facing:
+        if self.up is not None and not any(self.up):
+            raise ValueError("expected a direction as additions.support.facing.up, such as [0, -1, 0], got [0, 0, 0]")
+        return self
+
 
 class Support(Settings):
     """The support plane: the largest plane of the frame, and the test which pixels stand above it."""

@@ -37,10 +37,9 @@ def dask_cluster(address: str) -> Engine:
 
 def _run(distributed: Any, client: Any, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
     waiting, in_flight = iter(items), {}
-    todo = client.scatter(do, broadcast=True)
 
     def submit(count: int) -> list[Any]:
-        futures = {client.submit(_work, todo, item, pure=False): item for item in islice(waiting, count)}
+        futures = {client.submit(_work, do, item, pure=False): item for item in islice(waiting, count)}
         in_flight.update(futures)
         return list(futures)
 

@@ -12,14 +12,13 @@ import numpy.typing as npt
 
 from spigolo.errors import FileError, FrameError, warn
 from spigolo.frames.arrays import load_arrays, pick
+from spigolo.frames.limits import MAX_PIXELS, check_count
 from spigolo.frames.listing import RECORDINGS
 from spigolo.frames.png import as_grey, header_of
 
 Image = npt.NDArray[Any]
 PathLike = str | os.PathLike[str]
 
-MAX_PIXELS = 16_000_000
-"""Larger images are refused unless they are asked for, as they may fill the memory."""
 ARRAYS = (".npy", ".npz")
 READABLE = "PNG, TIFF, BMP, PGM, EXR, .npy or .npz; colour also JPEG or WebP"
 LOSSY = (".jpg", ".jpeg")
@@ -137,15 +136,6 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pi
             f"expected an image in {path}, but its {data.size} bytes are none that OpenCV reads{_advice(path)}"
         )
     return image
-
-
-def check_count(width: int, height: int, max_pixels: int) -> None:
-    """Raise FrameError for an image of too many pixels."""
-    if width * height > max_pixels:
-        raise FrameError(
-            f"expected at most {max_pixels} pixels, got {width}x{height}: shrink the images, or give"
-            f" max_pixels={width * height} if the memory suffices"
-        )
 
 
 def read_bytes(path: PathLike) -> npt.NDArray[np.uint8]:

@@ -1,0 +1,17 @@
+"""How large an image may be."""
+
+from __future__ import annotations
+
+from spigolo.errors import FrameError
+
+MAX_PIXELS = 16_000_000
+"""Larger images are refused unless they are asked for, as they may fill the memory."""
+
+
+def check_count(width: int, height: int, max_pixels: int) -> None:
+    """Raise FrameError for an image of too many pixels."""
+    if width * height > max_pixels:
+        raise FrameError(
+            f"expected at most {max_pixels} pixels, got {width}x{height}: shrink the images, or give"
+            f" max_pixels={width * height} if the memory suffices"
+        )

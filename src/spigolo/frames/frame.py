@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from spigolo.errors import FrameError, UnitWarning, warn
 from spigolo.frames.camera import Camera, is_number
-from spigolo.frames.limits import MAX_PIXELS, check_count
 from spigolo.frames.intrinsics import CameraLike, as_camera, fields_of
+from spigolo.frames.limits import MAX_PIXELS, check_count
 from spigolo.frames.reach import FARTHEST_M, NEAREST_M, OutOfReach, drop_out_of_reach
 from spigolo.frames.scale import check_scale, scale_from_mapping
 

@@ -17,10 +17,11 @@ from spigolo.cli.ros import ros
 from spigolo.errors import ConfigError, FrameError, SpigoloError
 from spigolo.ros import answers
 from spigolo.ros.kinds import Kinds, find_kinds
-from spigolo.ros.messages import fill_image, quaternion, read_color, read_depth, stamp_ns
+from spigolo.ros.messages import fill_image, quaternion
 from spigolo.ros.node import _frame_of
 from spigolo.ros.pairing import KEPT, Pair, StampMatcher, Waiting
 from spigolo.ros.parameters import Options, changed, descriptions, first_state, values_of
+from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from test_objects import scene
 
 CONFIG = sp.TABLE.replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
@@ -52,41 +53,41 @@ def image(encoding: str, height: int, width: int, data: bytes, step: int, big: i
     ],
 )
 def test_colour_is_rgb_in_every_encoding(encoding: str, red: bytes) -> None:
-    pixels = read_color(image(encoding, 2, 3, red * 6, 3 * len(red)))
+    pixels = color_of(image(encoding, 2, 3, red * 6, 3 * len(red)))
     assert pixels.shape == (2, 3, 3) and pixels.dtype == np.uint8
     assert (pixels == (255, 0, 1)).all()
 
 
 def test_grey_becomes_three_channels() -> None:
-    np.testing.assert_array_equal(read_color(image("mono8", 1, 2, b"\x05\x07", 2)), [[[5, 5, 5], [7, 7, 7]]])
+    np.testing.assert_array_equal(color_of(image("mono8", 1, 2, b"\x05\x07", 2)), [[[5, 5, 5], [7, 7, 7]]])
 
 
 def test_the_padding_of_rows_is_left_out() -> None:
     padded = image("16UC1", 2, 2, struct.pack("<2H2x2H2x", 1, 2, 3, 4), 6)
-    np.testing.assert_array_equal(read_depth(padded), [[1, 2], [3, 4]])
+    np.testing.assert_array_equal(depth_of(padded), [[1, 2], [3, 4]])
     rows = image("rgb8", 2, 1, b"\x01\x02\x03\xee\x04\x05\x06\xee", 4)
-    np.testing.assert_array_equal(read_color(rows), [[[1, 2, 3]], [[4, 5, 6]]])
+    np.testing.assert_array_equal(color_of(rows), [[[1, 2, 3]], [[4, 5, 6]]])
 
 
 @pytest.mark.parametrize(("big", "order"), [(0, "<"), (1, ">")])
 def test_depth_is_read_in_both_orders_of_bytes(big: int, order: str) -> None:
     whole = image("mono16", 1, 3, struct.pack(order + "3H", 0, 500, 65000), 6, big)
-    np.testing.assert_array_equal(read_depth(whole), [[0, 500, 65000]])
-    assert read_depth(whole).dtype == np.dtype(np.uint16)
+    np.testing.assert_array_equal(depth_of(whole), [[0, 500, 65000]])
+    assert depth_of(whole).dtype == np.dtype(np.uint16)
     metres = image("32FC1", 1, 2, struct.pack(order + "2f", 0.5, float("nan")), 8, big)
-    np.testing.assert_array_equal(read_depth(metres), np.array([[0.5, np.nan]], np.float32))
+    np.testing.assert_array_equal(depth_of(metres), np.array([[0.5, np.nan]], np.float32))
 
 
 @pytest.mark.parametrize(
     ("read", "message", "told"),
     [
-        (read_color, image("yuv422_yuy2", 1, 2, bytes(4), 4), "'yuv422_yuy2'"),
-        (read_color, image("16UC1", 1, 2, bytes(4), 4), "expected a colour image"),
-        (read_depth, image("rgb8", 1, 2, bytes(6), 6), "expected a depth image"),
-        (read_depth, image("8UC1", 1, 2, bytes(2), 2), "aligned to colour"),
-        (read_depth, image("16UC1", 2, 2, bytes(7), 4), "7 bytes: the message is damaged"),
-        (read_depth, image("16UC1", 2, 2, bytes(8), 2), "step 2"),
-        (read_color, image("rgb8", 0, 0, b"", 0), "damaged"),
+        (color_of, image("bayer_rggb8", 2, 2, bytes(4), 2), "'bayer_rggb8'"),
+        (color_of, image("16UC1", 1, 2, bytes(4), 4), "expected colour as"),
+        (depth_of, image("rgb8", 1, 2, bytes(6), 6), "expected depth as"),
+        (depth_of, image("8UC1", 1, 2, bytes(2), 2), "name another depth topic"),
+        (depth_of, image("16UC1", 2, 2, bytes(7), 4), "got 7 bytes"),
+        (depth_of, image("16UC1", 2, 2, bytes(8), 2), "got 8 bytes"),
+        (color_of, image("rgb8", 0, 0, b"", 0), "0x0"),
     ],
 )
 def test_what_is_no_image_is_refused_in_one_line(read: Any, message: Any, told: str) -> None:
@@ -167,19 +168,19 @@ def test_labels_keep_their_header_and_are_mono16(kinds: Kinds, result: sp.Segmen
     assert message.header is HEADER
     assert (message.encoding, message.height, message.width, message.step) == ("mono16", 120, 160, 320)
     np.testing.assert_array_equal(np.frombuffer(message.data, "<u2").reshape(120, 160), result.labels)
-    np.testing.assert_array_equal(read_depth(message), result.labels)  # and back
+    np.testing.assert_array_equal(depth_of(message), result.labels)  # and back
 
 
 def test_an_overlay_and_a_mask_are_images(kinds: Kinds, result: sp.Segmentation) -> None:
-    np.testing.assert_array_equal(read_color(answers.overlay_image(kinds, HEADER, result)), result.overlay())
+    np.testing.assert_array_equal(color_of(answers.overlay_image(kinds, HEADER, result)), result.overlay())
     mask = answers.mask_image(kinds, HEADER, result[1])
     assert mask.encoding == "mono8" and isinstance(mask.data, array.array)
-    np.testing.assert_array_equal(read_color(mask)[..., 0], result[1].mask * 255)
+    np.testing.assert_array_equal(color_of(mask)[..., 0], result[1].mask * 255)
 
 
 def test_an_image_from_a_slice_is_stored_in_its_own_order() -> None:
     pixels = np.arange(24, dtype=np.uint8).reshape(2, 4, 3)[:, ::2, ::-1]
-    np.testing.assert_array_equal(read_color(fill_image(bag()(), HEADER, pixels, "rgb8")), pixels)
+    np.testing.assert_array_equal(color_of(fill_image(bag()(), HEADER, pixels, "rgb8")), pixels)
 
 
 def test_a_cloud_has_every_measured_point_with_colour_and_label(kinds: Kinds, result: sp.Segmentation) -> None:

@@ -1,6 +1,6 @@
-"""NumPy arrays as ROS messages and back, without cv_bridge.
+"""NumPy arrays as ROS messages, without cv_bridge. `sources.ros_images` has the way back.
 
-Nothing here imports ROS: a message is any object with the fields of its type, and a new one is given to be filled.
+Nothing here imports ROS: a new message is given to be filled.
 """
 
 from __future__ import annotations
@@ -8,75 +8,17 @@ from __future__ import annotations
 import array
 from typing import Any
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.errors import FrameError
 from spigolo.frames.frame import Color
 
-COLORS = {
-    "rgb8": None,
-    "bgr8": cv2.COLOR_BGR2RGB,
-    "rgba8": cv2.COLOR_RGBA2RGB,
-    "bgra8": cv2.COLOR_BGRA2RGB,
-    "mono8": cv2.COLOR_GRAY2RGB,
-}
-"""Encodings of colour images, and OpenCV's conversion to RGB."""
-DEPTHS = {"16UC1": "u2", "mono16": "u2", "32FC1": "f4"}
-"""Encodings of depth images (REP 118): integers in millimetres, or metres as floating-point numbers."""
-CHANNELS = {"rgb8": 3, "bgr8": 3, "rgba8": 4, "bgra8": 4}
 POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4"), ("label", "<u4")])
 """A point of a cloud. RViz and PCL read `rgb` as a float of the same bytes."""
 UINT32, FLOAT32 = 6, 7
 """Constants of sensor_msgs/PointField."""
 
 Points = npt.NDArray[np.float32]
-
-
-def stamp_ns(message: Any) -> int:
-    """Return the time in a message's header, ns."""
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
-
-
-def read_color(message: Any) -> Color:
-    """Return the pixels (H, W, 3) RGB of a sensor_msgs/Image. Raises FrameError for another encoding."""
-    if message.encoding not in COLORS:
-        raise FrameError(
-            f"expected a colour image with encoding {', '.join(COLORS)}, got {message.encoding!r}:"
-            " convert it with image_proc, or choose another format in the driver"
-        )
-    pixels = _pixels(message, "u1")
-    conversion = COLORS[message.encoding]
-    return pixels if conversion is None else np.asarray(cv2.cvtColor(pixels, conversion), np.uint8)
-
-
-def read_depth(message: Any) -> npt.NDArray[Any]:
-    """Return the stored depth (H, W) of a sensor_msgs/Image. Raises FrameError for another encoding."""
-    if message.encoding not in DEPTHS:
-        raise FrameError(
-            f"expected a depth image with encoding {', '.join(DEPTHS)}, got {message.encoding!r}:"
-            " take the raw topic of depth aligned to colour"
-        )
-    return _pixels(message, DEPTHS[message.encoding])
-
-
-def _pixels(message: Any, kind: str) -> npt.NDArray[Any]:
-    """Return the pixels of an image without the padding of its rows, in this machine's order of bytes."""
-    height, width, step = int(message.height), int(message.width), int(message.step)
-    channels = CHANNELS.get(message.encoding, 1)
-    stored = np.dtype(kind).newbyteorder(">" if message.is_bigendian else "<")
-    row = width * channels * stored.itemsize
-    size = len(message.data)
-    if height * width == 0 or step < row or size < height * step:
-        raise FrameError(
-            f"expected {height} rows of at least {row} bytes for a {width}x{height} image in {message.encoding}, got"
-            f" step {step} and {size} bytes: the message is damaged"
-        )
-    rows = np.frombuffer(message.data, np.uint8)[: height * step].reshape(height, step)[:, :row]
-    pixels = np.ascontiguousarray(rows).view(stored).astype(np.dtype(kind), copy=False)
-    return pixels.reshape((height, width, channels) if channels > 1 else (height, width))
 
 
 def fill_image(message: Any, header: Any, pixels: npt.NDArray[Any], encoding: str) -> Any:

@@ -18,9 +18,9 @@ from spigolo.frames.frame import Frame
 from spigolo.objects.segmentation import Segmentation
 from spigolo.ros.answers import Answers
 from spigolo.ros.kinds import Kinds, find_kinds
-from spigolo.ros.messages import read_color, read_depth, stamp_ns
 from spigolo.ros.pairing import Pair, StampMatcher, Waiting
 from spigolo.ros.parameters import NodeParameters, Options, State
+from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from spigolo.stream import Segmenter, warm_up
 
 STATUS_S = 10.0
@@ -214,13 +214,13 @@ class SpigoloNode:
 
 def _frame_of(pair: Pair, info: Any, options: Options) -> Frame:
     """Return the frame of a pair. Raises FrameError or CameraError for messages that make none."""
-    depth = read_depth(pair.depth)
+    depth = depth_of(pair.depth)
     scale = options.depth_scale if depth.dtype.kind == "u" else None
     camera = info
     if options.rectified:
         camera = copy.copy(info)
         camera.k, camera.d = np.asarray(info.p, float).reshape(3, 4)[:, :3].ravel(), []
-    return Frame(read_color(pair.color), depth, camera, "", stamp_ns(pair.color), scale)
+    return Frame(color_of(pair.color), depth, camera, "", stamp_ns(pair.color), scale)
 
 
 def run(overrides: Mapping[str, Any], ros_args: Sequence[str]) -> None:

@@ -47,7 +47,7 @@ def stamp_ns(message: Any) -> int:
 
 def encoding_of(message: Any) -> str:
     """Return the encoding of an image's pixels, such as "16UC1" or "rgb8". Empty if it is not known."""
-    if not hasattr(message, "format"):
+    if hasattr(message, "encoding"):
         return str(message.encoding)
     first = str(message.format).partition(";")[0].strip()
     return first if first in DEPTH_ENCODINGS or first in COLOR_ENCODINGS else ""
@@ -61,7 +61,7 @@ def is_depth(message: Any) -> bool:
 
 def color_of(message: Any) -> npt.NDArray[np.uint8]:
     """Return the colour (H, W, 3) RGB of an Image or CompressedImage. Raises FrameError."""
-    if hasattr(message, "format"):
+    if not hasattr(message, "encoding"):
         stored = _decoded(_bytes(message), cv2.IMREAD_COLOR, str(message.format))
         return np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB), np.uint8)
     if message.encoding not in COLOR_ENCODINGS:
@@ -77,7 +77,7 @@ def color_of(message: Any) -> npt.NDArray[np.uint8]:
 
 def depth_of(message: Any) -> Image:
     """Return the depth (H, W) of a message: integers as stored, or floating-point metres. Raises FrameError."""
-    if hasattr(message, "format"):
+    if not hasattr(message, "encoding"):
         return _compressed_depth(message)
     if message.encoding not in DEPTH_ENCODINGS:
         raise FrameError(

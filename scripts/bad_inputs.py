@@ -188,7 +188,7 @@ def wrong_files() -> list[tuple[str, Words]]:
         ("text for a number", segment(camera="text.json")),
         ("a camera file that is no JSON", segment(camera="broken.json")),
         ("no such camera file", segment(camera="none.json")),
-        ("a camera nobody knows", segment("rgb.png", "depth.png", "kinect-v9", "--depth-scale", "0.001")),
+        ("a camera name that is not known", segment("rgb.png", "depth.png", "kinect-v9", "--depth-scale", "0.001")),
         ("fisheye distortion", segment(camera="fisheye.json")),
     ]
 

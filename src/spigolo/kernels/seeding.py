@@ -180,14 +180,18 @@ def neighbour(p, k, flags, width, size):
 
 
 @inlined
-def push(bucket, p, s, size, head, tail, pixel, source, following):
-    """Put the edge from labelled pixel s to open pixel p at the end of its bucket, as edge number `size`."""
+def offer(bucket, p, s, size, least, head, tail, pixel, source, following):
+    """Queue the edge from labelled pixel s to open pixel p unless as light a one is there. Returns the new size."""
+    if bucket >= least[p]:
+        return size
+    least[p] = bucket
     pixel[size], source[size], following[size] = p, s, -1
     if head[bucket] < 0:
         head[bucket] = size
     else:
         following[tail[bucket]] = size
     tail[bucket] = size
+    return size + 1
 
 
 @kernel
@@ -220,11 +224,8 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             tree[q] = points[q]
             source_of[q] = q
             bucket = min(int(edge_weight(tree, q, points, p, flat, step_m, step_per_m, step_weight)), LEVELS - 1)
-            if bucket < least[p]:
-                least[p] = bucket
-                push(bucket, p, q, size, head, tail, pixel, source, following)
-                size += 1
-                level = min(level, bucket)
+            size = offer(bucket, p, q, size, least, head, tail, pixel, source, following)
+            level = min(level, bucket)
     while level < LEVELS:
         edge = head[level]
         if edge < 0:
@@ -246,8 +247,5 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
                 continue
             weight = edge_weight(tree, p, points, q, flat, step_m, step_per_m, step_weight)
             bucket = min(int(before + weight), LEVELS - 1)
-            if bucket < least[q]:
-                least[q] = bucket
-                push(bucket, q, p, size, head, tail, pixel, source, following)
-                size += 1
-                level = min(level, bucket)
+            size = offer(bucket, q, p, size, least, head, tail, pixel, source, following)
+            level = min(level, bucket)

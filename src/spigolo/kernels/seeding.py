@@ -14,6 +14,8 @@ OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
 """Flags of an open pixel: those at the left and right image border have a neighbour less."""
 LEVELS = 2048
 """Number of weights that are told apart, in steps of one grey level; larger ones count as the last."""
+MARGIN = f32(0.01)
+"""Rounding errors of a weight are smaller, in grey levels."""
 
 
 @inlined
@@ -151,20 +153,22 @@ def flag_columns(opened):
 
 
 @inlined
-def edge_weight(tree, here, color, other, depth, step_m, step_per_m, step_weight):
-    """Distance in RGB from the tree at pixel `here` to pixel `other`, plus step_weight times their depth step.
+def distance_2(red, green, blue, color, p):
+    """Squared distance in RGB to pixel p."""
+    red, green, blue = red - f32(color[p, 0]), green - f32(color[p, 1]), blue - f32(color[p, 2])
+    return red * red + green * green + blue * blue
 
-    The step is a share, at most 1, of max(step_m, step_per_m d^2), and 0 where depth is missing.
+
+@inlined
+def step_cost(z, other, step_m, step_per_m, step_weight):
+    """step_weight times the share, at most 1, that a depth step has of max(step_m, step_per_m z^2).
+
+    0 where depth is missing.
     """
-    red, green = tree[here, 0] - f32(color[other, 0]), tree[here, 1] - f32(color[other, 1])
-    blue = tree[here, 2] - f32(color[other, 2])
-    weight = np.sqrt(red * red + green * green + blue * blue)
-    z_here, z_other = depth[here], depth[other]
-    if z_here > f32(0.0) and z_other > f32(0.0):
-        step = abs(z_here - z_other)
-        full = max(step_m, step_per_m * z_here * z_here)
-        weight += step_weight if step >= full else step_weight * step / full
-    return weight
+    if z <= f32(0.0) or other <= f32(0.0):
+        return f32(0.0)
+    step, full = abs(z - other), max(step_m, step_per_m * z * z)
+    return step_weight if step >= full else step_weight * step / full
 
 
 @inlined
@@ -180,16 +184,16 @@ def neighbour(p, k, flags, width, size):
 
 
 @inlined
-def offer(bucket, p, s, size, least, head, tail, pixel, source, following):
+def offer(bucket, p, s, size, least, head, tail, edges):
     """Queue the edge from labelled pixel s to open pixel p unless as light a one is there. Returns the new size."""
     if bucket >= least[p]:
         return size
     least[p] = bucket
-    pixel[size], source[size], following[size] = p, s, -1
+    edges[size, 0], edges[size, 1], edges[size, 2] = p, s, -1
     if head[bucket] < 0:
         head[bucket] = size
     else:
-        following[tail[bucket]] = size
+        edges[tail[bucket], 2] = size
     tail[bucket] = size
     return size + 1
 
@@ -199,11 +203,11 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     """Give each open pixel the label of a seed, by a spanning forest with the labelled pixels as its roots.
 
     Prim's algorithm from all roots at once: the lightest edge from a labelled to an open pixel comes next, and no edge
-    joins two roots. The weight of an edge (`edge_weight`) compares the open pixel with the colour of the tree at the
-    labelled one. That is `memory` times the colour of its predecessor, the rest its own, so that noise averages out
-    along a tree. `carry` times the weight of the edge before is added, so that an image edge that is blurred over
-    several pixels weighs as much as a sharp one. With memory = carry = 0 the result is a minimum spanning forest.
-    Weights are rounded down to whole grey levels. Ties go to the edge that was found first.
+    joins two roots. The weight of an edge is the distance in RGB plus `step_cost`. It compares the open pixel with the
+    colour of the tree at the labelled one. That is `memory` times the colour of its predecessor, the rest its own, so
+    that noise averages out along a tree. `carry` times the weight of the edge before is added, so that an image edge
+    that is blurred over several pixels weighs as much as a sharp one. With memory = carry = 0 the result is a minimum
+    spanning forest. Weights are rounded down to whole grey levels. Ties go to the edge that was found first.
 
     color (H, W, 3) uint8; depth (H, W) float32 metres, 0 = missing; labels (H, W) int32, those of open pixels are
     written; opened (H, W) uint8 as `open_layers` fills it, 0 afterwards wherever a root reaches; count: of open pixels;
@@ -212,7 +216,7 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     width = labels.shape[1]
     points, flat, label, state = color.reshape(-1, 3), depth.reshape(-1), labels.reshape(-1), opened.reshape(-1)
     head, tail = np.full(LEVELS, -1, np.int32), np.empty(LEVELS, np.int32)
-    pixel, source, following = np.empty((3, 4 * count + 1), np.int32)
+    edges = np.empty((4 * count + 1, 3), np.int32)  # open pixel, labelled pixel, next edge of the same level
     least = np.full(label.size, LEVELS, np.int16)  # lightest edge that was found to each pixel
     tree = np.empty((label.size, 3), np.float32)  # colour of the tree at each labelled pixel
     keep, own, carried, size, level = f32(memory), f32(1.0 - memory), f32(carry), 0, LEVELS
@@ -221,31 +225,39 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             q = neighbour(p, k, state[p], width, state.size)
             if q < 0 or state[q]:
                 continue
-            tree[q] = points[q]
+            red, green, blue = f32(points[q, 0]), f32(points[q, 1]), f32(points[q, 2])
+            tree[q, 0], tree[q, 1], tree[q, 2] = red, green, blue
             source_of[q] = q
-            bucket = min(int(edge_weight(tree, q, points, p, flat, step_m, step_per_m, step_weight)), LEVELS - 1)
-            size = offer(bucket, p, q, size, least, head, tail, pixel, source, following)
+            weight = np.sqrt(distance_2(red, green, blue, points, p))
+            weight += step_cost(flat[q], flat[p], step_m, step_per_m, step_weight)
+            bucket = min(int(weight), LEVELS - 1)
+            size = offer(bucket, p, q, size, least, head, tail, edges)
             level = min(level, bucket)
     while level < LEVELS:
         edge = head[level]
         if edge < 0:
             level += 1
             continue
-        head[level] = following[edge]
-        p, s = pixel[edge], source[edge]
+        head[level] = edges[edge, 2]
+        p, s = edges[edge, 0], edges[edge, 1]
         if not state[p]:
             continue
         flags, state[p] = state[p], 0
-        source_of[p] = source_of[s]
-        label[p] = label[source_of[s]]
-        for c in range(3):
-            tree[p, c] = keep * tree[s, c] + own * f32(points[p, c])
+        source_of[p], label[p] = source_of[s], label[s]
+        red = keep * tree[s, 0] + own * f32(points[p, 0])
+        green = keep * tree[s, 1] + own * f32(points[p, 1])
+        blue = keep * tree[s, 2] + own * f32(points[p, 2])
+        tree[p, 0], tree[p, 1], tree[p, 2] = red, green, blue
         before = carried * f32(level)
         for k in range(4):
             q = neighbour(p, k, flags, width, state.size)
-            if q < 0 or not state[q] or least[q] <= before:
+            if q < 0 or not state[q]:
                 continue
-            weight = edge_weight(tree, p, points, q, flat, step_m, step_per_m, step_weight)
+            room = f32(least[q]) - before
+            colors_2 = distance_2(red, green, blue, points, q)
+            if room <= f32(0.0) or colors_2 > (room + MARGIN) * (room + MARGIN):
+                continue  # a lighter edge is there, whatever the depth step
+            weight = np.sqrt(colors_2) + step_cost(flat[p], flat[q], step_m, step_per_m, step_weight)
             bucket = min(int(before + weight), LEVELS - 1)
-            size = offer(bucket, q, p, size, least, head, tail, pixel, source, following)
+            size = offer(bucket, q, p, size, least, head, tail, edges)
             level = min(level, bucket)

@@ -18,7 +18,8 @@ demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in 
 
 test: $(VENV)/.developing $(ORACLE)/.installed $(ROS)/.installed check  ## install and run every check and test, on two processes
 	$(BIN)/spigolo warmup
-	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not alone"
+	$(BIN)/python -m pytest -m alone
 
 check: $(VENV)/.developing  ## style, types, import contract
 	$(BIN)/ruff check .

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-pytestmark = pytest.mark.ros
+pytestmark = [pytest.mark.ros, pytest.mark.alone]
 ROOT = Path(__file__).resolve().parents[1]
 PYTHON = ROOT / ".venv-ros" / "bin" / "python"
 PEER = ROOT / "tests" / "ros_peer.py"
@@ -74,8 +74,9 @@ def test_a_hundred_pairs_at_ten_hertz_get_a_hundred_right_answers(tmp_path: Path
 
 
 def test_with_best_effort_on_both_sides_what_arrives_is_right(tmp_path: Path) -> None:
+    # small images: a large one is many packets, and on a busy machine one of them is nearly always lost
     with node(tmp_path / "log", "--reliable", "false", "--queue", "10"):
-        found = peer("answers", "--pairs", 40, "--rate", 10, "--patience", 30, "--best-effort")
+        found = peer("answers", "--pairs", 40, "--rate", 10, "--patience", 30, "--best-effort", "--every", 4)
     assert found["equal"] == found["answered"] > 0 and found["other_stamps"] == 0
 
 

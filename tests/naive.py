@@ -201,6 +201,16 @@ def mean_boxes(depth: Array, left_out: Array, radius: Array) -> Array:
     return out
 
 
+def halve_depth(depth: Array) -> Array:
+    """Lower median of the valid depths of each block of two by two; blocks at an odd end repeat their pixels."""
+    wide = np.pad(depth, [(0, n % 2) for n in depth.shape], mode="edge")
+    out = np.zeros((wide.shape[0] // 2, wide.shape[1] // 2), np.float32)
+    for y, x in pixels(out):
+        valid = sorted(d for d in wide[2 * y : 2 * y + 2, 2 * x : 2 * x + 2].ravel() if d > 0)
+        out[y, x] = valid[(len(valid) - 1) // 2] if valid else 0
+    return out
+
+
 def close_holes(depth: Array, holes: Array, step_m: float, step_share: float) -> Array:
     """holes: mask (H, W)."""
     out = depth.astype(np.float64)

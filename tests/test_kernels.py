@@ -28,6 +28,7 @@ from spigolo.kernels import (
     costs,
     edges,
     features,
+    halving,
     inpainting,
     lzf,
     merging,
@@ -959,6 +960,17 @@ def test_unpack_lzf() -> None:
         assert not lzf.unpack_lzf(np.frombuffer(packed, np.uint8).copy(), out[:-1]), "longer than was said"
 
 
+@pytest.mark.parametrize("shape", [(6, 8), (7, 9), (1, 1), (5, 2)])
+def test_halve_depth(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(3)
+    for missing in (0.0, 0.3, 0.7, 1.0):
+        depth = rng.uniform(0.5, 2, shape).astype(np.float32)
+        depth[rng.random(shape) < missing] = 0
+        out = np.empty(((shape[0] + 1) // 2, (shape[1] + 1) // 2), np.float32)
+        halving.halve_depth(depth, out)
+        np.testing.assert_array_equal(out, naive.halve_depth(depth))
+
+
 # --- seeded partition -----------------------------------------------------------------------------------------
 
 
@@ -1088,6 +1100,7 @@ for height, width in ((60, 80), (97, 53)):
     frames = [sp.Frame(color, depth, camera, depth_scale=0.001), sp.Frame(color, depth / 1000.0, camera)]
     for preset in (sp.TABLE, sp.SHELF, sp.OBJECTS):
         sp.trace(frames[0 if first else 1], preset)
+    sp.trace(frames[0 if first else 1], sp.OBJECTS.replace(additions={"resolution": "half"}))
     for method in sp.METHODS.values():
         method(frames[0 if first else 1])
 found = {n: len(getattr(importlib.import_module(f"spigolo.kernels.{m}"), n).signatures) for n, m in names.items()}

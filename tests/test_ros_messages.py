@@ -19,8 +19,9 @@ from spigolo.ros import answers
 from spigolo.ros.kinds import Kinds, find_kinds
 from spigolo.ros.messages import fill_image, quaternion
 from spigolo.ros.node import _frame_of
-from spigolo.ros.pairing import KEPT, Pair, StampMatcher, Waiting
+from spigolo.ros.pairing import Pair, Waiting
 from spigolo.ros.parameters import Options, changed, descriptions, first_state, values_of
+from spigolo.sources.pairing import KEPT, StampMatcher
 from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from test_objects import scene
 

@@ -18,8 +18,9 @@ from spigolo.frames.frame import Frame
 from spigolo.objects.segmentation import Segmentation
 from spigolo.ros.answers import Answers
 from spigolo.ros.kinds import Kinds, find_kinds
-from spigolo.ros.pairing import Pair, StampMatcher, Waiting
+from spigolo.ros.pairing import Pair, Waiting
 from spigolo.ros.parameters import NodeParameters, Options, State
+from spigolo.sources.pairing import StampMatcher
 from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from spigolo.stream import Segmenter, warm_up
 

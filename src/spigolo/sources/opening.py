@@ -25,10 +25,10 @@ def open_source(
     """Return the source of a name: an iterable of frames, best used inside `with`.
 
     uri: image files (colour and depth), a folder of frames, a data set (`dataset:FOLDER`), a ROS bag (.bag, .db3,
-    .mcap, or its folder), `realsense:`, `realsense:SERIAL` or `realsense:RECORDING`. Options may follow after `?`:
-    `recording.mcap?color=/camera/color/image_raw&tolerance_ms=5`. camera: intrinsics in any form that `read_frame`
-    takes, by default those of the source. depth_scale: metres per unit of integer depth. options: fields of
-    `spigolo.sources.options.Options`. Raises FileError.
+    .mcap, or its folder), `realsense:`, `realsense:SERIAL`, `realsense:RECORDING`, `openni:` or `openni:ADDRESS`.
+    Options may follow after `?`: `recording.mcap?color=/camera/color/image_raw&tolerance_ms=5`. camera: intrinsics in
+    any form that `read_frame` takes, by default those of the source. depth_scale: metres per unit of integer depth.
+    options: fields of `spigolo.sources.options.Options`. Raises FileError.
     """
     words = [uri] if isinstance(uri, str | os.PathLike) else list(uri)
     given = {"camera": camera, "depth_scale": depth_scale, **options}
@@ -57,6 +57,10 @@ def _open(name: str, options: Options) -> Source:
     kind, colon, rest = name.partition(":")
     if colon and kind == "realsense":
         return _realsense(rest, options)
+    if colon and kind == "openni":
+        from spigolo.sources.openni import OpenNICamera
+
+        return OpenNICamera(rest, options)
     if colon and kind == "dataset":
         from spigolo.sources.published import PublishedSource
 

@@ -10,12 +10,10 @@ from urllib.parse import parse_qsl
 
 from spigolo.errors import FileError
 from spigolo.frames.intrinsics import CameraLike
-from spigolo.frames.listing import listed
+from spigolo.frames.listing import OPENED, listed
 from spigolo.sources.base import Source
 from spigolo.sources.options import Options, options_from
 
-BAGS = (".bag", ".db3", ".mcap")
-"""Suffixes of recordings that are read."""
 Uri = str | os.PathLike[str]
 
 
@@ -42,7 +40,7 @@ def is_recording(path: Path) -> bool:
     """Return whether a path is a ROS bag: a file by its suffix, or a folder with metadata.yaml and storage files."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file() and any(_bags_in(path))
-    return path.suffix.lower() in BAGS
+    return path.suffix.lower() in OPENED
 
 
 def _parted(name: str) -> tuple[str, dict[str, str]]:
@@ -111,7 +109,7 @@ def _bag(path: Path, options: Options) -> Source:
 def _realsense(rest: str, options: Options) -> Source:
     from spigolo.sources.realsense import RealSenseCamera, RealSenseRecording
 
-    if Path(rest).suffix.lower() in BAGS:
+    if Path(rest).suffix.lower() in OPENED:
         return RealSenseRecording(Path(rest), options)
     return RealSenseCamera(rest, options)
 
@@ -123,4 +121,4 @@ def _folders(words: Sequence[str], options: Options) -> Source:
 
 
 def _bags_in(path: Path) -> list[Path]:
-    return [one for one in listed(path) if one.suffix.lower() in BAGS]
+    return [one for one in listed(path) if one.suffix.lower() in OPENED]

@@ -56,7 +56,7 @@ class Peer:
         self.sent_s: dict[int, float] = {}
         self.labels: dict[int, tuple[float, str, str, bytes]] = {}
         self.seen: dict[str, list] = {name: [] for name in ("overlay", "markers", "cloud", "objects", "mask")}
-        reliable = QoSProfile(depth=10)
+        reliable = QoSProfile(depth=200)  # a short history loses what a busy receiver has not taken
         self.color = self.node.create_publisher(Image, "color", reliable)
         self.depth = self.node.create_publisher(Image, "depth", reliable)
         self.info = self.node.create_publisher(CameraInfo, "camera_info", reliable)

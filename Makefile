@@ -41,6 +41,7 @@ long: $(VENV)/.developing  ## what takes too long for every change: full fuzzing
 	$(BIN)/python -m spigolo.lab.studies.soak
 	$(BIN)/python -m spigolo.lab.studies.emptiness
 	$(BIN)/python -m spigolo.lab.studies.robustness
+	$(BIN)/python -m spigolo.lab.studies.tracking
 	$(BIN)/python -m spigolo.lab.studies.robustness --shelves 24
 	$(MAKE) table-1 table-2 table-3
 

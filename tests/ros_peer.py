@@ -200,6 +200,27 @@ def answers(peer: Peer, given: argparse.Namespace) -> dict[str, object]:
     }
 
 
+def lasting(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
+    """Numbers of the objects while the view moves: by id, and after the parameter is off by label."""
+    peer.connect()
+    found = {}
+    for k in range(4):
+        found[k] = numbers(
+            peer, 800_000 + 100 * k, np.roll(peer.views[0][0], 8 * k, 1), np.roll(peer.views[0][1], 8 * k, 1)
+        )
+    before = peer.set(ids=False)
+    return {"numbers": list(found.values()), "set": before, "off": numbers(peer, 900_000, *peer.views[0])}
+
+
+def numbers(peer: Peer, key: int, color: np.ndarray, depth: np.ndarray) -> list[int]:
+    """Numbers in the label image that answers a pair, those of large areas."""
+    peer.views.append((color, depth))
+    peer.send(key, len(peer.views) - 1)
+    peer.until(lambda: key in peer.labels, f"answer to {key}")
+    values, counts = np.unique(np.frombuffer(peer.labels[key][3], "<u2"), return_counts=True)
+    return [int(v) for v, n in zip(values, counts, strict=True) if v and n > 2000]
+
+
 def described(peer: Peer) -> dict[str, object]:
     """Facts of the other topics' last messages."""
     frame = sp.Frame(*peer.views[0], peer.camera, depth_scale=0.001)
@@ -290,7 +311,7 @@ def asking(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=["answers", "parameters", "asking"])
+    parser.add_argument("what", choices=["answers", "parameters", "asking", "lasting"])
     parser.add_argument("--pairs", type=int, default=100)
     parser.add_argument("--rate", type=int, default=10)
     parser.add_argument("--patience", type=float, default=30.0)
@@ -302,7 +323,7 @@ def main() -> None:
     rclpy.init()
     peer = Peer(given.best_effort, given.every)
     print(
-        json.dumps({"answers": answers, "parameters": parameters, "asking": asking}[given.what](peer, given)),
+        json.dumps({one.__name__: one for one in (answers, parameters, asking, lasting)}[given.what](peer, given)),
         flush=True,
     )
     rclpy.try_shutdown()

@@ -38,6 +38,7 @@ from spigolo.kernels import (
     potts,
     rasterising,
     registration,
+    rvl,
     saliency,
     seeding,
     smoothing,
@@ -971,6 +972,40 @@ def test_halve_depth(shape: tuple[int, int]) -> None:
         np.testing.assert_array_equal(out, naive.halve_depth(depth))
 
 
+def depth_runs(rng: np.random.Generator, size: int) -> np.ndarray:
+    """Values near each other, in runs between zeros, and a few far apart."""
+    values = np.clip(1000 + np.cumsum(rng.integers(-9, 10, size)), 1, 65535).astype(np.uint16)
+    values[rng.random(size) < 0.02] = rng.integers(1, 65536)
+    values[np.repeat(rng.random(size // 5 + 1) < 0.4, 5)[:size]] = 0
+    return values
+
+
+def test_unpack_rvl() -> None:
+    rng = np.random.default_rng(9)
+    extremes = np.array([65535, 1, 65535, 0, 0, 32768, 32767], np.uint16)
+    for values in (extremes, np.zeros(40, np.uint16), *(depth_runs(rng, size) for size in (1, 7, 200, 3000))):
+        packed = naive.pack_rvl(values)
+        assert naive.unpack_rvl(packed, values.size) == values.tolist()
+        words, out = np.frombuffer(packed, "<u4").astype(np.uint32), np.ones(values.size, np.uint16)
+        assert rvl.unpack_rvl(words, out)
+        np.testing.assert_array_equal(out, values)
+        assert not rvl.unpack_rvl(words[:-1], out), "cut off"
+        assert not rvl.unpack_rvl(words, np.ones(values.size + 99, np.uint16)), "shorter than was said"
+
+
+def test_unpack_rvl_ends_on_any_words() -> None:
+    rng, out = np.random.default_rng(10), np.zeros(500, np.uint16)
+    endless = np.zeros(50, np.uint32), np.full(50, 0xFFFFFFFF, np.uint32), np.zeros(0, np.uint32)
+    for words in (*endless, *(rng.integers(0, 2**32, 60, dtype=np.uint32) for _ in range(300))):
+        fills = rvl.unpack_rvl(words, out)
+        try:
+            wanted = naive.unpack_rvl(words.astype("<u4").tobytes(), out.size)
+        except StopIteration:
+            wanted = []
+        assert not fills or wanted == out.tolist()
+        assert fills == (len(wanted) == out.size)
+
+
 # --- seeded partition -----------------------------------------------------------------------------------------
 
 
@@ -1077,9 +1112,17 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
     assert [name for name in names if f"naive.{name}" not in called] == []
 
 
-OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth", "fit_sides", "closed_path", "draw_mesh", "unpack_lzf"}
-"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; two are of methods and the
-last two of data sets."""
+OUTSIDE_THE_PIPELINE = {
+    "count_boxes",
+    "splat_depth",
+    "fit_sides",
+    "closed_path",
+    "draw_mesh",
+    "unpack_lzf",
+    "unpack_rvl",
+}
+"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; two are of methods, two of
+data sets, and the last of recordings."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys

@@ -117,6 +117,15 @@ def test_a_node_that_is_not_continuous_answers_the_service_and_a_click(tmp_path:
     assert "a click was ignored: expected a pixel" in (tmp_path / "log").read_text()
 
 
+def test_ids_last_while_the_view_moves_until_they_are_switched_off(tmp_path: Path) -> None:
+    with node(tmp_path / "log", "--ids", "true"):
+        found = peer("lasting")
+    assert len(found["numbers"][0]) > 3 and found["set"] == [""]
+    for later in found["numbers"][1:]:  # rows are rolled: what leaves on one side comes back on the other
+        assert len(set(later) & set(found["numbers"][0])) >= len(found["numbers"][0]) - 1
+    assert set(found["off"]) <= set(range(1, 30))
+
+
 def test_topics_and_parameters_are_given_as_flags_or_as_arguments_of_ros(tmp_path: Path) -> None:
     log = tmp_path / "log"
     words = ["--color", "/cam/rgb", "--ros-args", "-r", "__ns:=/arm", "-p", "partition.gamma:=-1.0"]

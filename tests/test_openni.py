@@ -19,6 +19,7 @@ import spigolo as sp
 from spigolo.errors import FileError, SpigoloError
 from spigolo.sources import openni
 
+pytestmark = pytest.mark.alone
 HERE = Path(__file__).parent
 
 

@@ -20,7 +20,7 @@ DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
 Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
 Out = Annotated[Path, Parameter(alias="-o")]
-Jobs = Annotated[int, Parameter(alias="-j")]
+Jobs = Annotated[int | None, Parameter(alias="-j")]
 
 
 def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:

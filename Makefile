@@ -39,6 +39,7 @@ oldest: $(OLDEST)/.installed  ## tests of the core with the oldest versions that
 long: $(VENV)/.developing  ## what takes too long for every change: full fuzzing, a soak, whole tables
 	$(BIN)/python -m pytest $(FUZZED:%=tests/test_%.py) --hypothesis-profile=long
 	$(BIN)/python -m spigolo.lab.studies.soak
+	$(BIN)/python -m spigolo.lab.studies.kills
 	$(BIN)/python -m spigolo.lab.studies.emptiness
 	$(BIN)/python -m spigolo.lab.studies.robustness
 	$(BIN)/python -m spigolo.lab.studies.tracking

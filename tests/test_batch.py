@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,10 +20,23 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.batch import FrameFiles, Lost, Progress, Summary, dask_cluster, local, run_batch
+from spigolo.batch import (
+    FrameFiles,
+    Lost,
+    Progress,
+    Summary,
+    dask_cluster,
+    dask_local,
+    here,
+    in_order,
+    local,
+    run_batch,
+)
+from spigolo.batch.cluster import MAX_GROUP, RECENT, _ClusterRun
 from spigolo.batch.manifest import FILE, Manifest
 from spigolo.batch.places import check_name, place
 from spigolo.batch.tables import writer_of
+from spigolo.cli.engines import choose_cluster
 from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.export.instances import compress, run_lengths
 from spigolo.frames.files import write_json, write_png
@@ -374,17 +388,94 @@ def test_an_engine_answers_for_every_item() -> None:
     assert outcomes == {k: k**2 for k in range(20) if k != 3}
 
 
-@pytest.mark.filterwarnings("default")
-def test_a_cluster_makes_the_same_files(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[str]:
+    """A Dask scheduler with two workers."""
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None, silence_logs=50
-    ) as cluster:
-        engine = dask_cluster(cluster.scheduler_address)
-        jobs = [Killer(job, tmp_path / job.name, False) if job.name == "f05" else job for job in jobs_of(source)]
-        summary = run_batch(jobs, sp.OBJECTS, tmp_path / "out", engine)
+    options = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": 50}
+    with warnings.catch_warnings():
+        warnings.simplefilter("default")
+        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as running:
+            yield running.scheduler_address
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_makes_the_same_files(source: Path, undisturbed: Path, tmp_path: Path, cluster: str) -> None:
+    jobs = [Killer(job, tmp_path / job.name, False) if job.name == "f05" else job for job in jobs_of(source)]
+    summary = run_batch(jobs, sp.OBJECTS, tmp_path / "out", dask_cluster(cluster))
     assert summary.progress == Progress(COUNT, 0, COUNT - 1, 1)
     assert_equal(tmp_path / "out", undisturbed)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_answers_for_every_item(cluster: str) -> None:
+    for group in (1, 7, None):
+        outcomes = dict(dask_cluster(cluster, group)(square, range(50)))
+        assert outcomes.pop(3) == Lost("ValueError: three is odd")
+        assert outcomes == {k: k**2 for k in range(50) if k != 3}
+
+
+def deadly(number: int) -> int:
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return number
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
+@pytest.mark.filterwarnings("default")
+def test_an_item_that_kills_its_workers_is_lost_alone(cluster: str) -> None:
+    outcomes = dict(dask_cluster(cluster, 4)(deadly, range(8)))
+    lost = outcomes.pop(3)
+    assert isinstance(lost, Lost) and "died again and again" in lost.reason
+    assert outcomes == {k: k for k in range(8) if k != 3}
+
+
+def test_tasks_hold_as_many_items_as_take_a_second() -> None:
+    pytest.importorskip("distributed")
+    run = _ClusterRun(None, square, range(5000), None)
+    assert [len(run._next_group()), run._size()] == [1, 1]
+    for seconds, expected in ((0.1, 10), (3.0, 1), (0.0, MAX_GROUP), (1e-5, MAX_GROUP)):
+        run.item_s.extend([seconds] * RECENT)
+        assert len(run._next_group()) == expected
+    run.again.append(17)
+    assert run._next_group() == [17]
+
+
+def test_a_cluster_of_this_machine_starts_by_name(source: Path, undisturbed: Path, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    out = tmp_path / "out"
+    arguments = [*command(source, out), "--scheduler", "local"]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=False, timeout=600)
+    assert done.returncode == 1, done.stderr
+    assert f"{COUNT} frames: {COUNT - 1} computed, 0 kept, 1 failed" in done.stdout
+    assert "Traceback" not in done.stderr
+    assert_equal(out, undisturbed)
+    with pytest.raises(SpigoloError, match="at least one worker"):
+        dask_local(0)
+
+
+def test_workers_of_another_cluster_cannot_be_chosen() -> None:
+    with pytest.raises(ConfigError, match="--scheduler local starts one with -j workers"):
+        choose_cluster("tcp://127.0.0.1:9", 2, "-j")
+
+
+def slow_first(number: int) -> int:
+    time.sleep(0.2 * (number == 0))
+    return number
+
+
+def test_outcomes_come_in_the_order_of_the_items() -> None:
+    assert list(in_order(local(2), slow_first, range(6))) == list(range(6))
+    assert list(in_order(here, square, [1, 2, 4])) == [1, 4, 16]
+    with pytest.raises(ValueError, match="three"):
+        list(in_order(here, square, range(5)))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
+def test_a_worker_that_dies_leaves_its_place_in_the_order() -> None:
+    outcomes = list(in_order(local(2), deadly, range(6)))
+    assert isinstance(outcomes[3], Lost)
+    assert [k for k in outcomes if not isinstance(k, Lost)] == [0, 1, 2, 4, 5]
 
 
 def test_a_scheduler_that_is_not_there_is_named(source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

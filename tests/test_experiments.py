@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -19,6 +21,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import spigolo as sp
+from spigolo.batch import dask_local
+from spigolo.batch.engine import one_thread
 from spigolo.errors import ConfigError, FileError, FrameError, SpigoloError
 from spigolo.lab.evaluation import (
     Row,
@@ -50,7 +54,6 @@ from spigolo.lab.experiments import (
 from spigolo.lab.experiments.contenders import pair_up
 from spigolo.lab.experiments.limitations import limitations
 from spigolo.lab.experiments.pictures import WORST, worst_rows
-from spigolo.lab.machine import one_thread
 from spigolo.lab.page import Cell, Gallery, Page, Picture, Table, to_html, to_markdown, to_text
 from spigolo.view.truth import FOUND, MISSED, truth_picture
 from test_objects import scene
@@ -76,6 +79,15 @@ class Counting:
         if int(frame.depth[0, 0] * 1000) in self.fails_on:
             raise FrameError("expected a frame to like, got this one")
         return sp.segment(frame, BOXES)
+
+
+class Deadly(Counting):
+    """Kills its process on a frame."""
+
+    def __call__(self, frame: sp.Frame) -> sp.Segmentation:
+        if int(frame.depth[0, 0] * 1000) == 903:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().__call__(frame)
 
 
 @pytest.fixture
@@ -418,6 +430,29 @@ def test_worker_processes_give_the_same_rows_in_the_same_order(root: Path, tmp_p
     untimed = [[replace(r, cpu_s=None, wall_s=None) for r in rows] for rows in (one, two)]
     assert untimed[0] == untimed[1]
     assert [r.key for r in read_rows(tmp_path / "2.jsonl")] == [r.key for r in one]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
+def test_a_task_that_kills_its_worker_becomes_a_row_that_is_tried_again(
+    root: Path, tmp_path: Path, counting: Counting
+) -> None:
+    frames, out = find_labelled_frames([root / "osd-small"]), tmp_path / "rows.jsonl"
+    first, lost, last = evaluate(frames, [Deadly()], out, jobs=2)
+    assert first.error is None and last.error is None
+    assert lost.error is not None and "worker process died" in lost.error
+    assert lost.score is not None and lost.score.true_positives == 0 < lost.score.n_objects
+    again = evaluate(frames, [counting], out)
+    assert len(counting.runs) == 2  # once to warm up, once timed
+    assert again[0] == first and again[1].error is None and again[2] == last
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_gives_the_same_rows(root: Path, tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    frames, made = find_labelled_frames([root]), make_methods(["toscana2016"], [BOXES])
+    engines = {"here": None, "cluster": dask_local(1)}
+    one, two = (evaluate(frames, made, tmp_path / name, engine=engine) for name, engine in engines.items())
+    assert [replace(r, cpu_s=None, wall_s=None) for r in one] == [replace(r, cpu_s=None, wall_s=None) for r in two]
 
 
 def test_a_method_that_fails_has_found_nothing(root: Path, tmp_path: Path, counting: Counting) -> None:

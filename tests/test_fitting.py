@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gzip
 import json
+import os
+import signal
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -276,6 +278,20 @@ def test_worker_processes_try_the_same(root: Path, tmp_path: Path) -> None:
         return [replace(r, cpu_s=None) for r in rows]
 
     assert [timeless(t.rows) for t in one.trials] == [timeless(t.rows) for t in two.trials]
+
+
+class Deadly(sp.methods.Toscana2016):
+    """Kills its process."""
+
+    def __call__(self, frame: sp.Frame) -> sp.Segmentation:
+        os.kill(os.getpid(), signal.SIGKILL)
+        raise AssertionError
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
+def test_a_trial_that_kills_its_workers_ends_the_search(root: Path, tmp_path: Path) -> None:
+    with pytest.raises(SpigoloError, match="trial 0 was lost: its worker process died"):
+        search(find_labelled_frames([root])[:1], Deadly(BOXES), tmp_path / "trials.jsonl", 1, jobs=2)
 
 
 @pytest.mark.parametrize("content", ["{}\n", "nothing\n", '{"method":"m"}\n', "[1]\n", '"x"\n'])

@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import pickle
 import struct
+import subprocess
+import sys
 import tracemalloc
 import zipfile
 import zlib
@@ -117,6 +119,30 @@ def test_a_png_of_too_many_pixels_is_not_decoded(tmp_path: Path, read: object, m
     monkeypatch.setattr(cv2, "imdecode", lambda *_: pytest.fail("it was decoded"))
     with pytest.raises(FrameError, match="expected at most 16000000 pixels, got 30000x30000"):
         read(path)  # type: ignore[operator]
+
+
+MEASURED = """
+import resource, sys
+from spigolo.frames.images import read_color
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+assert read_color(sys.argv[1]).shape == (8, 8, 3)
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) // (1 if sys.platform == "linux" else 1024))
+"""
+HEADS = {b"zTXt": b"k\0\0", b"iTXt": b"k\0\1\0\0\0", b"iCCP": b"k\0\0"}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs the resource module")
+@pytest.mark.parametrize("kind", HEADS)
+def test_a_png_text_or_profile_that_unpacks_to_much_is_not_unpacked(tmp_path: Path, kind: bytes) -> None:
+    packer = zlib.compressobj(9)
+    body = HEADS[kind] + b"".join(packer.compress(bytes(2**20)) for _ in range(256)) + packer.flush()
+    _, encoded = cv2.imencode(".png", np.zeros((8, 8, 3), np.uint8))
+    plain, after_header = encoded.tobytes(), 33
+    bomb = struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    path = tmp_path / "bomb.png"
+    path.write_bytes(plain[:after_header] + bomb + plain[after_header:])
+    done = subprocess.run([sys.executable, "-c", MEASURED, str(path)], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 64 * 1024  # KiB; unpacked it has 256 MiB
 
 
 def test_a_larger_limit_is_passed_on(tmp_path: Path) -> None:

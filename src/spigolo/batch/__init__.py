@@ -9,9 +9,22 @@ it stopped, and ends with the same files. A frame that fails is recorded with it
 
 from __future__ import annotations
 
-from spigolo.batch.cluster import dask_cluster
-from spigolo.batch.engine import Engine, Lost, local
+from spigolo.batch.cluster import dask_cluster, dask_local
+from spigolo.batch.engine import Engine, Lost, here, in_order, local
 from spigolo.batch.jobs import FrameFiles, Job
 from spigolo.batch.running import Progress, Summary, run_batch
 
-__all__ = ["Engine", "FrameFiles", "Job", "Lost", "Progress", "Summary", "dask_cluster", "local", "run_batch"]
+__all__ = [
+    "Engine",
+    "FrameFiles",
+    "Job",
+    "Lost",
+    "Progress",
+    "Summary",
+    "dask_cluster",
+    "dask_local",
+    "here",
+    "in_order",
+    "local",
+    "run_batch",
+]

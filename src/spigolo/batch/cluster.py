@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import importlib
+import logging
+import pickle
+import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from itertools import islice
-from typing import Any, TypeVar
+from statistics import median
+from typing import Any, Generic, TypeVar
 
 import cv2
 
-from spigolo.batch.engine import IN_FLIGHT, Engine, Lost
+from spigolo.batch.engine import IN_FLIGHT, Engine, Lost, reason_of
 from spigolo.errors import SpigoloError
 
 T = TypeVar("T")
@@ -18,57 +24,128 @@ R = TypeVar("R")
 
 TIMEOUT_S = 30
 """How long to wait for a scheduler."""
+TASK_S = 1.0
+"""Time that a task of the cluster should take. Below it the overhead of a task counts, above it a lost worker costs."""
+MAX_GROUP = 1000
+"""Maximum number of items in a task."""
+LOOPBACK = "127.0.0.1"
+RECENT = 15
+"""Tasks whose time decides on the size of the next ones."""
 
 
-def dask_cluster(address: str) -> Engine:
+def dask_cluster(address: str, group: int | None = None) -> Engine:
     """Return an engine of the workers of a Dask scheduler. address: `tcp://HOST:PORT`.
 
     Workers need spigolo of the same version, and the input files under the same paths. Dask itself runs the work of a
-    lost worker again. Raises SpigoloError without the extra `cluster` or without a scheduler at that address.
+    lost worker again. group: number of items in a task. None: as many as take about a second. Raises SpigoloError
+    without the extra `cluster` or without a scheduler at that address.
     """
     distributed = _distributed()
 
     def run(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
         with _connect(distributed, address) as client:
-            yield from _run(distributed, client, do, items)
+            yield from _ClusterRun(client, do, items, group).outcomes(distributed)
 
     return run
 
 
-def _run(distributed: Any, client: Any, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
-    waiting, in_flight = iter(items), {}
+def dask_local(workers: int = 1, group: int | None = None) -> Engine:
+    """Return an engine of a Dask cluster on this machine that lasts as long as the run.
 
-    def submit(count: int) -> list[Any]:
-        futures = {client.submit(_work, do, item, pure=False): item for item in islice(waiting, count)}
-        in_flight.update(futures)
-        return list(futures)
+    Its processes have one thread each. They and the dashboard listen on the loopback interface. group: as for
+    `dask_cluster`. Raises SpigoloError without the extra `cluster` or for less than one worker.
+    """
+    distributed = _distributed()
+    if workers < 1:
+        raise SpigoloError(f"expected at least one worker, got {workers}: leave it out for one per core")
+    options = {"n_workers": workers, "threads_per_worker": 1, "processes": True}
+    listening = {"host": LOOPBACK, "dashboard_address": f"{LOOPBACK}:0"}
 
-    queue = distributed.as_completed(submit(_window(client)), loop=client.loop)
-    for future in queue:
-        item = in_flight.pop(future)
-        error = future.exception()
-        outcome = future.result() if error is None else Lost(_reason(error))
+    def run(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
+        with (
+            distributed.LocalCluster(silence_logs=logging.CRITICAL, **options, **listening) as cluster,
+            distributed.Client(cluster, set_as_default=False) as client,
+        ):
+            yield from _ClusterRun(client, do, items, group).outcomes(distributed)
+
+    return run
+
+
+class _ClusterRun(Generic[T, R]):
+    """One run over the items, in groups. The items of a group that kills its workers run again, one by one."""
+
+    def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:
+        self.client, self.group = client, group
+        self.packed = importlib.import_module("cloudpickle").dumps(do)
+        self.items = iter(items)
+        self.again: deque[T] = deque()
+        self.in_flight: dict[Any, list[T]] = {}
+        self.item_s: deque[float] = deque(maxlen=RECENT)
+
+    def outcomes(self, distributed: Any) -> Iterator[tuple[T, R | Lost]]:
+        queue = distributed.as_completed(self._submit(), loop=self.client.loop)
+        for future in queue:
+            yield from self._collect(future)
+            for following in self._submit():
+                queue.add(following)
+
+    def _submit(self) -> list[Any]:
+        """Hand out groups until each thread of the cluster has some."""
+        window = IN_FLIGHT * max(sum(self.client.nthreads().values()), 1)
+        futures = []
+        while len(self.in_flight) < window and (group := self._next_group()):
+            future = self.client.submit(_work, self.packed, group, pure=False)
+            self.in_flight[future] = group
+            futures.append(future)
+        return futures
+
+    def _next_group(self) -> list[T]:
+        if self.again:
+            return [self.again.popleft()]
+        return list(islice(self.items, self.group or self._size()))
+
+    def _size(self) -> int:
+        """Return how many items take about as long as a task should."""
+        return min(max(int(TASK_S / max(median(self.item_s), 1e-9)), 1), MAX_GROUP) if self.item_s else 1
+
+    def _collect(self, future: Any) -> Iterator[tuple[T, R | Lost]]:
+        group, error = self.in_flight.pop(future), future.exception()
+        if error is None:
+            outcomes, seconds = future.result()
+            self.item_s.append(seconds / len(group))
+            yield from zip(group, outcomes, strict=True)
+        elif len(group) > 1:
+            self.again.extend(group)
+        else:
+            yield group[0], Lost(_reason(error))
         future.release()
-        for following in submit(1 + max(_window(client) - len(in_flight) - 1, 0)):
-            queue.add(following)
-        yield item, outcome
 
 
-def _work(do: Callable[[Any], Any], item: Any) -> Any:
+def _work(packed: bytes, group: list[Any]) -> tuple[list[Any], float]:
+    """Return the outcomes of a group, and the time that they took, in seconds."""
     cv2.setNumThreads(1)
-    return do(item)
+    do, start = _unpacked(packed), time.perf_counter()
+    return [_outcome(do, item) for item in group], time.perf_counter() - start
 
 
-def _window(client: Any) -> int:
-    """Return how many items to hand out at once: some for each thread of the cluster."""
-    threads = sum(client.nthreads().values())
-    return max(IN_FLIGHT * int(threads), IN_FLIGHT)
+@lru_cache(maxsize=4)
+def _unpacked(packed: bytes) -> Callable[[Any], Any]:
+    """Return the work, the same one for all groups: what it keeps between items stays warm."""
+    do: Callable[[Any], Any] = pickle.loads(packed)  # sent by the scheduler, which is trusted
+    return do
+
+
+def _outcome(do: Callable[[Any], Any], item: Any) -> Any:
+    try:
+        return do(item)
+    except Exception as error:
+        return Lost(reason_of(error))
 
 
 def _reason(error: BaseException) -> str:
     if type(error).__name__ == "KilledWorker":
         return "its worker process died again and again, probably because memory ran out"
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"
+    return reason_of(error)
 
 
 @contextmanager

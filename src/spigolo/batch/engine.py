@@ -6,12 +6,13 @@ import os
 import signal
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context, parent_process
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar, cast
 
 import cv2
 
@@ -35,7 +36,7 @@ class Lost:
 
 
 class Engine(Protocol):
-    """Does work on items, in any order. `local` and `dask_cluster` are engines."""
+    """Does work on items, in any order. `here`, `local`, `dask_cluster` and `dask_local` are engines."""
 
     def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
         """Yield each item with what `do` returned for it, as soon as it is there. do, items: picklable."""
@@ -51,6 +52,47 @@ def local(workers: int = 1) -> Engine:
         return iter(_LocalRun(do, items, workers))
 
     return run
+
+
+def here(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
+    """Do the work in this process, with one compute thread. This is an engine. An error of `do` ends the run."""
+    with one_thread():
+        for item in items:
+            yield item, do(item)
+
+
+def in_order(engine: Engine, do: Callable[[T], R], items: Iterable[T]) -> Generator[R | Lost]:
+    """Yield the outcomes of an engine in the order of the items. Outcomes that come early wait in memory."""
+    early: dict[int, R | Lost] = {}
+    following = 0
+    outcomes = cast("Generator[tuple[tuple[int, T], R | Lost]]", engine(_Numbered(do), enumerate(items)))
+    with closing(outcomes):
+        for (number, _), outcome in outcomes:
+            early[number] = outcome
+            while following in early:
+                yield early.pop(following)
+                following += 1
+
+
+@dataclass(frozen=True, slots=True)
+class _Numbered(Generic[T, R]):
+    """Work on numbered items."""
+
+    do: Callable[[T], R]
+
+    def __call__(self, numbered: tuple[int, T]) -> R:
+        return self.do(numbered[1])
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """Keep OpenCV to one thread inside the block."""
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
+    try:
+        yield
+    finally:
+        cv2.setNumThreads(before)
 
 
 def cores() -> int:
@@ -132,7 +174,12 @@ class _LocalRun(Generic[T, R]):
 def _outcome(future: Future[Any]) -> Any:
     """Return the result of a future, or Lost where it could not even be handed over."""
     error = future.exception()
-    return future.result() if error is None else Lost(f"{type(error).__name__}: {' '.join(str(error).split())}")
+    return future.result() if error is None else Lost(reason_of(error))
+
+
+def reason_of(error: BaseException) -> str:
+    """Return an error in one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def _pool(workers: int, do: Callable[[Any], Any]) -> ProcessPoolExecutor:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from spigolo.cli import DONE, SOME_FAILED
+from spigolo.cli.engines import choose_cluster
 from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.progress import progress
 from spigolo.frames.frame import MAX_PIXELS
@@ -55,7 +56,8 @@ def batch(
     workers
         Number of processes on this machine. Default: one per core.
     scheduler
-        Address of a Dask scheduler, such as tcp://127.0.0.1:8786, whose workers do the work instead.
+        Dask cluster that does the work instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
+        for a new one of `--workers` processes on this machine.
     format
         Table of the objects: parquet writes objects.parquet, coco writes coco.json.
     out
@@ -82,15 +84,12 @@ def _job(paths: FramePaths, camera: str | None, depth_scale: float | None, max_p
 
 
 def _engine(workers: int | None, scheduler: str | None) -> Engine:
-    from spigolo.batch import dask_cluster, local
+    from spigolo.batch import local
     from spigolo.batch.engine import cores
-    from spigolo.errors import ConfigError
 
-    if scheduler is None:
-        return local(cores() if workers is None else workers)
-    if workers is not None:
-        raise ConfigError("expected --workers or --scheduler, got both: a cluster has workers of its own")
-    return dask_cluster(scheduler)
+    if scheduler is not None:
+        return choose_cluster(scheduler, workers, "--workers")
+    return local(cores() if workers is None else workers)
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from spigolo.cli import DONE, SOME_FAILED
+from spigolo.cli.engines import choose_cluster
 from spigolo.cli.inputs import Inputs, Jobs, Many, Out, configure, split_flags
 from spigolo.cli.progress import progress
 from spigolo.errors import ConfigError, FileError
@@ -29,7 +30,8 @@ def evaluate(
     methods: Many = ("toscana2016",),
     presets: Many = ("OBJECTS",),
     full: Many = FULL,
-    jobs: Jobs = 1,
+    jobs: Jobs = None,
+    scheduler: str | None = None,
     out: Out = Path("rows.jsonl"),
 ) -> int:
     """Run methods on labelled frames and write one row of scores and times for each.
@@ -51,7 +53,10 @@ def evaluate(
     full
         Patterns of data sets in which every object is labelled. Precision means something only for these.
     jobs
-        Number of worker processes.
+        Number of worker processes. Default: this process alone.
+    scheduler
+        Dask cluster that does the work instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
+        for a new one of `--jobs` processes on this machine.
     out
         File of rows. New rows are appended.
 
@@ -68,6 +73,7 @@ def evaluate(
         raise ConfigError("expected methods, and presets of toscana2016, got none: leave the flag out for the usual")
     check_flags(flags, [method.name for method in chosen])
     found = find_labelled_frames([Path(word) for word in words], full)
+    cluster = None if scheduler is None else choose_cluster(scheduler, jobs, "--jobs")
     new: list[Row] = []
     with progress() as bar:
         task = bar.add_task("evaluating", total=None)
@@ -77,7 +83,7 @@ def evaluate(
             if row is not None:
                 new.append(row)
 
-        rows = run(found, chosen, out, jobs, tell)
+        rows = run(found, chosen, out, 1 if jobs is None else jobs, tell, cluster)
     failed = [row for row in rows if row.error is not None]
     for row in failed:
         print(f"spigolo: {row.data_set}/{row.frame} ({row.method} {row.preset}): {row.error}", file=sys.stderr)

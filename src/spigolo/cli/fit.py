@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE
+from spigolo.cli.engines import choose_cluster
 from spigolo.cli.evaluate import check_flags
 from spigolo.cli.inputs import Inputs, Jobs, Many, Out, configure, split_flags
 from spigolo.cli.progress import progress
@@ -23,7 +24,8 @@ def fit(
     folds: int = 5,
     seed: int = 0,
     full: Many = ("osd-*", "hand-uoc"),
-    jobs: Jobs = 1,
+    jobs: Jobs = None,
+    scheduler: str | None = None,
     out: Out = Path("spigolo-fit"),
 ) -> int:
     """Fit a preset to about twenty labelled frames of your own.
@@ -50,7 +52,10 @@ def fit(
     full
         Patterns of data sets in which every object is labelled. Only in these do false objects lower the score.
     jobs
-        Number of worker processes.
+        Number of worker processes. Default: this process alone.
+    scheduler
+        Dask cluster that does the work instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
+        for a new one of `--jobs` processes on this machine.
     out
         Folder for the preset, report.md and trials.jsonl.
 
@@ -66,6 +71,7 @@ def fit(
     (start,) = make_methods([method], [configure(preset, flags, fit)])
     found = only_labelled(find_labelled_frames([Path(word) for word in words], full))
     check_folds([frame.group for frame in found], folds)
+    cluster = None if scheduler is None else choose_cluster(scheduler, jobs, "--jobs")
     with progress() as bar:
         task = bar.add_task("fitting", total=None)
         best = 0.0
@@ -75,7 +81,7 @@ def fit(
             best = max(best, goodness(trial.rows) if trial else 0.0)
             bar.update(task, completed=done, total=total, description=f"fitting, best {best:.3f} of 2")
 
-        tried = search(found, start, out / "trials.jsonl", trials, seed, jobs, tell)
+        tried = search(found, start, out / "trials.jsonl", trials, seed, 1 if jobs is None else jobs, tell, cluster)
     held = hold_out(tried, folds, seed)
     print(to_text(score_table(tried, held)))
     written = write_fit(tried, held, start, out)

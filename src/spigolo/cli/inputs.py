@@ -23,7 +23,7 @@ SHORT = {"resolution": "additions.resolution"}
 Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
 Out = Annotated[Path, Parameter(alias="-o")]
-Jobs = Annotated[int, Parameter(alias="-j")]
+Jobs = Annotated[int | None, Parameter(alias="-j")]
 
 
 def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 import platform
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +11,8 @@ import cv2
 import llvmlite
 import numba
 import numpy as np
+
+from spigolo.batch.engine import cores
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ def this_machine(**versions: str) -> Machine:
         "opencv": cv2.__version__,
     }
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else None
-    return Machine(processor(), _cores(), f"{platform.system()} {platform.machine()}", load, versions)
+    return Machine(processor(), cores(), f"{platform.system()} {platform.machine()}", load, versions)
 
 
 def processor() -> str:
@@ -52,20 +52,3 @@ def processor() -> str:
         lines = []
     named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
     return next(named, "") or platform.processor() or platform.machine()
-
-
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
-@contextmanager
-def one_thread() -> Iterator[None]:
-    """Keeps OpenCV to one thread, as times are those of one."""
-    before = cv2.getNumThreads()
-    cv2.setNumThreads(1)
-    try:
-        yield
-    finally:
-        cv2.setNumThreads(before)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from spigolo import __version__
+from spigolo.batch.engine import one_thread
 from spigolo.frames.frame import Frame
 from spigolo.lab.bench.contestants import CONFIGS, Comparison, compare, everybody
 from spigolo.lab.bench.figures import Summary, summarise
@@ -24,7 +25,7 @@ from spigolo.lab.bench.scaling import SIZES, Growth, Size, study
 from spigolo.lab.bench.stages import time_stages
 from spigolo.lab.bench.startup import Startup, measure_startup
 from spigolo.lab.bench.timing import Sample, Tell, run_rounds, silent
-from spigolo.lab.machine import Machine, one_thread, this_machine
+from spigolo.lab.machine import Machine, this_machine
 
 MAIN = "OBJECTS 8c"
 """Whose throughput and latency are measured."""

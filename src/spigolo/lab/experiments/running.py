@@ -3,35 +3,25 @@
 from __future__ import annotations
 
 import importlib.util
-import os
-import signal
-import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
 from dataclasses import dataclass, replace
-from multiprocessing import get_context, parent_process
 from pathlib import Path
-from typing import TypeVar
 
-import cv2
 import numpy as np
 
 from spigolo import __version__
+from spigolo.batch import Engine, Lost, here, in_order, local
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frames.frame import Frame
 from spigolo.lab.datasets import Entry, Truth
 from spigolo.lab.evaluation.matching import NEEDS_SCIPY
 from spigolo.lab.evaluation.rows import Key, Row, RowFile, RowScore, score_row
-from spigolo.lab.machine import one_thread, this_machine
+from spigolo.lab.machine import this_machine
 from spigolo.methods import Method
 from spigolo.objects.segmentation import Segmentation
-
-T = TypeVar("T")
-R = TypeVar("R")
 
 Tell = Callable[[int, int, Row | None], None]
 """Called with the number of rows done, of rows to do and the row just done."""
@@ -80,6 +70,11 @@ class Worker:
             return _row(task.frame, content, method, None, _score_of_nothing(truth), str(error))
         return _row(task.frame, content, method, run, None if truth is None else _score(truth, run.result))
 
+    def lost(self, task: Task, reason: str) -> Row:
+        """Return the row of a task that no worker survived. It has no content, so that another run tries it again."""
+        method = self._methods[task.method, task.digest]
+        return _row(task.frame, "", method, None, _score_of_nothing(_readable_truth(task.frame)), reason)
+
     def _time(self, method: Method, frame: Frame) -> Run:
         key = method.name, method.digest
         if key not in self._warm:
@@ -93,19 +88,23 @@ class Worker:
 
 
 def evaluate(
-    frames: Sequence[Entry], methods: Sequence[Method], out: Path, jobs: int = 1, tell: Tell | None = None
+    frames: Sequence[Entry],
+    methods: Sequence[Method],
+    out: Path,
+    jobs: int = 1,
+    tell: Tell | None = None,
+    engine: Engine | None = None,
 ) -> list[Row]:
-    """Runs every method on every frame and appends a row each to the file `out`, but for those that it holds.
+    """Run every method on every frame and append one row for each to the file `out`. Rows in the file are kept.
 
-    Groups and labelling of the rows that it holds follow the frames; errors of frames that were mended are run again.
-    One run at a time owns the file. jobs: worker processes. Returns the rows of these methods on these frames, old and
-    new. Raises SpigoloError where the measures cannot run or a worker dies, FileError for a file that holds something
-    else.
+    Groups and labelling of the rows in the file follow the frames. Errors of frames that were mended are run again, and
+    so are tasks whose worker died. One run at a time owns the file. jobs: worker processes. engine: does the work
+    instead. Returns the rows of these methods on these frames, old and new. Raises SpigoloError where the measures
+    cannot run, FileError for a file that holds something else.
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)
-    if jobs < 1:
-        raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
+    engine = engine_of(jobs) if engine is None else engine
     wanted = [Task(frame, method.name, method.digest) for frame in frames for method in methods]
     with RowFile(out) as file:
         rows = _brought_up(frames, file)
@@ -115,7 +114,7 @@ def evaluate(
         tasks = [task for task in wanted if task.key not in there]
         if tell is not None:
             tell(0, len(tasks), None)
-        with closing(_run(tasks, methods, jobs)) as made:
+        with closing(_rows_of(tasks, methods, engine)) as made:
             for done, row in enumerate(made, start=1):
                 file.append(row)
                 if tell is not None:
@@ -169,59 +168,19 @@ def _as_described(row: Row, frame: Entry | None) -> Row:
     return replace(row, group=frame.group, labelling=row.labelling if unscored else frame.labelling)
 
 
-def _run(tasks: Sequence[Task], methods: Sequence[Method], jobs: int) -> Generator[Row]:
-    """The rows in the order of the tasks."""
-    if jobs == 1 or len(tasks) < 2:
-        yield from spread(Worker(methods), tasks, 1)
-    else:
-        yield from spread(_do, tasks, jobs, methods)
+def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -> Generator[Row]:
+    """Yield the rows in the order of the tasks."""
+    work = Worker(methods)
+    with closing(in_order(engine, work, tasks)) as outcomes:
+        for task, outcome in zip(tasks, outcomes, strict=True):
+            yield work.lost(task, outcome.reason) if isinstance(outcome, Lost) else outcome
 
 
-def spread(do: Callable[[T], R], items: Sequence[T], jobs: int, methods: Sequence[Method] = ()) -> Generator[R]:
-    """What `do` makes of each item, in their order, in this process or in several, each with one thread.
-
-    methods: those of the worker that waits in each of several processes. Raises SpigoloError where one dies.
-    """
-    if jobs == 1 or len(items) < 2:
-        with one_thread():
-            yield from map(do, items)
-        return
-    # spawn: OpenCV's threads do not survive a fork
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), initializer=_prepare, initargs=(methods,))
-    try:
-        yield from pool.map(do, items)
-    except BrokenProcessPool:
-        raise SpigoloError(
-            "expected the worker processes to live, but one died, probably for want of memory: take fewer with -j;"
-            " what is done so far is kept"
-        ) from None
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-_worker: Worker | None = None
-
-
-def _prepare(methods: Sequence[Method]) -> None:
-    """In a new worker process."""
-    global _worker  # noqa: PLW0603
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    cv2.setNumThreads(1)
-    _worker = Worker(methods)
-
-
-def _end_with_parent() -> None:
-    """A worker whose parent was killed would wait for tasks for ever."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
-
-
-def _do(task: Task) -> Row:
-    assert _worker is not None
-    return _worker(task)
+def engine_of(jobs: int) -> Engine:
+    """Return the engine for a number of jobs: this process for one, else worker processes. Raises SpigoloError."""
+    if jobs < 1:
+        raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
+    return here if jobs == 1 else local(jobs)
 
 
 def _score(truth: Truth, result: Segmentation) -> RowScore:

@@ -8,10 +8,11 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
+from spigolo.batch import Engine, Lost, in_order
 from spigolo.errors import FileError, SpigoloError
 from spigolo.lab.datasets import Entry
 from spigolo.lab.evaluation.matching import NEEDS_SCIPY
-from spigolo.lab.experiments.running import Task, Worker, spread
+from spigolo.lab.experiments.running import Task, Worker, engine_of
 from spigolo.lab.fitting.drawing import draw
 from spigolo.lab.fitting.spaces import Setting, apply, space_of
 from spigolo.lab.fitting.trials import Place, Search, Subject, Trial, TrialFile
@@ -46,17 +47,20 @@ def search(
     seed: int = 0,
     jobs: int = 1,
     tell: Tell | None = None,
+    engine: Engine | None = None,
 ) -> Search:
-    """Tries the start and `trials` settings drawn at random, and appends those to the file `out` that it lacks.
+    """Try the start and `trials` settings drawn at random, and append those to the file `out` that it lacks.
 
-    frames: those without labels are left out. jobs: worker processes. Raises SpigoloError where optuna or scipy is
-    missing or a worker dies, FileError without labelled frames or for a file of other trials.
+    frames: those without labels are left out. jobs: worker processes. engine: does the work instead. Raises
+    SpigoloError where optuna or scipy is missing or a trial kills its workers, FileError without labelled frames or for
+    a file of other trials.
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)
     for value, what, least in ((trials, "trials", 1), (jobs, "jobs", 1), (seed, "a seed", 0)):
         if value < least:
             raise SpigoloError(f"expected {what} of {least} or more, got {value}: leave it out for the usual")
+    engine = engine_of(jobs) if engine is None else engine
     labelled = only_labelled(frames)
     settings: list[Setting] = [{}, *draw(space_of(start), trials, seed)]
     with TrialFile(out, _subject(labelled, start, seed)) as file:
@@ -64,8 +68,10 @@ def search(
         attempts = [Attempt(k, s, apply(s, start), labelled) for k, s in enumerate(settings) if k >= there]
         if tell is not None:
             tell(0, len(attempts), None)
-        with closing(spread(Attempt.__call__, attempts, jobs)) as done:
+        with closing(in_order(engine, Attempt.__call__, attempts)) as done:
             for count, trial in enumerate(done, start=1):
+                if isinstance(trial, Lost):
+                    raise SpigoloError(f"trial {there + count - 1} was lost: {trial.reason}; trials before it are kept")
                 _check(trial)
                 file.append(trial)
                 if tell is not None:

@@ -12,11 +12,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import spigolo as sp
+from spigolo.batch.engine import one_thread
 from spigolo.lab.bench.figures import paired_ratio
 from spigolo.lab.bench.timing import run_rounds, timed
 from spigolo.lab.datasets import Truth, guess
 from spigolo.lab.evaluation.rows import RowScore, score_row
-from spigolo.lab.machine import one_thread
 
 HALF = sp.OBJECTS.replace(additions={"resolution": "half"})
 

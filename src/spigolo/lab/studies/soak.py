@@ -1,46 +1,89 @@
-"""Segments frames for a long while and watches memory and answers: `python -m spigolo.lab.studies.soak --frames 5000`.
+"""Segment frames for a long while and watch memory, time and answers: `python -m spigolo.lab.studies.soak`.
 
-One Segmenter for each preset sees the bundled scene, moved, darkened, with more holes and at half the size, in turn.
-Whatever it saw before, each answer must be the one that a fresh run gives, and the process must not grow: else the exit
-code is 1. Memory is read from /proc, so it asks for Linux.
+One process sees 20,000 frames: a thousand scenes of changing content and size, over and over. Presets alternate.
+The exit code is 1 if memory is not flat over the last three quarters, if the last thousand frames take longer than the
+first thousand, or if an answer differs from that of a fresh run. Memory is read from /proc, so this needs Linux.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import os
 import sys
 import time
-import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
+import cv2
 import numpy as np
 
 import spigolo as sp
 
 MIB = 2**20
-SETTLED = 0.1
-MAY_GROW_MIB = 16.0
-"""Memory is compared from when a tenth of the frames were seen; a frame and its answer have 15 MiB."""
+SCENES = 1000
+"""Different frames. The last thousand frames show what the first thousand showed, so that their times compare."""
+SETTLED = 0.25
+"""Share of the frames after which memory has to be flat."""
+MAY_GROW_MIB = 5.0
+MAY_SLOW = 1.05
+"""Maximum ratio of CPU times, last thousand to first. Equal ones differ by a few per cent on a busy machine."""
+EVERY = 50
+"""Distance of frames whose answers are compared with those of a fresh run."""
+WIDTHS_PX = 96, 200
 
 
-def variants() -> list[sp.Frame]:
-    """The bundled scene in twelve ways, two of them of another size."""
-    folder = Path(sp.__file__).parent / "demo_scene"
-    seen = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
-    assert seen.camera is not None
-    rng, frames = np.random.default_rng(7), []
-    for k in range(10):
-        depth = np.roll(seen.depth, 17 * k, axis=1)
-        depth[rng.random(depth.shape) < 0.06 * k] = 0
-        frames.append(
-            sp.Frame((np.roll(seen.color, 17 * k, axis=1) * (1 - 0.08 * k)).astype(np.uint8), depth, seen.camera)
-        )
-    c = seen.camera
-    half = sp.Camera(c.fx / 2, c.fy / 2, c.cx / 2, c.cy / 2, c.width // 2, c.height // 2)
-    frames.append(sp.Frame(seen.color[::2, ::2], seen.depth[::2, ::2], half))
-    return [*frames, sp.Frame(seen.color, seen.depth, None)]
+@dataclass(frozen=True, slots=True)
+class Soak:
+    """The outcome of a soak."""
+
+    frames: int
+    other_answers: int
+    """Answers that differ from a fresh run, or from those to the same frame earlier."""
+    settled_mib: float
+    """Resident memory once settled."""
+    range_mib: float
+    """Difference between maximum and minimum after that."""
+    slower: float
+    """Median over the scenes of the CPU time in the last round, divided by that in the first."""
+    first_ms: float
+    """Median CPU time of a frame in the first round."""
+
+    @property
+    def failed(self) -> bool:
+        """Return whether a limit is exceeded."""
+        return self.other_answers > 0 or self.range_mib > MAY_GROW_MIB or self.slower > MAY_SLOW
+
+
+class Scenes:
+    """The bundled scene, changed at random: cropped, scaled, darkened, with other boxes and more holes."""
+
+    def __init__(self) -> None:
+        folder = Path(sp.__file__).parent / "demo_scene"
+        self.seen = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
+
+    def __call__(self, number: int) -> sp.Frame:
+        """Return a frame; a number always gives the same one."""
+        rng = np.random.default_rng(number)
+        height, width = self.seen.depth.shape
+        share = rng.uniform(0.6, 1)
+        rows, columns = round(share * height), round(share * width)
+        y, x = rng.integers(0, height - rows + 1), rng.integers(0, width - columns + 1)
+        size = int(rng.integers(*WIDTHS_PX)), int(rng.integers(WIDTHS_PX[0] * 3 // 4, WIDTHS_PX[1] * 3 // 4))
+        color = cv2.resize(self.seen.color[y : y + rows, x : x + columns], size, interpolation=cv2.INTER_AREA)
+        depth = cv2.resize(self.seen.depth[y : y + rows, x : x + columns], size, interpolation=cv2.INTER_NEAREST)
+        for _ in range(rng.integers(0, 4)):
+            top, left = rng.integers(0, size[1] - 20), rng.integers(0, size[0] - 20)
+            box = slice(top, top + rng.integers(8, 40)), slice(left, left + rng.integers(8, 40))
+            color[box] = rng.integers(0, 255, 3)
+            depth[box] = rng.uniform(0.6, 1.0)
+        depth[rng.random(depth.shape) < rng.uniform(0, 0.3)] = 0
+        scale = size[0] / columns
+        assert self.seen.camera is not None
+        fx = self.seen.camera.fx * scale
+        camera = sp.Camera(fx=fx, fy=fx, cx=size[0] / 2, cy=size[1] / 2, width=size[0], height=size[1])
+        return sp.Frame((color * rng.uniform(0.4, 1)).astype(np.uint8), depth, camera)
 
 
 def resident_mib() -> float:
@@ -48,38 +91,53 @@ def resident_mib() -> float:
     return pages * os.sysconf("SC_PAGE_SIZE") / MIB
 
 
-def soak(config: sp.Config, frames: Sequence[sp.Frame], count: int) -> tuple[int, float, float, float]:
-    """Answers that differ, MiB when settled and at the end, the longest time of a frame in seconds."""
-    expected = [sp.segment(frame, config).labels for frame in frames]
-    segmenter = sp.Segmenter(config)
-    settled, worst, wrong = 0.0, 0.0, 0
+def soak(configs: Sequence[sp.Config], count: int) -> Soak:
+    scenes, segmenters = Scenes(), [sp.Segmenter(config) for config in configs]
+    answers: dict[int, bytes] = {}
+    times = np.full((2, SCENES), np.nan)
+    memory: list[float] = []
+    wrong = 0
     for n in range(count):
-        start = time.perf_counter()
-        labels = segmenter(frames[n % len(frames)]).labels
-        worst = max(worst, time.perf_counter() - start)
-        wrong += not np.array_equal(labels, expected[n % len(frames)])
-        if n == round(SETTLED * count):
-            settled = resident_mib()
-    return wrong, settled, resident_mib(), worst
+        k = n % SCENES
+        frame, which = scenes(k), k % len(configs)
+        start = time.process_time()
+        labels = segmenters[which](frame).labels
+        took = time.process_time() - start
+        answer = hashlib.sha256(labels.tobytes()).digest()
+        same = answers.setdefault(k, answer) == answer
+        if n % EVERY == 0:
+            same &= np.array_equal(labels, sp.segment(frame, configs[which]).labels)
+        wrong += not same
+        if n < SCENES:
+            times[0, k] = took
+        if n >= count - SCENES:
+            times[1, k] = took
+        if n >= SETTLED * count:
+            memory.append(resident_mib())
+    slower = float(np.nanmedian(times[1] / times[0]))
+    return Soak(count, wrong, memory[0], max(memory) - min(memory), slower, 1e3 * float(np.nanmedian(times[0])))
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--frames", type=int, default=5000, help="how many for each preset")
+    parser.add_argument("--frames", type=int, default=20_000, help="at least two thousand")
     parser.add_argument("--presets", nargs="+", default=["OBJECTS", "TABLE", "SHELF"])
     given = parser.parse_args()
-    warnings.simplefilter("ignore")  # the frame without a camera is meant
-    failed = False
+    if given.frames < 2 * SCENES:
+        parser.error(f"expected at least {2 * SCENES} frames, got {given.frames}: the first and last thousand compare")
+    cv2.setNumThreads(1)
+    configs = [sp.preset(name) for name in given.presets]
+    for config in configs:  # compiled before anything is timed
+        sp.segment(Scenes()(0), config)
+    found = soak(configs, given.frames)
     print(
-        "| preset | frames | other answers | MiB when settled | MiB at the end | longest ms |",
-        "|---" * 6 + "|",
+        "| presets | frames | other answers | MiB settled | range MiB after that | median ms | last / first thousand |",
+        "|---" * 7 + "|",
+        f"| {', '.join(given.presets)} | {found.frames} | {found.other_answers} | {found.settled_mib:.1f}"
+        f" | {found.range_mib:.2f} | {found.first_ms:.1f} | {found.slower:.3f} |",
         sep="\n",
     )
-    for name in given.presets:
-        wrong, settled, end, worst = soak(sp.preset(name), variants(), given.frames)
-        print(f"| `{name}` | {given.frames} | {wrong} | {settled:.0f} | {end:.0f} | {1e3 * worst:.0f} |", flush=True)
-        failed |= wrong > 0 or end - settled > MAY_GROW_MIB
-    return int(failed)
+    return int(found.failed)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,189 @@
+"""Measure what limits many frames, and compute what 10 million cost: `python -m spigolo.lab.studies.scaling FRAMES`.
+
+Tiny jobs through the scheduler of a Dask cluster give its overhead for groups of 1 to 1000 jobs: 1 million in groups of
+1000, and fewer in smaller groups. Scheduler and writing process share one process, as with `--scheduler local`. Answers
+that are ready give the time that the writing process needs for a frame. Times are those of this machine, under the load
+that is printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import spigolo as sp
+from spigolo.batch import Engine, FrameFiles, dask_local, local, run_batch
+from spigolo.batch.cluster import TASK_S
+from spigolo.batch.results import Work
+from spigolo.errors import FileError
+from spigolo.lab.machine import this_machine
+
+JOBS = {1: 2_000, 10: 20_000, 100: 200_000, 1000: 1_000_000}
+"""Number of tiny jobs for each size of a group."""
+FRAMES = 10_000_000
+CORES = 16
+"""Cores of a machine in the computed table."""
+MACHINES = 1, 4, 16, 64, 256
+DISK_MB_PER_S = 500
+"""Rate of the shared storage in the computed table."""
+
+
+@dataclass(frozen=True, slots=True)
+class Overhead:
+    """The time that a scheduler takes for tiny jobs."""
+
+    group: int
+    jobs: int
+    wall_s: float
+
+    @property
+    def task_ms(self) -> float:
+        """Return milliseconds for each group."""
+        return 1e3 * self.wall_s / (self.jobs / self.group)
+
+    @property
+    def job_us(self) -> float:
+        """Return microseconds for each job."""
+        return 1e6 * self.wall_s / self.jobs
+
+
+@dataclass(frozen=True, slots=True)
+class Frames:
+    """The measured cost of a frame."""
+
+    rates: dict[int, float]
+    """Frames per second by number of processes."""
+    read_bytes: float
+    written_bytes: float
+    """Both for each frame, with the tables."""
+    files: float
+    """Files for each frame."""
+    writer_ms: float
+    """Time of the writing process for each frame."""
+
+
+def tiny(job: int) -> int:
+    """Return the answer of a job that takes no time."""
+    return job
+
+
+def overhead(group: int, jobs: int, workers: int) -> Overhead:
+    """Push tiny jobs through a scheduler. The first tenth warms it up."""
+    warm, start, done = jobs // 10, 0.0, 0
+    for done, (job, answer) in enumerate(dask_local(workers, group)(tiny, range(jobs + warm)), start=1):
+        if done == warm:
+            start = time.perf_counter()
+        assert job == answer
+    assert done == jobs + warm
+    return Overhead(group, jobs, time.perf_counter() - start)
+
+
+def real_jobs(folder: Path, count: int) -> list[FrameFiles]:
+    """Return jobs of the frames in a folder, repeated under different names."""
+    found = sorted(path.parent for path in folder.glob("*/*/depth.png"))
+    if not found:
+        raise FileError(f"expected frames in {folder}/SET/FRAME, got none")
+    frames = (found[k * len(found) // count % len(found)] for k in range(count))
+    return [
+        FrameFiles(f"{k:06d}", frame / "rgb.png", frame / "depth.png", frame / "camera.json")
+        for k, frame in enumerate(frames)
+    ]
+
+
+def measure(jobs: list[FrameFiles], workers: Iterable[int]) -> Frames:
+    rates = {count: rate(jobs, local(count)) for count in workers}
+    answers = ready(jobs)
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        run_batch(jobs, sp.OBJECTS, Path(folder), answers)
+        writer_ms = 1e3 * (time.perf_counter() - start) / len(jobs)
+        written = [path for path in Path(folder).rglob("*") if path.is_file()]
+        sizes = [path.stat().st_size for path in written]
+    read = sum(os.path.getsize(path) for job in jobs for path in (job.color, job.depth))
+    return Frames(rates, read / len(jobs), sum(sizes) / len(jobs), round(len(written) / len(jobs)), writer_ms)
+
+
+def rate(jobs: list[FrameFiles], engine: Engine) -> float:
+    """Return frames per second from the first answer to the last one, without the start of the processes."""
+    times: list[float] = []
+    with tempfile.TemporaryDirectory() as folder:
+        run_batch(jobs, sp.OBJECTS, Path(folder), engine, tell=lambda _: times.append(time.perf_counter()))
+    warm = len(times) // 5
+    return (len(times) - 1 - warm) / (times[-1] - times[warm])
+
+
+def ready(jobs: list[FrameFiles]) -> Engine:
+    """Return an engine whose answers are computed beforehand."""
+    work = Work(sp.OBJECTS)
+    answers = {job.name: work(job) for job in jobs}
+
+    def run(do: Callable[[Any], Any], items: Iterable[Any]) -> Iterator[tuple[Any, Any]]:
+        return ((item, answers[item.name]) for item in items)
+
+    return run
+
+
+def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
+    """Yield the rows of a table: what the frames cost on more and more machines, and what limits them."""
+    frame_s = core_s(frames)
+    group = max(int(TASK_S / frame_s), 1)  # as the engine chooses it
+    task_s = median(one.task_ms for one in schedulers) / 1e3
+    moved_mb = (frames.read_bytes + frames.written_bytes) / 1e6
+    for machines in MACHINES:
+        limits = {
+            "cores": machines * CORES / frame_s,
+            "scheduler": group / task_s,
+            "writing process": 1e3 / frames.writer_ms,
+            "storage": DISK_MB_PER_S / moved_mb,
+        }
+        slowest = min(limits, key=lambda name: limits[name])
+        hours = FRAMES / limits[slowest] / 3600
+        yield f"| {machines} | {machines * CORES} | {limits[slowest]:.0f} | {hours:.1f} | {slowest} |"
+
+
+def core_s(frames: Frames) -> float:
+    """Return the seconds of a core for each frame, with all processes at work."""
+    workers = max(frames.rates)
+    return workers / frames.rates[workers]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("frames", type=Path, help="folder SET/FRAME/ with rgb.png, depth.png and camera.json")
+    parser.add_argument("--count", type=int, default=200, help="how many frames are segmented for each figure")
+    parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--share", type=float, default=1.0, help="share of the tiny jobs")
+    given = parser.parse_args()
+    machine = this_machine()
+    print(f"{machine}; load {machine.load}\n")
+    print("| jobs in a group | jobs | s | ms a group | us a job |", "|---" * 5 + "|", sep="\n")
+    schedulers = []
+    for group, jobs in JOBS.items():
+        found = overhead(group, max(round(given.share * jobs), 10 * group), max(given.workers))
+        print(f"| {group} | {found.jobs} | {found.wall_s:.1f} | {found.task_ms:.2f} | {found.job_us:.1f} |", flush=True)
+        schedulers.append(found)
+    frames = measure(real_jobs(given.frames, given.count), given.workers)
+    print("\n| processes | frames/s | efficiency |", "|---" * 3 + "|", sep="\n")
+    for workers, one in frames.rates.items():
+        first = min(frames.rates)
+        print(f"| {workers} | {one:.2f} | {100 * one * first / workers / frames.rates[first]:.0f} % |")
+    print(
+        f"\nread {frames.read_bytes / 1e3:.0f} kB a frame, written {frames.written_bytes / 1e3:.1f} kB in"
+        f" {frames.files:.0f} files, {frames.writer_ms:.2f} ms of the writing process\n"
+    )
+    hours = FRAMES * core_s(frames) / 3600
+    print(f"{FRAMES} frames: {hours:.0f} core-hours, {FRAMES * frames.written_bytes / 1e9:.0f} GB written\n")
+    print("| machines | cores | frames/s | hours | limit |", "|---" * 5 + "|", *costs(frames, schedulers), sep="\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -5,10 +5,11 @@ ORACLE := .venv-oracle
 OLDEST := .venv-oldest
 ROS := .venv-ros
 FUZZED := answers damaged_files properties evaluation experiments
+PYTHONS ?= python3.10 python3.11 python3.12 python3.13
 CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
 
-.PHONY: help demo test check core fast oldest long format docs clean table-1 table-2 table-3
+.PHONY: help demo test check core fast oldest release long format docs clean table-1 table-2 table-3
 
 help:  ## this list
 	@grep -E '^[a-z0-9-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 12
@@ -35,6 +36,18 @@ fast: $(VENV)/.developing  ## tests without real frames, the oracle and ROS
 
 oldest: $(OLDEST)/.installed  ## tests of the core with the oldest versions that pyproject.toml names
 	$(OLDEST)/bin/python -m pytest $(CORE:%=tests/test_%.py)
+
+release: $(VENV)/.developing  ## build wheel and sdist, and test the core with both on each Python of PYTHONS
+	rm -rf dist build/release
+	$(BIN)/python -m build --outdir dist
+	for python in $(PYTHONS); do for package in dist/*.whl dist/*.tar.gz; do \
+	  home=build/release/$$python-$${package##*.}; echo "== $$python $$package"; \
+	  $$python -m venv $$home && \
+	  $$home/bin/python -m pip install --quiet $$package pytest hypothesis pyyaml scipy && \
+	  $$home/bin/spigolo demo --out $$home/demo && \
+	  $$home/bin/python -c "import spigolo; assert 'site-packages' in spigolo.__file__" && \
+	  $$home/bin/python -m pytest -m "not frames and not oracle and not alone" $(CORE:%=tests/test_%.py) || exit 1; \
+	done; done
 
 long: $(VENV)/.developing  ## what takes too long for every change: full fuzzing, a soak, whole tables
 	$(BIN)/python -m pytest $(FUZZED:%=tests/test_%.py) --hypothesis-profile=long

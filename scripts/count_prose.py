@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import ast
 import importlib.util
+import inspect
 import re
 import tokenize
 from collections.abc import Iterator
@@ -26,8 +27,10 @@ FENCED = re.compile(r"^ *(```|~~~).*?^ *\1[^\n]*$", re.DOTALL | re.MULTILINE)
 DOCTEST = re.compile(r"^ *>>>.*?(?:\n\s*\n|\Z)", re.DOTALL | re.MULTILINE)
 SECTION = re.compile(r"^ *[A-Z][\w ]*\n *-{3,} *$", re.MULTILINE)
 """A heading of numpy's docstrings."""
-PARAMETER = re.compile(r"^ *[*\w][\w*, ]* : .*$", re.MULTILINE)
-"""The line with the type of a parameter in numpy's docstrings."""
+PARAMETER = re.compile(r"^( *)(?:[*\w][\w*, ]* : .*|[a-z_]+(?=\n\1 +\S))$", re.MULTILINE)
+"""The line with the name of a parameter in numpy's docstrings."""
+LISTING = re.compile(r"(?:(?<=\n\n)|\A)(?: {2,}\S.*\n?)+(?=\n|\Z)")
+"""Indented lines between empty ones."""
 SPAN = re.compile(r"``[^`]+``|`[^`\n]+`|\*\*|!?\[([^\]]*)\]\([^)]*\)|:\w+:")
 NEW_BLOCK = re.compile(r"\n\s*\n|\n(?= *(?:[-*#|>]|\d+\.) )|^ *#+ ", re.MULTILINE)
 SENTENCE = re.compile(r"(?<=[.!?])[\"')]*\s+(?=[\"'(]*[A-Z`0-9])")
@@ -173,7 +176,8 @@ def find_comments(path: Path) -> Iterator[tuple[int, str]]:
 
 def split_sentences(text: str) -> Iterator[str]:
     """Yield the sentences of a text, without its code."""
-    for pattern in (FENCED, DOCTEST, SECTION, PARAMETER):
+    text = inspect.cleandoc(text)
+    for pattern in (FENCED, LISTING, DOCTEST, SECTION, PARAMETER):
         text = pattern.sub("\n", text)
     text = SPAN.sub(lambda span: span[1] or ("code" if span[0].startswith("`") else " "), text)
     for block in NEW_BLOCK.split(text):

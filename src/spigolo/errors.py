@@ -35,7 +35,7 @@ class UnitWarning(UserWarning):
 
 
 def warn(message: str, kind: type[Warning] = UserWarning) -> None:
-    """Warns at the line that called into this package, whichever way led here."""
+    """Warn at the line that called into this package, whichever way led here."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
         frame, level = frame.f_back, level + 1

@@ -1,4 +1,4 @@
-"""Streams of frames: a Segmenter keeps its buffers warm; `warm_up` compiles before the first frame."""
+"""Streams of frames. A `Segmenter` keeps its buffers between frames. `warm_up` compiles before the first frame."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Segmenter:
         return type(self), (self.config, self.ids)
 
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
-        """The objects of a frame; the answer shares no memory with the next one."""
+        """Return the objects of a frame. The result shares no memory with the next one."""
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
         start = time.perf_counter()
@@ -58,7 +58,7 @@ class Segmenter:
 
 
 def warm_up(config: Config | None = None) -> None:
-    """Compiles the kernels, or loads them, before the first frame: of one configuration, or of all.
+    """Compile the kernels, or loads them, before the first frame: of one configuration, or of all.
 
     The first time on a machine this takes about 20 s, later well under a second.
     """

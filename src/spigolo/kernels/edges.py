@@ -68,7 +68,7 @@ def difference(point, origin):
 
 @inlined
 def unit_vector(point, origin):
-    """Eqs. 15, 16. Direction from the edge point to a point beside it; zero where they coincide."""
+    """Eqs. 15, 16. Direction from the edge point to a point beside it. Zero where they coincide."""
     a, b, c = difference(point, origin)
     norm = np.sqrt(a * a + b * b + c * c)
     if norm == 0.0:
@@ -119,7 +119,7 @@ def is_contact(angle_deg, low_deg, high_deg):
 
 @inlined
 def cosine_limits(low_deg, high_deg):
-    """Largest and smallest cosine of the angles between two thresholds; out of reach for one that no angle reaches."""
+    """Largest and smallest cosine of the angles between two thresholds. out of reach for one that no angle reaches."""
     largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
     smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
     return largest, smallest
@@ -160,7 +160,7 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
                    high_deg, sign_rule, depth_boundary, contact):  # fmt: skip
     """Eqs. 12-19 on every edge pixel that is farther from the image border than its samples reach.
 
-    edges (H, W) uint8; gx, gy (H, W) int16; depth (H, W) metres; camera (fx, fy, cx, cy);
+    edges (H, W) uint8. Gx, gy (H, W) int16. depth (H, W) metres. camera (fx, fy, cx, cy).
     depth_boundary and contact (H, W) uint8, zero where nothing is written.
     """
     height, width = edges.shape

@@ -21,7 +21,7 @@ def squared_difference(a, b):
 def feature_plane(features, apart, dy, dx, out):
     """Eq. 1. Euclidean distance of the features of both ends of every edge of one plane, from pixels to (dy, dx).
 
-    features (C, H, W) float32, NaN = missing; apart: what the coordinates of both ends add to the square, the same for
+    features (C, H, W) float32, NaN = missing. apart: what the coordinates of both ends add to the square, the same for
     all edges of a plane. out (H, W) float32, +inf where an edge leaves the image.
     """
     components, height, width = features.shape

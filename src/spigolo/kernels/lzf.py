@@ -7,7 +7,7 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def unpack_lzf(packed, out):
-    """Unpacks into out (M,) uint8; whether packed (N,) uint8 fills it exactly.
+    """Unpack into out (M,) uint8. Whether packed (N,) uint8 fills it exactly.
 
     A byte below 32 is followed by that many bytes and one more. Any other holds a length less 2 in its upper three
     bits, 7 for 7 and the next byte, and with the byte after it how far back to copy from, less 1.

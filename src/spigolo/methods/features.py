@@ -16,7 +16,7 @@ Features = npt.NDArray[np.float32]
 
 
 def color_features(image: Color, sigma_px: float) -> Features:
-    """R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`; 0 smooths nothing."""
+    """Return R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`. 0 smooths nothing."""
     return np.ascontiguousarray(smooth(image.astype(np.float32), sigma_px).transpose(2, 0, 1))
 
 
@@ -28,7 +28,7 @@ def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Feat
 
 
 def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.float32]:
-    """An image (H, W) or (H, W, C) under a Gaussian that reaches 4 sigma; what lies outside repeats the border."""
+    """Smooth an image (H, W) or (H, W, C) by a Gaussian that reaches 4 sigma. The border is repeated outside."""
     if sigma_px == 0:
         return image
     size = 2 * math.ceil(4 * sigma_px) + 1

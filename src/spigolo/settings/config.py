@@ -28,7 +28,7 @@ class Config(Parameters):
     """All parameters of the method. Frozen: `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. `replace` keeps it; `digest` distinguishes the values."""
+    """Name of the preset. `replace` keeps it, so `digest` distinguishes the values."""
     depth: DepthConfig = DepthConfig()
     """Preparation and comparison of depth (eqs. 5-9)."""
     color: ColorConfig = ColorConfig()

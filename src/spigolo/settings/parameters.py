@@ -33,7 +33,7 @@ class Grows:
     always: bool = False
 
     def times(self, length: float, factor: float) -> float:
-        """Return the length in an image `factor` times larger; whole numbers stay whole and are 0 or at least 1."""
+        """Return the length in an image `factor` times larger. Whole numbers stay whole, and are 0 or at least 1."""
         if isinstance(length, float):
             return length * factor
         if length == 0:

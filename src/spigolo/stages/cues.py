@@ -22,7 +22,7 @@ from spigolo.stages.saliency import saliency_cue
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weighing:
-    """How a frame is weighed."""
+    """The choice of cost function for a frame, with its gamma."""
 
     cost: PixelCost
     """The cost function, AutoCost resolved."""
@@ -33,7 +33,7 @@ class Weighing:
 
     @property
     def reads_boundary(self) -> bool:
-        """Whether the cost function reads the boundary map."""
+        """True if the cost function reads the boundary map."""
         return reads(self.cost, "boundary")
 
 

@@ -30,9 +30,9 @@ CONFIGS = {
 }
 """The presets, 8- and 4-connected."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Whose graphs the merging alone is timed on."""
+"""Configurations for which merging alone is timed, on their graphs."""
 OURS = "toscana2016"
-"""The method that CONFIGS stand for; all others in METHODS run in the rounds with their own parameters."""
+"""The method that CONFIGS are presets of. All others in METHODS run in the rounds with their own parameters."""
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
@@ -74,12 +74,12 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """How our merging of that configuration's graph is called."""
+    """Return the name of our merging of that configuration's graph."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """How the textbook's merging of that configuration's graph is called."""
+    """Return the name of the textbook's merging of that configuration's graph."""
     return f"textbook merging, {config}"
 
 

@@ -1,4 +1,4 @@
-"""Merging as the textbook has it: a stable sort of all edges, then union-find. What `regions.partition` must equal."""
+"""Merging as in the textbook: a stable sort of all edges, then union-find. `regions.partition` must equal it."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 
 
 def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SETS) -> list[Entry]:
-    """The frames in these folders, by set and name; each folder as `guess` takes it.
+    """The frames in these folders, by set and name. Each folder as `guess` takes it.
 
     Raises FileError where a folder holds none, or where two frames share set and name.
     """

@@ -41,7 +41,7 @@ class Tum(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether it or a folder in it has both lists."""
+        """True if it or a folder in it has both lists."""
         return bool(_sequences(folder))
 
     def _find(self) -> Iterator[Entry]:

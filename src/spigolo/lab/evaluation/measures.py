@@ -1,6 +1,6 @@
 """The measures of one frame.
 
-Letters used in shapes: H, W = image; N = true objects; S = predicted segments.
+Letters used in shapes: H, W = image, N = true objects, S = predicted segments.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ GOOD_F = 0.75
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measures:
-    """What a score says first, whether it is that of a frame, of a row or of a data set."""
+    """Main figures of a score, for a frame, a row or a data set."""
 
     overlap_precision: float
     """Pixels shared within the pairs, over all predicted pixels."""
@@ -69,7 +69,7 @@ class FrameScore(Measures):
     """
 
     object_ids: NDArray[np.integer[Any]]
-    """(N,) labels of the true objects, ascending; the order of the arrays below."""
+    """(N,) labels of the true objects, ascending. The order of the arrays below."""
 
     n_segments: int
     """S, the number of predicted segments."""

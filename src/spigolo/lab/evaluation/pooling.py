@@ -24,23 +24,23 @@ Figure = Callable[[RowScore], float]
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """Figures of one method on many frames; NaN where they mean nothing.
+    """Figures of one method on many frames. NaN where they mean nothing.
 
     Precision, F and false positives need frames on which every object is labelled: they are NaN if any frame is not.
     """
 
     n_frames: int
     n_groups: int
-    """Groups of near-identical frames; a frame unlike all others is one."""
+    """Groups of near-identical frames. A frame unlike all others is one."""
 
     n_failed: int
-    """Frames with an error; scored as if nothing had been found."""
+    """Frames with an error. Scored as if nothing had been found."""
 
     n_predicted: float
     """Mean number of predicted objects."""
 
     n_objects: float
-    """Labelled objects; not whole where the frames of a group differ in number."""
+    """Labelled objects. Not whole where the frames of a group differ in number."""
 
     overlap_precision: float
     overlap_recall: float
@@ -85,7 +85,7 @@ class Pooled:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """How much larger the figures of one method are than those of another, on the frames that both have.
+    """Differences between the figures of two methods, on the frames that both have.
 
     Intervals: bootstrap over the groups, paired. cpu_ratio: median over the frames of the ratio of CPU times.
     """
@@ -142,7 +142,7 @@ def pool(rows: Sequence[Row]) -> Pooled:
 
 
 def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
-    """How much larger the figures of `after` are than those of `before`; raises ValueError as `pool` does."""
+    """Compare two methods: the figures of `after` minus those of `before`. Raises ValueError as `pool` does."""
     _check(before)
     _check(after)
     old = {(row.data_set, row.frame): row for row in before}
@@ -203,6 +203,6 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 
 
 def _share(rows: Sequence[Row], count: Figure) -> float:
-    """What is counted, per labelled object."""
+    """Return the share of labelled objects for a count."""
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

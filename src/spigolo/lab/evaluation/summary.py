@@ -36,10 +36,10 @@ class DatasetScore(Measures):
     """Predicted segments of all frames over the objects of all frames (over 1 when there are none)."""
 
     n_frames: int
-    """How many frames were scored."""
+    """Number of scored frames."""
 
     n_objects: int
-    """How many true objects they hold together."""
+    """Number of true objects in all of them."""
 
 
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:

@@ -1,4 +1,4 @@
-"""What is evaluated: methods by name, ours once for each preset."""
+"""Methods to evaluate, by name. Ours appears once for each preset."""
 
 from __future__ import annotations
 

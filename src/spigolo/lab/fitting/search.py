@@ -32,7 +32,7 @@ class Attempt:
     frames: tuple[Entry, ...]
 
     def __call__(self) -> Trial:
-        """Runs it."""
+        """Run it."""
         work = Worker([self.method])
         tasks = (Task(frame, self.method.name, self.method.digest) for frame in self.frames)
         return Trial(self.number, self.setting, tuple(work(task) for task in tasks))
@@ -47,7 +47,7 @@ def search(
     jobs: int = 1,
     tell: Tell | None = None,
 ) -> Search:
-    """Tries the start and `trials` settings drawn at random, and appends those to the file `out` that it lacks.
+    """Try the start and `trials` settings drawn at random, and appends those to the file `out` that it lacks.
 
     frames: those without labels are left out. jobs: worker processes. Raises SpigoloError where optuna or scipy is
     missing or a worker dies, FileError without labelled frames or for a file of other trials.
@@ -74,7 +74,7 @@ def search(
 
 
 def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Those with labels; raises FileError where there are none."""
+    """Those with labels. Raises FileError where there are none."""
     labelled = tuple(frame for frame in frames if frame.labelling != "none")
     if not labelled:
         raise FileError(f"expected labelled frames, got {len(frames)} without labels: draw those of some")
@@ -87,7 +87,7 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 
 
 def _check(trial: Trial) -> None:
-    """Without a score of every frame trials cannot be compared; what fails with the start is the frame's fault."""
+    """Without a score of every frame trials cannot be compared. What fails with the start is the frame's fault."""
     at_start = trial.number == 0
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)
     if unread is not None:

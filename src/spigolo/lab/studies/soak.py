@@ -22,7 +22,7 @@ import spigolo as sp
 MIB = 2**20
 SETTLED = 0.1
 MAY_GROW_MIB = 16.0
-"""Memory is compared from when a tenth of the frames were seen; a frame and its answer have 15 MiB."""
+"""Memory is compared from when a tenth of the frames were seen. A frame and its answer have 15 MiB."""
 
 
 def variants() -> list[sp.Frame]:
@@ -49,7 +49,7 @@ def resident_mib() -> float:
 
 
 def soak(config: sp.Config, frames: Sequence[sp.Frame], count: int) -> tuple[int, float, float, float]:
-    """Answers that differ, MiB when settled and at the end, the longest time of a frame in seconds."""
+    """Answer that differ, MiB when settled and at the end, the longest time of a frame in seconds."""
     expected = [sp.segment(frame, config).labels for frame in frames]
     segmenter = sp.Segmenter(config)
     settled, worst, wrong = 0.0, 0.0, 0

@@ -36,14 +36,14 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_IOU = 0.98
-"""How well the mask that a reader draws at an object's pose agrees with the exact one, at least."""
+"""Minimum IoU between the mask that a reader draws at an object's pose and the exact one."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """scenes: their names, which frames take in turn; objects: names of what may be labelled in them.
+    """scenes: their names, which frames take in turn. objects: names of what may be labelled in them.
 
-    fully_labelled: whether everything that stands there is labelled; first_alone: whether the data set that it stands
+    fully_labelled: whether everything that stands there is labelled. first_alone: whether the data set that it stands
     in for labels one object a frame, the first.
     """
 
@@ -64,7 +64,7 @@ FAMILIES: Mapping[str, Family] = {
 def render_family(family: str, number: int, seed: int = 0) -> Sample:
     """One frame of a family, of `FAMILIES`, and its truth: frame.name is its scene and the number in it, from 1.
 
-    number: counts the frames of a seed from 0; the scenes have their turns. Equal numbers and seeds give equal
+    number: counts the frames of a seed from 0. The scenes have their turns. Equal numbers and seeds give equal
     frames. Raises ConfigError for a family that is not known.
     """
     return record_family(family, number, seed).sample
@@ -86,7 +86,7 @@ def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]
 
 
 def is_told_by_poses(family: str, sample: Sample) -> bool:
-    """Whether any object is in view, and readers that draw masks at the poses get the exact ones, or nearly so.
+    """True if any object is in view, and readers that draw masks at the poses get the exact ones, or nearly so.
 
     Where something hides an object and returns no depth they cannot tell.
     """

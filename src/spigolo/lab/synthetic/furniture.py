@@ -1,4 +1,4 @@
-"""What stands about in rooms and on desks and is no object to grasp: screens, chairs, cartons, posters, paper.
+"""Furniture of rooms and desks that is not an object to grasp: screens, chairs, cartons, posters, paper.
 
 World axes: x to the right, y away from the camera, z up. Lengths are in metres.
 """

@@ -57,7 +57,7 @@ def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     """Turn a profile about z.
 
     sections: smooth stretches of the profile, each (K, 2) of (r, z) in metres, with a sharp edge between one and
-    the next; the solid is on the left hand of who walks along it. around: number of facets round the axis.
+    the next. The solid is on the left hand of who walks along it. around: number of facets round the axis.
     In the texture u goes once round the axis, v from 1 at the lowest point to 0 at the highest.
     """
     lowest, highest = min(p[:, 1].min() for p in sections), max(p[:, 1].max() for p in sections)
@@ -242,7 +242,7 @@ def joined(parts: Sequence[Mesh]) -> Mesh:
 
 
 def _grid_mesh(vertices: FloatArray, normals: FloatArray, uv: FloatArray) -> Mesh:
-    """Triangles over a (rows, columns) grid; those of no area, at a lathe's poles, are left out."""
+    """Triangles over a (rows, columns) grid. Those of no area, at a lathe's poles, are left out."""
     rows, columns = vertices.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]

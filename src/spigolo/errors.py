@@ -1,4 +1,4 @@
-"""What can go wrong, one class per kind. Each message says what was expected, what came and how to mend it."""
+"""Errors, one class per kind. Each message says what was expected, what came and how to mend it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
-"""Where the files of this package begin."""
+"""Path that the files of this package begin with."""
 
 
 class SpigoloError(Exception):

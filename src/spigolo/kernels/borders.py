@@ -1,4 +1,4 @@
-"""What lies on both sides of the borders between regions, and how regions bulge."""
+"""Depth and boundary on both sides of the borders between regions, and the hollowness of regions."""
 
 from __future__ import annotations
 
@@ -72,11 +72,12 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
 
 @kernel
 def sum_hollows(labels, number, depth, fx, margin, sums):
-    """How deep each numbered region lies behind its chords along image rows: positive inside a bowl, negative on a can.
+    """Sum how deep each numbered region lies behind its chords along image rows: positive inside a bowl, negative on a
+    can.
 
     sums (S, 2) float64, zero before: depth of the middle of each row's run behind the chord between its ends (m), and
-    the length of the chord (m). Ends are taken `margin` pixels inside the run. runs shorter than 8 are left out, and
-    those that bulge more than a half-circle can: one of their points is of something else.
+    the length of the chord (m). Ends are taken `margin` pixels inside the run. Runs shorter than 8 are left out. Runs
+    that bulge more than a half-circle can are left out too, because one of their points belongs to something else.
     """
     height, width = labels.shape
     for y in range(height):

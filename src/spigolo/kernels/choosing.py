@@ -1,7 +1,8 @@
-"""Which edges are sorted: all but those that can join nothing. docs/performance.md says why each kind may be left out.
+"""Choice of the edges that are sorted: all but those that can join nothing. docs/performance.md explains each kind.
 
-Three kinds are: edges inside one region. edges at a region that is final, told by its bound before they are collected
-and by its own lightest edge after. edges whose ends others connect before (detours).
+Three kinds can join nothing. Edges inside one region are the first. Edges at a final region are the second. They are
+recognised by the region's bound before they are collected, and by its own lightest edge after. Detours are the third:
+edges whose ends lighter edges connect.
 """
 
 from __future__ import annotations
@@ -21,9 +22,9 @@ BLOCK = 4096
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
     """Pack the edges with low <= weight < high between two regions of which `least` or more ends carry a flag.
 
-    In the order of their numbers. Without `detours` but for those that come last of one. weights (P, H W) float32.
-    width of a row. parent (H W,) every pixel's root. flags (H W,) uint8, 0 or 1. offsets (P,) int64. out (E,) with
-    room for one more than there are. Returns how many, or -1 where there is no room.
+    Edges keep their numeric order. Without `detours`, the last edge of each triangle or square is skipped. weights (P,
+    H W) float32. width of a row. parent (H W,): every pixel's root. flags (H W,) uint8, 0 or 1. offsets (P,) int64. out
+    (E,) with room for one more than there are. Returns the number of edges, or -1 without room.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)
@@ -60,8 +61,8 @@ def choose(weights, low, high, parent, flags, least, offset, first, last, chosen
 def drop_detours(weights, plane, width, first, last, chosen):
     """Take back the edges that come last of a triangle of neighbours or, on a 4-connected grid, of a square.
 
-    Of equal weights the higher edge number comes later: downwards after right, diagonals after both. Some at the image
-    border stay.
+    Among equal weights the higher edge number comes later: downwards after right, diagonals after both. Some edges at
+    the image border stay.
     """
     right, down, pixels = weights[0], weights[1], weights.shape[1]
     begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
@@ -172,10 +173,10 @@ def is_heavy(edge, offsets, parent, records):
 
 @kernel
 def drop_final(edges, offsets, parent, records, useful):
-    """Keep of packed edges (K,) those between regions that one of them can still merge. Returns how many.
+    """Keep those packed edges (K,) between regions that one of them can still merge. Returns their number.
 
-    A region whose lightest edge is heavier than its bound is final. parent (H W,) every pixel's root. Useful (H W,)
-    uint8 is scratch. Where few edges are heavy it does nothing, as too few would go.
+    A region whose lightest edge is heavier than its bound is final. parent (H W,): every pixel's root. useful (H W,)
+    uint8 is scratch. If few edges are heavy it does nothing, because few would be dropped.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):

@@ -9,7 +9,9 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""What a first look in float32 leaves to the exact one: what comes so close to a limit, and rounding by the metre."""
+"""Margins of the first test in float32. Values closer to a limit are tested again exactly. The second is rounding per
+metre.
+"""
 MAY_STEP, MAY_CREASE = 1, 2
 
 
@@ -39,7 +41,9 @@ def fill_shadows(depth, max_run, out):
 
 @inlined
 def bend(before, here, after):
-    """How much the depth bends at a pixel, in metres: a step bends by its height, a slanted plane hardly at all."""
+    """Return how much the depth bends at a pixel, in metres. A step bends by its height, a slanted plane hardly at
+    all.
+    """
     return abs(2.0 * here - before - after)
 
 
@@ -51,7 +55,9 @@ def is_step(before, here, after, step_m, step_per_m):
 
 @inlined
 def hollow(before, here, after):
-    """How far a pixel lies behind the chord between its samples, in metres: along a line in space 1 / Z is linear."""
+    """Return how far a pixel lies behind the chord between its samples, in metres. Along a line in space, 1 / Z is
+    linear.
+    """
     return here - f32(2.0) * before * after / (before + after)
 
 

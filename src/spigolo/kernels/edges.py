@@ -40,7 +40,7 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. rho: depth of the edge pixel less that of a sample beside it; 0 where either is missing."""
+    """Eq. 12. rho: depth of the edge pixel minus that of a sample next to it. It is 0 if either is missing."""
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
@@ -90,11 +90,12 @@ def cross(a, b):
 
 @inlined
 def along_edge(c, n_y, n_x, sign_rule):
-    """Eq. 19. What tells a valley from a ridge, in the cross product of both directions: below 0 on a ridge.
+    """Eq. 19. Return the sign that separates a valley from a ridge, from the cross product of both directions. Negative
+    on a ridge.
 
-    The three points lie in one plane with the camera, so only the sign of the cross product along the edge says
-    something: positive in a valley. The printed rule takes its x component, which is right for edges whose normal
-    points upwards and zero for upright ones (left to rounding, its sign would be noise).
+    The three points lie in one plane with the camera. So only the sign of the cross product along the edge has a
+    meaning: it is positive in a valley. The printed rule takes its x component. That is right for edges whose normal
+    points upwards and zero for upright edges (left to rounding, its sign would be noise).
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -119,7 +120,10 @@ def is_contact(angle_deg, low_deg, high_deg):
 
 @inlined
 def cosine_limits(low_deg, high_deg):
-    """Largest and smallest cosine of the angles between two thresholds. out of reach for one that no angle reaches."""
+    """Return the largest and smallest cosine of the angles between two thresholds.
+
+    A threshold that no angle reaches gives a cosine that no angle has.
+    """
     largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
     smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
     return largest, smallest

@@ -11,7 +11,7 @@ ZERO = np.float32(0.0)
 
 @inlined
 def squared_difference(a, b):
-    """Of one component; 0 where either end lacks it (NaN)."""
+    """Squared difference of one component. It is 0 if either end lacks it (NaN)."""
     difference = a - b
     square = difference * difference
     return square if square >= ZERO else ZERO

@@ -78,7 +78,7 @@ def root_of(parent, run):
 
 @kernel
 def join_runs(runs, parent, gaps):
-    """Numbers the 8-connected gaps 0.. in the order of their first runs: gaps (N,) int32 of each run. Returns how many.
+    """Number the 8-connected gaps 0.. in the order of their first runs: gaps (N,) int32 of each run. Returns how many.
 
     parent (N,) int32 is scratch.
     """

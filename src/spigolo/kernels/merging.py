@@ -11,10 +11,10 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel, prefetch
 
 HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
-"""What parts the halves of an edge and of a record: the upper one is shifted down, of the lower one the rest is cut."""
+"""Shift and mask of the halves of an edge and of a record."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""How many edges ahead memory is asked for: first a pixel's parent, then the record of that parent."""
+"""Numbers of edges ahead for which memory is prefetched: first a pixel's parent, then the record of that parent."""
 
 
 @inlined
@@ -45,8 +45,10 @@ def find(parent, node):
 
 @inlined
 def find_deep(parent, node):
-    """Root of a node's tree, below which the node is hung. For trees that grow: three steps are taken unasked, as a
-    processor guesses wrongly where a path ends and loses more by that than by a step.
+    """Return the root of a node's tree and hang the node below it. For trees that grow.
+
+    Three steps are taken without a test. A processor guesses wrongly where a path ends, and loses more by that than by
+    a step.
     """
     root = np.uint64(parent[np.uint64(parent[np.uint64(parent[node])])])
     above = np.uint64(parent[root])
@@ -79,7 +81,7 @@ def bits_below(bound):
 
 @inlined
 def record(size, bound):
-    """What the root of a region keeps, in one word."""
+    """Pack the size and the merge bound of a region into the record of its root."""
     return (np.uint64(size) << np.uint64(HALF_BITS)) | np.uint64(bits_below(bound))
 
 

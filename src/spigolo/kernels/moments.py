@@ -115,10 +115,10 @@ def count_dark(labels, color, counts):
 
 @kernel
 def sum_contours(labels, boundary, sums):
-    """How many pairs of 4-neighbours each region's border has, and the sum of the boundary there.
+    """Count the pairs of 4-neighbours on each region's border, and sum the boundary there.
 
-    boundary (H, W) in [0, 1], the larger of both ends counts for both regions. sums (R, 2) float64 = pairs, sum.
-    The image border is no contour.
+    boundary (H, W) in [0, 1]: the larger of both ends counts for both regions. sums (R, 2) float64 = pairs, sum. The
+    image border is no contour.
     """
     height, width = labels.shape
     for y in range(height):

@@ -1,4 +1,4 @@
-"""How depth and height step across the outlines of regions, seen through shadows."""
+"""Steps of depth and height across the outlines of regions, seen through shadows."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def sum_outlines(
 ):
     """Steps of depth and of height across the outline of each region.
 
-    labels (H, W) int32. depth (H, W) float32 metres. Height above the support is
+    labels (H, W) int32. depth (H, W) float32 metres. height above the support is
     (slope_x[x] + slope_y[y] + slope) * depth + offset. The inner sample lies `near` pixels inside the outline, or on
     it where the region is thinner or lacks depth there. The outer one is the first pixel with depth from `near` pixels
     outside on, at most `shadow` pixels further: a shadow lies on what is behind. The region's own slope is taken up to

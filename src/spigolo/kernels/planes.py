@@ -11,7 +11,7 @@ MISSING, BELOW, ON, ABOVE = range(4)
 
 @kernel
 def count_near(points, planes, tolerance, counts):
-    """How many points lie within their tolerance of each plane. counts (P,) int64.
+    """Count the points that lie within their tolerance of each plane. counts (P,) int64.
 
     points (3, N) and tolerance (N,) float32 metres. planes (P, 4) float32: unit normal and offset.
     """
@@ -52,12 +52,12 @@ def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
 
 @kernel
 def sum_normals(labels, depth, wanted, camera, reach, sums):
-    """Sum of the surface normals of each region, and of the directions that they are seen from.
+    """Sum the surface normals of each region, and the directions that they are seen from.
 
-    labels (H, W) int32. depth (H, W) float32 metres. Wanted (R,) uint8: other regions stay as they are. camera (4,)
+    labels (H, W) int32. depth (H, W) float32 metres. wanted (R,) uint8: other regions stay as they are. camera (4,)
     float64: fx, fy, cx, cy. Slopes are taken over `reach` pixels to both sides, within one region. sums (R, 7) float64,
-    zero before: pixels with a normal, the normals' X, Y, Z, the same of unit vectors along the lines of sight. normals
-    point away from the camera, as those do.
+    zero before: pixels with a normal, the normals' X, Y, Z, and the same of unit vectors along the lines of sight.
+    Normals point away from the camera, as lines of sight do.
     """
     fx, fy, cx, cy = camera
     for y in range(reach, labels.shape[0] - reach):

@@ -19,12 +19,12 @@ def line_through(n, s, ss, d, sd):
 
 @kernel
 def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, out):
-    """Lines fitted to the disparity on both sides of every edge pixel, along its normal.
+    """Fit lines to the disparity on both sides of every edge pixel, along its normal.
 
-    edges (H, W) uint8. Direction (H, W) uint8, row of normals (K, 2) float64, unit vectors (n_y, n_x). disparity
-    (H, W) float32, 0 where missing. Pixels within `radius` count, those nearer than `strip` to the edge line `weak`. A
-    side needs the weight `least`. out (H, W, 4) float32: disparity at the edge and its slope per pixel on the side
-    that the normal points to, then on the other one; 0 everywhere where a side knows too little.
+    edges (H, W) uint8. direction (H, W) uint8: row of normals (K, 2) float64, unit vectors (n_y, n_x). disparity (H, W)
+    float32, 0 if missing. Pixels within `radius` count, those nearer than `strip` to the edge line with the weight
+    `weak`. A side needs the weight `least`. out (H, W, 4) float32: disparity at the edge and its slope per pixel on the
+    side that the normal points to, then on the other one. It is 0 everywhere if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -98,7 +98,7 @@ def closed_path(radial, angular, least, most, best):
 
     radial (T, R): cost to cross ray t between radii k - 1 and k. angular (T, R): cost to pass radius k between rays
     t and t + 1, the last and the first being neighbours. Both float32, not negative. best (T,) int32. Returns the cost.
-    Cheapest paths need not cross each other, so that one through a start leaves two smaller problems. starts that
+    Cheapest paths need not cross each other, so that one through a start leaves two smaller problems. Starts that
     cannot be reached for less than the best path, even from anywhere, are left out.
     """
     rays, radii = radial.shape

@@ -2,7 +2,7 @@
 
 Every pixel has a spin, one of a few numbers. Neighbours of equal spin lower the energy by their interaction J, which is
 positive where they look alike and negative where they differ: E = -sum of J over all pairs of equal spin.
-Interactions lie in planes as the weights of a graph do (`spigolo.stages.graph`). pairs that leave the image have 0.
+Interactions lie in planes as the weights of a graph do (`spigolo.stages.graph`). Pairs that leave the image have 0.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
 
 @inlined
 def look_around(spins, planes, y, x, spin, force):
-    """Spins and interactions of the 8 neighbours of a pixel; -1 and 0 outside the image."""
+    """Read spins and interactions of the 8 neighbours of a pixel. They are -1 and 0 outside the image."""
     height, width = spins.shape
     k = 0
     for dy in range(-1, 2):
@@ -88,7 +88,7 @@ def look_around(spins, planes, y, x, spin, force):
 
 @inlined
 def energy(spin, force, of):
-    """What a pixel adds to the energy if its spin is `of`."""
+    """Return the energy that a pixel adds if its spin is `of`."""
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
         if spin[k] == of:

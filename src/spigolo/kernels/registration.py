@@ -9,9 +9,9 @@ from spigolo.kernels._jit import inlined, kernel
 NEAREST_M = 0.01
 """Surfaces nearer to the colour camera than this would fill its image."""
 FARTHEST_PX = 1e9
-"""What lies farther from the image than that is nothing measured. A loop must not begin there."""
+"""Distance in pixels from the image beyond which a point is no measurement. A loop must not begin there."""
 ROUNDING = 1e-6
-"""How far beyond its edges a triangle still counts as covering a pixel centre, as a share of its height."""
+"""Margin beyond the edges of a triangle within which it covers a pixel centre, as a share of its height."""
 SMALLEST_PX2 = 1e-6
 """Twice the area of the smallest triangle that is drawn."""
 
@@ -117,7 +117,7 @@ def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
 
 @inlined
 def project_row(depth, y, P, points):
-    """Fill points (w, 3) with the projections of row y of depth; 0 where there is none."""
+    """Fill points (w, 3) with the projections of row y of depth. Missing depth gives 0."""
     for x in range(depth.shape[1]):
         z = np.float64(depth[y, x])
         if z > 0.0:
@@ -130,7 +130,7 @@ def project_row(depth, y, P, points):
 def splat_depth(depth, P, step_m, step_share, out):
     """Draw the surfaces of a depth map into the image of another camera, the nearest one winning.
 
-    Four neighbouring pixels on one surface make a quad between their projections. Of other four each valid one draws
+    Four neighbouring pixels on one surface make a quad between their projections. Among four others, each valid one draws
     the quarter of itself that lies between them, so that a surface ends half a pixel behind its last pixel and nothing
     is drawn across a step of more than max(step_m, step_share Z).
     depth (h, w) metres. P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, 0 before.

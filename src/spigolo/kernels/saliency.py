@@ -46,8 +46,8 @@ def center_surround(gray, integral, surrounds, on, off):
     """Sum over all surrounds how much brighter (on) and darker (off) each pixel is than its surround.
 
     gray (H, W) uint8. integral (H+1, W+1) int32 of gray. surrounds (S,): half-sizes n of 2n x 2n windows (rows
-    y-n+1..y+n, clipped), whose centre pixel does not count. Each difference is cut to a whole grey level. On and off
-    (H, W) int32.
+    y-n+1..y+n, clipped). The centre pixel does not count. Each difference is cut to a whole grey level. on and off (H,
+    W) int32.
     """
     height, width = gray.shape
     pad = min(surrounds.max(), width)

@@ -99,7 +99,7 @@ def box_row(integral, y, x, r, n, out):
 
 @kernel
 def count_boxes(integral, radius, out):
-    """Eq. 7. How many pixels that I_B marks lie in the window of each pixel (gamma_0)."""
+    """Eq. 7. Count the pixels of I_B in the window of each pixel (gamma_0)."""
     height, width = radius.shape
     for y in range(height):
         for x in range(width):
@@ -108,7 +108,7 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eq. 8. Eq. 5 where nothing is left out. Mean depth of each pixel's window, left-out pixels not counted.
+    """Eq. 8, or eq. 5 if nothing is left out. Mean depth of each pixel's window, without the left-out pixels.
 
     depth_integral float64 and left_out_integral int32 (H+1, W+1). A missing pixel stays missing: smoothing fills no
     shadow. Pixels are taken in runs of equal radius, so that the compiler makes vectors of them.

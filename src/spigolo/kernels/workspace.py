@@ -31,14 +31,14 @@ class Workspace:
 
     @property
     def size_bytes(self) -> int:
-        """What it holds at the moment."""
+        """Return the number of bytes that it holds at the moment."""
         return sum(memory.nbytes for memory in self._memory.values())
 
 
 def keep_freed_memory() -> None:
-    """Let the C library keep what a frame frees for the next one, up to 64 MB.
+    """Let the C library keep the memory that a frame frees for the next one, up to 64 MB.
 
-    glibc gives freed memory back to the system above twice the size of the largest block freed so far, which costs a
-    frame up to a fifth of its time. This frees a large one that was never touched. Elsewhere it does nothing.
+    glibc gives freed memory back to the system above twice the size of the largest block freed so far. That costs a
+    frame up to a fifth of its time. This frees a large block that was never touched. On other systems it does nothing.
     """
     np.empty(LARGEST_HEAP_BLOCK, np.uint8)

@@ -138,7 +138,7 @@ def to_markdown(page: Page) -> str:
 
 
 def to_text(table: Table) -> str:
-    """The table for a terminal, columns aligned. What goes with a figure stands in parentheses."""
+    """The table for a terminal, columns aligned. Additions to a figure stand in parentheses."""
     cells = [list(table.head), *([_text_cell(cell) for cell in row] for row in table.rows)]
     widths = [max(len(row[k]) for row in cells) for k in range(len(table.head))]
     pads = [str.ljust if k < table.names else str.rjust for k in range(len(widths))]

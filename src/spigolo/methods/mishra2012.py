@@ -48,7 +48,7 @@ class SimpleConfig(FixationConfig):
     min_strong: Share = 0.5
     """Least share of the contour that is strong and owned by the inside, or a contact boundary."""
     max_iou: Share = 0.5
-    """Maximum IoU of two objects. Of two that overlap more, the one with more evidence stays."""
+    """Maximum IoU of two objects. Among two that overlap more, the one with more evidence stays."""
     min_area_px2: Area_px2 = 500.0
     """Smaller ones are none."""
     max_area: Share = 0.2
@@ -70,7 +70,7 @@ class Mishra2012(Baseline[SimpleConfig]):
     config: SimpleConfig = field(default_factory=SimpleConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the rest of the frame and every simple object. Where two overlap, the one with more evidence gets the
+        """Return the rest of the frame and every simple object. If two overlap, the one with more evidence gets the
         pixels.
         """
         config = self.config.at_size(frame.shape)

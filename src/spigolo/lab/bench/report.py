@@ -72,8 +72,8 @@ class Contest:
 class Report:
     """All measurements. The parts from `sizes` on are about the first frame.
 
-    peers: versions by interpreter. missing: a sentence for each package that no interpreter has. growth by contestant.
-    stages by configuration and stage, raw. memory by configuration.
+    peers: versions by interpreter. missing: a sentence for each package that no interpreter has. growth: by contestant.
+    stages: by configuration and stage, raw. memory: by configuration.
     """
 
     machine: Machine

@@ -43,7 +43,7 @@ def write_description(folder: Path, models: Sequence[Model], about: str) -> None
 
 
 class SceneFiles:
-    """The files of a scene; `close` writes its JSON files, without which nobody takes it for a scene."""
+    """The files of a scene. `close` writes its JSON files, without which nobody takes it for a scene."""
 
     def __init__(self, folder: Path, models: Sequence[Model]) -> None:
         self._folder = folder
@@ -100,7 +100,7 @@ class SceneFiles:
 
 
 def _box(mask: Mask) -> list[int]:
-    """x, y, width, height; -1 where nothing is, as BOP has it."""
+    """x, y, width, height. -1 where nothing is, as BOP has it."""
     y, x = np.nonzero(mask)
     if not x.size:
         return [-1, -1, -1, -1]

@@ -103,7 +103,7 @@ class Entry(ABC):
         return frame, truth
 
     def read_sample(self) -> Sample:
-        """Frame, labels and poses. labels are 0 where the frame has none, and where they are ignored."""
+        """Frame, labels and poses. `labels` is 0 for a frame without labels, and for ignored pixels."""
         frame, truth = self.read_both()
         labels = np.zeros(frame.shape, np.int32) if truth is None else truth.labels
         return Sample(frame, labels, self.read_instances())

@@ -94,7 +94,7 @@ def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> bool:
-    """Ask for the rest. Whether all came."""
+    """Ask for the rest. Returns True if all came."""
     start = partial.stat().st_size if partial.exists() else 0
     request = urllib.request.Request(url, headers={"Range": f"bytes={start}-"} if start else {})
     with urllib.request.urlopen(request, timeout=TIMEOUT_S) as answer:

@@ -80,7 +80,7 @@ class FrameFolder(Entry):
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
         """Its camera if that has distortion: labels are drawn on the image as it is stored, a frame is undistorted.
 
-        None also where the camera cannot be read; `read` says so.
+        None also where the camera cannot be read. `read` says so.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)

@@ -1,6 +1,6 @@
 """mOSD, the Object Segmentation Database with labels mended near edges (Alexandrov), as labelled organised clouds.
 
-    mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label; 640 x 480
+    mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label, 640 x 480
 
 Points that were not measured, or cropped away with the floor and the walls, are NaN with label 0: ignored here. Labels
 1..9 = the table, 20..29 = parts of the first object, 30..39 of the second, and so on: here the table is 0 and parts are

@@ -1,7 +1,7 @@
 """TUM RGB-D benchmark (Sturm et al. 2012), and whoever keeps its lists.
 
-    SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment; seconds, paths from SEQUENCE
-    SEQUENCE/depth.txt                the same; 16 bits, 5000 units to the metre, 0 = missing
+    SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
+    SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
     SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
 Times may also be milliseconds, microseconds or nanoseconds, as their size shows. Each colour image goes with the depth

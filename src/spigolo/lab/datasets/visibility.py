@@ -1,7 +1,7 @@
 """Visible masks of objects whose models and poses are known, as BOP makes them (bop_toolkit, visibility).
 
 A pixel belongs to an object where its model is drawn and is not more than 15 mm behind what was measured, both as
-distances from the camera's centre. Where nothing was measured it counts as visible.
+distances from the camera's centre. If nothing was measured it counts as visible.
 Letters used in shapes: H, W = image, N = objects.
 """
 
@@ -23,7 +23,7 @@ TOLERANCE_M = 0.015
 
 
 def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
-    """Depth (H, W) in metres of a model at a pose (4, 4), model to camera; 0 where it is not. No distortion."""
+    """Depth (H, W) in metres of a model at a pose (4, 4), model to camera. 0 where it is not. No distortion."""
     with np.errstate(over="ignore", invalid="ignore"):
         x, y, z = (model.vertices_m @ pose[:3, :3].T + pose[:3, 3]).T
         inverse = np.divide(1.0, z, out=np.zeros_like(z), where=z >= NEAREST_M)
@@ -47,7 +47,7 @@ def visible_labels(
     camera: Camera,
     tolerance_m: float = TOLERANCE_M,
 ) -> npt.NDArray[np.int32]:
-    """Labels (H, W) of the instances, models[n] being that of instances[n]. Where several are visible the nearest."""
+    """Labels (H, W) of the instances, models[n] being that of instances[n]. If several are visible the nearest."""
     labels = np.zeros(measured.shape, np.int32)
     nearest = np.full(measured.shape, np.inf, np.float32)
     for instance, model in zip(instances, models, strict=True):

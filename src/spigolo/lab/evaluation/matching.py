@@ -45,10 +45,10 @@ class OverlapTable:
     """(N, S) pixels that carry both labels."""
 
     object_px: Ints
-    """(N,) area of each true object. What no segment covers counts too."""
+    """(N,) area of each true object. Uncovered pixels count too."""
 
     segment_px: Ints
-    """(S,) area of each segment. What lies on no object counts too."""
+    """(S,) area of each segment. Pixels on no object count too."""
 
     def recall(self) -> Floats:
         """(N, S) share of the object that the segment covers."""
@@ -110,8 +110,8 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     Returns
     -------
     objects, segments
-        (min(N, S),) row and column numbers of the table. Where several pairings reach the same sum, the
-        one taken depends on the order of the labels; so, in such a tie, do the measures made from it.
+        (min(N, S),) row and column numbers of the table. If several pairings reach the same sum, the
+        one taken depends on the order of the labels. So, in such a tie, do the measures made from it.
 
     """
     try:

@@ -108,9 +108,9 @@ def score_frame(
     truth, prediction
         (H, W) whole numbers, 0 = background, every other value one instance. The values need not agree.
     ignore
-        (H, W) boolean. Where set, both images become background before anything is counted.
+        (H, W) boolean. If set, both images become background before anything is counted.
     radius_px
-        Reach of the boundary matching [px]; by default 0.003 of the image diagonal, rounded up.
+        Reach of the boundary matching [px]. By default 0.003 of the image diagonal, rounded up.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def _by_any_segment(holds: Mask) -> Mask:
 
 
 def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
-    """Precision, recall and F of counts; 1 when both sides are empty, 0 when one is."""
+    """Precision, recall and F of counts. 1 when both sides are empty, 0 when one is."""
     if all_pred == 0 and all_true == 0:
         return 1.0, 1.0, 1.0
     precision = hits_pred / all_pred if all_pred else 0.0

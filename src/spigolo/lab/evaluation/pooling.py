@@ -186,7 +186,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 
 
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
-    """(G,) mean of a figure within each group, groups in the order of their first frame; `of` says the groups."""
+    """(G,) mean of a figure within each group, groups in the order of their first frame. `of` says the groups."""
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):
         assert row.score is not None

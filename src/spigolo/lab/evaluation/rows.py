@@ -77,7 +77,7 @@ class RowScore(Measures):
     less, as a share of it, added up over the objects."""
 
     covered: tuple[float, ...] = ()
-    """(N,) largest share of each labelled object that one predicted one covers; () in rows made without it."""
+    """(N,) largest share of each labelled object that one predicted one covers. () in rows made without it."""
 
     covered_by_regions: tuple[float, ...] = ()
     """(N,) the same by any region, rejected ones as well."""
@@ -100,7 +100,7 @@ class Row:
     method: str
 
     preset: str
-    """Name of the parameters; `digest` tells their values apart."""
+    """Name of the parameters. `digest` tells their values apart."""
 
     digest: str
     parameters: dict[str, Any]

@@ -43,7 +43,7 @@ class DatasetScore(Measures):
 
 
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
-    """Put the scores of many frames together; every frame, or every object, weighs the same.
+    """Put the scores of many frames together. Every frame, or every object, weighs the same.
 
     Raises
     ------

@@ -100,7 +100,7 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
 
 
 def paper_table(measured: Measured) -> Table:
-    """Printed and measured side by side. Of one column of figures in lines, of several in columns."""
+    """Printed and measured side by side. For one column of figures in lines, of several in columns."""
     return _wide(measured) if len(measured.printed.columns) > 1 else _narrow(measured)
 
 

@@ -38,7 +38,7 @@ def goodness(row: Row) -> float:
 
 
 def worst_rows(rows: Sequence[Row]) -> list[Row]:
-    """The worst labelled frames, the worst first. Of near-identical ones the worst alone. Failed ones are left out."""
+    """Return the labelled frames, the worst first. Only the worst of near-identical frames counts, failed ones do not."""
     scored = (row for row in rows if row.score is not None and row.error is None)
     chosen: dict[str, Row] = {}
     for row in sorted(scored, key=lambda row: (goodness(row), row.key)):

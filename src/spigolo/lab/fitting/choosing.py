@@ -41,7 +41,7 @@ def goodness(rows: Sequence[Row]) -> float:
 
 
 def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> Trial:
-    """The best by its rows, those with these numbers if given. Of equally good ones the first."""
+    """The best by its rows, those with these numbers if given. Among equally good ones the first."""
     return max(trials, key=lambda trial: goodness(trial.rows if frames is None else [trial.rows[i] for i in frames]))
 
 

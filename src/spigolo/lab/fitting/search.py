@@ -87,7 +87,10 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 
 
 def _check(trial: Trial) -> None:
-    """Without a score of every frame trials cannot be compared. What fails with the start is the frame's fault."""
+    """Refuse a trial without a score of every frame, because it cannot be compared.
+
+    If a frame fails with the start, the frame is at fault.
+    """
     at_start = trial.number == 0
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)
     if unread is not None:

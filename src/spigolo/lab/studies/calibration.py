@@ -3,7 +3,7 @@
     python -m spigolo.lab.studies.calibration [--preset OBJECTS]
 
 An object counts as right with IoU above 0.7 against a labelled object. Frames on which every object is labelled
-(osd-mosd, osd-full, hand-uoc); objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
+(osd-mosd, osd-full, hand-uoc). Objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
 """
 
 from __future__ import annotations

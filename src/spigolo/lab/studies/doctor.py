@@ -1,6 +1,6 @@
 """Detection rates of the doctor on spoilt frames, and its false warnings on good ones.
 
-Every frame is spoilt in each of the ways in SPOILT; near-identical frames count once. Depth and colour that are shifted
+Every frame is spoilt in each of the ways in SPOILT. Near-identical frames count once. Depth and colour that are shifted
 or mirrored are looked for in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the
 good frame.
 
@@ -39,7 +39,7 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Depth moved by (dx, dy) pixels. What comes in from outside is missing."""
+    """Depth moved by (dx, dy) pixels. Depth that comes in from outside is missing."""
     height, width = frame.depth.shape
     moved = np.zeros_like(frame.depth)
     moved[max(dy, 0) : height + min(dy, 0), max(dx, 0) : width + min(dx, 0)] = frame.depth[
@@ -156,7 +156,7 @@ def main() -> None:
 
 
 def measure(folder: Path) -> None:
-    """Print what is found and what is complained about without cause. What is missed goes to stderr."""
+    """Print the found faults and the false warnings. Missed faults go to stderr."""
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}
     seconds = []

@@ -1,6 +1,6 @@
 """Frames without any object: table-tops, bins and shelves in seeded variety, as an RGB-D camera would record them.
 
-World axes: x to the right, y away from the camera, z up. What objects would stand on is z = 0. Lengths are in metres.
+World axes: x to the right, y away from the camera, z up. Objects would stand at z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations

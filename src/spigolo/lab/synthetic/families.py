@@ -1,7 +1,7 @@
 """Three families of rendered scenes, after the three data sets of the paper, with exact masks and poses.
 
-`shelf`: products in a bin seen from the front, as the Rutgers APC set; `table`: table-tops with several categories,
-as RGB-D Scenes; `multi`: three instances of one object among clutter, as the set of Tejani et al.
+`shelf`: products in a bin seen from the front, as the Rutgers APC set. `table`: table-tops with several categories,
+as RGB-D Scenes. `multi`: three instances of one object among clutter, as the set of Tejani et al.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]
 def is_told_by_poses(family: str, sample: Sample) -> bool:
     """True if any object is in view, and readers that draw masks at the poses get the exact ones, or nearly so.
 
-    Where something hides an object and returns no depth they cannot tell.
+    If something hides an object and returns no depth they cannot tell.
     """
     ious = drawn_iou(family, sample, sample.frame.depth)
     return bool(ious.size and ious.min() >= LEAST_IOU)
@@ -97,7 +97,7 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
     """Intersection over union (N,) of each exact mask of a family's frame with that which a reader draws at the pose.
 
-    measured: depth (H, W) in metres by which it is judged what is visible. Where the set labels the first object alone,
+    measured: depth (H, W) in metres by which it is judged what is visible. If the set labels the first object alone,
     that one counts as it is drawn without the others, if that is worse.
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)

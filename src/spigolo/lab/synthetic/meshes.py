@@ -43,7 +43,7 @@ class Mesh:
 
 
 def arc(centre: tuple[float, float], radius_m: float, start_deg: float, stop_deg: float, count: int) -> FloatArray:
-    """Points (count, 2) of a circular arc in a lathe's (r, z) plane; 0 degrees is +r, 90 is +z."""
+    """Points (count, 2) of a circular arc in a lathe's (r, z) plane. 0 degrees is +r, 90 is +z."""
     angle = np.radians(np.linspace(start_deg, stop_deg, count))
     return np.column_stack([centre[0] + radius_m * np.cos(angle), centre[1] + radius_m * np.sin(angle)])
 
@@ -148,7 +148,7 @@ def rounded_rectangle(
 
 
 def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float | None = None) -> Mesh:
-    """An upright prism over a convex outline (N, 2); `texture_m`: width of the texture, else that of the outline."""
+    """An upright prism over a convex outline (N, 2). `texture_m`: width of the texture, else that of the outline."""
     corner = outline_m.min(axis=0)
     extent = np.ptp(outline_m, axis=0).max() if texture_m is None else texture_m
     flat_uv = (outline_m - corner) / extent * [1, -1] + [0, 1]

@@ -1,4 +1,4 @@
-"""Seeded print of invented packaging: fronts, sides and wraps; (H, W, 3), RGB, 8 bit."""
+"""Seeded print of invented packaging: fronts, sides and wraps. (H, W, 3), RGB, 8 bit."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _GOODS = ("original", "extra fine", "family size", "no. 64", "classic", "fresh",
 
 
 def palette(rng: np.random.Generator, dark: float = 0.35) -> Palette:
-    """Colours that go together; `dark`: how often the ground is a deep one."""
+    """Colours that go together. `dark`: how often the ground is a deep one."""
     hue = _HUES[int(rng.integers(len(_HUES)))] + rng.normal(0, 0.015)
     kind = rng.uniform()
     if kind < 0.25:

@@ -1,6 +1,6 @@
 """A scene with objects, and what an RGB-D camera records of it beside the exact truth.
 
-World axes: x to the right, y away from the camera, z up. What objects stand on is z = 0. Lengths are in metres.
+World axes: x to the right, y away from the camera, z up. Objects stand at z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations

@@ -77,7 +77,7 @@ def simulate_structured_light(
 ) -> npt.NDArray[np.float32]:
     """Turn ideal depth into what a structured-light camera would measure.
 
-    depth_m: ideal distance along the optical axis, (H, W), metres; 0 or non-finite where there is none.
+    depth_m: ideal distance along the optical axis, (H, W), metres. 0 or non-finite where there is none.
     rgb: colour image, (H, W, 3), 8 bit. fx_px: focal length in pixels. The principal point is taken to be the
     centre of the image. rng: source of all the randomness. sensor: the default is like the first Kinect. gloss:
     (H, W), 0 = matt, 1 = a mirror, which is measured only where it faces the camera.
@@ -124,9 +124,9 @@ def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatA
 
 
 def projector_shadow(disparity_px: FloatArray) -> BoolArray:
-    """Pixels that the camera sees and the projector does not, from (H, W) disparities; 0 = nothing there.
+    """Pixels that the camera sees and the projector does not, from (H, W) disparities. 0 = nothing there.
 
-    Camera column u with disparity d is lit by projector column u - d. Of all the pixels of a row that share a
+    Camera column u with disparity d is lit by projector column u - d. Among all the pixels of a row that share a
     projector column only the nearest, of the greatest disparity, is lit.
     """
     height, width = disparity_px.shape

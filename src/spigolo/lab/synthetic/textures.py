@@ -1,4 +1,4 @@
-"""Procedural textures of the demo scene: wood, plaster and invented packaging; (H, W, 3), RGB, 8 bit."""
+"""Procedural textures of the demo scene: wood, plaster and invented packaging. (H, W, 3), RGB, 8 bit."""
 
 from __future__ import annotations
 

@@ -34,6 +34,7 @@ LISTING = re.compile(r"(?:(?<=\n\n)|\A)(?: {2,}\S.*\n?)+(?=\n|\Z)")
 SPAN = re.compile(r"``[^`]+``|`[^`\n]+`|\*\*|!?\[([^\]]*)\]\([^)]*\)|:\w+:")
 NEW_BLOCK = re.compile(r"\n\s*\n|\n(?= *(?:[-*#|>]|\d+\.) )|^ *#+ ", re.MULTILINE)
 SENTENCE = re.compile(r"(?<=[.!?])[\"')]*\s+(?=[\"'(]*[A-Z`0-9])")
+FIRST = re.compile(r"[^\w\d]*([^\W\d_]+)\b")
 WORD = re.compile(r"[^\W\d_][\w'’-]*")
 
 
@@ -52,8 +53,8 @@ class Place:
 
     def faults(self) -> list[str]:
         """Name what makes the sentence heavy."""
-        words = self.words
-        found = [f"opens with {words[0]}"] if words and words[0].lower() in OPENERS else []
+        words, first = self.words, FIRST.match(self.sentence)
+        found = [f"opens with {first[1]}"] if first and first[1].lower() in OPENERS else []
         found += ["semicolon"] * self.sentence.count(";")
         return found + ([f"{len(words)} words"] if len(words) > LONG else [])
 

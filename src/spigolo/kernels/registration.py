@@ -130,9 +130,9 @@ def project_row(depth, y, P, points):
 def splat_depth(depth, P, step_m, step_share, out):
     """Draw the surfaces of a depth map into the image of another camera, the nearest one winning.
 
-    Four neighbouring pixels on one surface make a quad between their projections. Among four others, each valid one draws
-    the quarter of itself that lies between them, so that a surface ends half a pixel behind its last pixel and nothing
-    is drawn across a step of more than max(step_m, step_share Z).
+    Four neighbouring pixels on one surface make a quad between their projections. Among four others, each valid one
+    draws the quarter of itself that lies between them, so that a surface ends half a pixel behind its last pixel and
+    nothing is drawn across a step of more than max(step_m, step_share Z).
     depth (h, w) metres. P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, 0 before.
     """
     height, width = depth.shape

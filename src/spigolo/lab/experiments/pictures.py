@@ -38,7 +38,7 @@ def goodness(row: Row) -> float:
 
 
 def worst_rows(rows: Sequence[Row]) -> list[Row]:
-    """Return the labelled frames, the worst first. Only the worst of near-identical frames counts, failed ones do not."""
+    """Return the labelled frames, the worst first. Near-identical and failed frames are left out."""
     scored = (row for row in rows if row.score is not None and row.error is None)
     chosen: dict[str, Row] = {}
     for row in sorted(scored, key=lambda row: (goodness(row), row.key)):

@@ -39,7 +39,7 @@ class Trace:
     weighing: Weighing
     """The cost function and gamma of this frame."""
     edges: EdgeMaps | None
-    """The edge maps. None where the cost function does not read a boundary."""
+    """The edge maps. None if the cost function does not read a boundary."""
     contours: Contours | None
     """Our contours of the depth map. None without additions or edge maps."""
     cues: Cues

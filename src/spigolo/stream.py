@@ -26,7 +26,7 @@ class Segmenter:
 
     ids: whether objects get ids that last while they stay in view (`ObjectMask.id`). `pace` has the rate and the time
     of a frame. Make one per thread: kernels release the GIL, so that Segmenters on several threads run side by side.
-    Raises SpigoloError where two threads call one at once.
+    Raises SpigoloError if two threads call one at once.
     """
 
     def __init__(self, config: Config = OBJECTS, ids: bool = False) -> None:

@@ -158,7 +158,8 @@ def sees_close(frame: Frame) -> bool:
 def stored_unit_m(depth: DepthMap) -> float:
     """The largest unit that all depths are whole multiples of, looked for from 0.1 mm upwards.
 
-    Times ten, millimetres come in steps of 10 mm, which no camera stores. Floating-point depth has no unit: 0.1 mm.
+    Millimetres multiplied by ten come in steps of 10 mm, which no camera stores. Floating-point depth has no unit
+    and gives 0.1 mm.
     """
     ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
     return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M

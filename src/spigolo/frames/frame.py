@@ -1,7 +1,7 @@
-"""Frame: what goes in, checked and owned here, once.
+"""The input of the method: a frame, checked and copied once.
 
 Camera axes: X right, Y down, Z forward. Image points are (y, x), rows first. Colour is RGB. Depth is the Z coordinate
-in metres, 0 where it is missing.
+in metres, 0 if it is missing.
 """
 
 from __future__ import annotations

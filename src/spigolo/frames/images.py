@@ -85,7 +85,7 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXELS) -> None:
-    """Raise FrameError where the colour file holds depth, now that the depth file proved to be a picture."""
+    """Raise FrameError if the colour file holds depth, now that the depth file proved to be a picture."""
     is_array = Path(color).suffix.lower() in ARRAYS
     stored = read_depth(color) if is_array else decode(color, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2 and stored.dtype != np.uint8:

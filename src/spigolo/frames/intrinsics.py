@@ -140,7 +140,7 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
 
 def _through(window: Window, camera: Camera, width: int | None, height: int | None) -> Camera:
-    """Return the camera of a decimated or cropped image. Raises CameraError where the images have another size."""
+    """Return the camera of a decimated or cropped image. Raises CameraError if the images have another size."""
     seen = window.of(camera)
     if None not in (width, height) and (seen.width, seen.height) != (width, height):
         raise CameraError(

@@ -1,4 +1,4 @@
-"""Depth of a depth camera, moved into the image of the colour camera beside it."""
+"""Depth of a depth camera, moved into the image of the colour camera next to it."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def difference(point, origin):
 
 @inlined
 def unit_vector(point, origin):
-    """Eqs. 15, 16. Direction from the edge point to a point beside it. Zero where they coincide."""
+    """Eqs. 15, 16. Direction from the edge point to a point next to it. Zero where they coincide."""
     a, b, c = difference(point, origin)
     norm = np.sqrt(a * a + b * b + c * c)
     if norm == 0.0:

@@ -56,7 +56,7 @@ def triangle(a, b, c):
 
 @inlined
 def inverse_depth_at(x, y, t):
-    """1 / Z of a triangle at (x, y), 0 beside it."""
+    """1 / Z of a triangle at (x, y), 0 next to it."""
     a_x, a_y, a_w, b_x, b_y, b_w, c_x, c_y, c_w, scale = t
     share_b = ((x - a_x) * c_y - (y - a_y) * c_x) * scale
     share_c = (b_x * (y - a_y) - b_y * (x - a_x)) * scale

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 LARGEST_HEAP_BLOCK = 32 * 2**20 - 2**13
-"""The largest block whose release moves glibc's thresholds (mallopt(3), M_MMAP_THRESHOLD), its header aside."""
+"""Size of the largest block whose release raises glibc's thresholds, without its header. See mallopt(3)."""
 
 
 class Workspace:

@@ -17,7 +17,7 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """cores: those this process may use. load: of the last minute, 0 = idle. None where the system does not say."""
+    """cores: those this process may use. load: of the last minute, 0 = idle. None if the system does not say."""
 
     cpu: str
     cores: int

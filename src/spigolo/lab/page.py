@@ -66,7 +66,7 @@ def cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A picture beside the page, with its caption."""
+    """A picture next to the page, with its caption."""
 
     path: str
     caption: str
@@ -122,7 +122,7 @@ figcaption { color: var(--dim); font-size: .9em; margin-top: .3rem; }
 
 
 def to_html(page: Page) -> str:
-    """The page as one HTML file. Pictures lie beside it."""
+    """The page as one HTML file. Pictures lie next to it."""
     title = escape(page.title)
     body = "\n".join(_html(block) for block in page.blocks)
     return (
@@ -133,7 +133,7 @@ def to_html(page: Page) -> str:
 
 
 def to_markdown(page: Page) -> str:
-    """The page as Markdown. Pictures lie beside it."""
+    """The page as Markdown. Pictures lie next to it."""
     return "\n\n".join([f"# {page.title}", *(_markdown(block) for block in page.blocks)]) + "\n"
 
 

@@ -21,7 +21,7 @@ def color_features(image: Color, sigma_px: float) -> Features:
 
 
 def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
-    """Depth (H, W) in levels of a colour channel, NaN where it is missing, smoothed as colour is, over valid pixels."""
+    """Depth (H, W) in levels of a colour channel, NaN if it is missing, smoothed as colour is, over valid pixels."""
     valid = (depth > 0).astype(np.float32)
     mean = smooth(depth, sigma_px) / np.maximum(smooth(valid, sigma_px), np.float32(1e-6))
     return np.where(valid > 0, mean * np.float32(levels_per_m), np.float32(np.nan))

@@ -31,7 +31,7 @@ NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) 
 NOMINAL_FOCAL = 0.9
 """Focal length as a share of the image width where the camera is not known."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels beside the edge line, whose depth is smeared (their released code)."""
+"""Weight of pixels next to the edge line, whose depth is smeared (their released code)."""
 LEAST_WEIGHT = 20.0
 """A half-disc with fewer measured pixels says nothing (our choice)."""
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0

@@ -100,7 +100,7 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _written(stage: Settings) -> dict[str, Any]:
-    """Return the values by name, without None where it is the default, else as the word "none": TOML has no null."""
+    """Return the values by name, without None if it is the default, else as the word "none": TOML has no null."""
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():
         value = getattr(stage, name)

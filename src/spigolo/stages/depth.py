@@ -22,7 +22,7 @@ Integral = npt.NDArray[np.float64]
 
 @stage("depth")
 def prepare_depth(depth: DepthMap, config: DepthConfig) -> DepthMap:
-    """D_s (H, W): the depth that all cues are taken from, in metres, 0 where it is still missing."""
+    """D_s (H, W): the depth that all cues are taken from, in metres, 0 if it is still missing."""
     if config.inpainting is not None:
         depth = inpaint_small_gaps(depth, config.inpainting)
     return depth if config.smoothing.mean == "none" else smooth(depth, config.smoothing)

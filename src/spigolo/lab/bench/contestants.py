@@ -62,7 +62,7 @@ def saliency(frame: Frame) -> dict[str, Run]:
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Merging alone on the same weights, ours and the textbook's. Raises SpigoloError where their regions differ."""
+    """Merging alone on the same weights, ours and the textbook's. Raises SpigoloError if their regions differ."""
     runs: dict[str, Run] = {}
     for name in MERGED:
         config = CONFIGS[name]
@@ -84,7 +84,7 @@ def textbook_name(config: str) -> str:
 
 
 def check_merging(graph: Graph, config: Config) -> None:
-    """Raises SpigoloError where our regions of a graph, small ones kept, are not the textbook's."""
+    """Raises SpigoloError if our regions of a graph, small ones kept, are not the textbook's."""
     ours = partition(graph, config.partition.gamma).labels
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):

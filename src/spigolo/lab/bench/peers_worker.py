@@ -74,7 +74,7 @@ def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
 
 
 def attempt(name: str) -> Any:
-    """A module, or None where it cannot be imported."""
+    """A module, or None if it cannot be imported."""
     try:
         return importlib.import_module(name)
     except ImportError:

@@ -12,7 +12,7 @@ BOP_HOME = "https://bop.felk.cvut.cz/media/data/bop_datasets"
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """A zip file. sha256: of the whole of it. into: the folder that it is unpacked into, "" for that beside the set."""
+    """A zip file. sha256: of the whole file. into: the folder to unpack into, "" for the folder of the set."""
 
     url: str
     sha256: str

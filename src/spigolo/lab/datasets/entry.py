@@ -86,14 +86,14 @@ class Entry(ABC):
 
     @abstractmethod
     def read_truth(self) -> Truth | None:
-        """Its labels, None where it has none. Raises FileError or FrameError."""
+        """Its labels, None if it has none. Raises FileError or FrameError."""
 
     def read_instances(self) -> tuple[Instance, ...]:
         """Its objects with their poses, () where the set has none. Raises FileError."""
         return ()
 
     def read_both(self) -> tuple[Frame, Truth | None]:
-        """Frame and labels. Raises FrameError also where they differ in size."""
+        """Frame and labels. Raises FrameError also if they differ in size."""
         frame, truth = self.read(), self.read_truth()
         if truth is not None and truth.labels.shape != frame.shape:
             raise FrameError(
@@ -138,7 +138,7 @@ class DataSet(ABC):
     """The entries of a folder, found when it is opened and read when they are asked for.
 
     full: sets on which every object is labelled, as patterns such as "osd-*", where the layout does not say.
-    Raises FileError where the folder does not hold what `layout` says, or an entry lacks a file.
+    Raises FileError if the folder does not hold what `layout` says, or an entry lacks a file.
     """
 
     layout: ClassVar[str]
@@ -204,7 +204,7 @@ class DataSet(ABC):
 
 
 def existing_folder(folder: Path | str) -> Path:
-    """Its full path. Raises FileError where there is none."""
+    """Its full path. Raises FileError if there is none."""
     if not Path(folder).is_dir():
         raise FileError(f"expected a folder of frames, but there is no folder {folder}")
     return Path(folder).resolve()

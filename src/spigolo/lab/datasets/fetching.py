@@ -31,7 +31,7 @@ TIMEOUT_S = 60
 def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
     """Fetch a set into the folder `to`. Returns the folder of the set.
 
-    Raises FileError where it cannot be fetched: what had come of an archive is then kept beside, to go on from, but for
+    Raises FileError if it cannot be fetched: what had come of an archive is then kept beside, to go on from, but for
     one with a wrong hash.
     """
     target = to / known.name
@@ -113,7 +113,7 @@ def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _unpack(archives: list[tuple[Archive, Path]], to: Path, name: str) -> None:
-    """Unpack beside the final place, and move there at the end."""
+    """Unpack next to the final place, and move there at the end."""
     beside = to / f".{name}-unpacking"
     shutil.rmtree(beside, ignore_errors=True)
     try:

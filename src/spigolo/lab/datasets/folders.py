@@ -61,7 +61,7 @@ class FrameFolder(Entry):
         return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file)
 
     def read_truth(self) -> Truth | None:
-        """Its labels, None where it has none. Raises FileError or FrameError."""
+        """Its labels, None if it has none. Raises FileError or FrameError."""
         if self.labelling == "none":
             return None
         labels = read_labels(self.folder / "label.png")

@@ -43,7 +43,7 @@ def write_model(path: Path, model: Model, unit_m: float = 1.0) -> None:
 
 
 def find_model(folder: Path, name: str) -> Path | None:
-    """NAME.ply, .obj or .stl in the folder, or in NAME/ there, whatever its case. None where there is none."""
+    """NAME.ply, .obj or .stl in the folder, or in NAME/ there, whatever its case. None if there is none."""
     if not folder.is_dir():
         return None
     wanted = name.lower()

@@ -102,7 +102,7 @@ def _is_scene(colors: Path) -> bool:
 
 
 def _object(scene: str) -> tuple[int, str]:
-    """Number from 1 and name of the object that a scene's folder shows, 0 where it names none."""
+    """Number from 1 and name of the object that a scene's folder shows, 0 if it names none."""
     known = [name.lower() for name in OBJECTS]
     digits = scene.removeprefix("scene_")
     number = int(digits) if digits.isdigit() else known.index(scene.lower()) + 1 if scene.lower() in known else 0

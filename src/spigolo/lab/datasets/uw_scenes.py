@@ -42,7 +42,7 @@ MASK_COLORS = {
 
 @dataclass(frozen=True, slots=True)
 class UwFrame(ImageEntry):
-    """One frame of a sequence. mask and boxes: None where there is none."""
+    """One frame of a sequence. mask and boxes: None if there is none."""
 
     number: int
     mask: Path | None
@@ -54,7 +54,7 @@ class UwFrame(ImageEntry):
         return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Its hand-traced mask, None where it has none. Raises FileError."""
+        """Its hand-traced mask, None if it has none. Raises FileError."""
         return None if self.mask is None else labels_of(read_color(self.mask))
 
     def read_boxes(self) -> tuple[ObjectBox, ...]:

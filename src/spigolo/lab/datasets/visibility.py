@@ -23,7 +23,7 @@ TOLERANCE_M = 0.015
 
 
 def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
-    """Depth (H, W) in metres of a model at a pose (4, 4), model to camera. 0 where it is not. No distortion."""
+    """Depth (H, W) in metres of a model at a pose (4, 4), model to camera. 0 if it is not. No distortion."""
     with np.errstate(over="ignore", invalid="ignore"):
         x, y, z = (model.vertices_m @ pose[:3, :3].T + pose[:3, 3]).T
         inverse = np.divide(1.0, z, out=np.zeros_like(z), where=z >= NEAREST_M)

@@ -1,7 +1,7 @@
 """Rendered stand-ins in the layouts of real sets. `spigolo.lab.datasets` reads them as it reads the originals.
 
 Each file is written at once, what describes a scene after its frames. `rendered.json` in the folder says that no frame
-is a photograph. `camera.json` beside it holds the camera, where the layout has no place for it. The name of each
+is a photograph. `camera.json` next to it holds the camera, where the layout has no place for it. The name of each
 sample's frame is its place in the set: `rutgers_name`, `uw_scenes_name` and `tejani_name` make such names.
 """
 

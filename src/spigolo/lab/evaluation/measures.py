@@ -143,7 +143,7 @@ def score_frame(
 
 
 def _by_any_segment(holds: Mask) -> Mask:
-    """(N,) from (N, S): does it hold for any segment? Never without segments."""
+    """(N,) from (N, S): True if it holds for any segment. Never without segments."""
     return np.asarray(holds.any(axis=1), np.bool_)
 
 

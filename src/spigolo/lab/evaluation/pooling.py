@@ -1,4 +1,4 @@
-"""Rows put together: the figures of a method on many frames, and of two methods beside each other.
+"""Rows put together: the figures of a method on many frames, and of two methods next to each other.
 
 Near-identical frames count once: a frame weighs 1 / (frames of its group), so that every group weighs the same in a
 mean, and its objects count once among all objects.
@@ -24,7 +24,7 @@ Figure = Callable[[RowScore], float]
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """Figures of one method on many frames. NaN where they mean nothing.
+    """Figures of one method on many frames. NaN if they mean nothing.
 
     Precision, F and false positives need frames on which every object is labelled: they are NaN if any frame is not.
     """
@@ -40,7 +40,7 @@ class Pooled:
     """Mean number of predicted objects."""
 
     n_objects: float
-    """Labelled objects. Not whole where the frames of a group differ in number."""
+    """Labelled objects. A fraction if the frames of a group have different numbers of objects."""
 
     overlap_precision: float
     overlap_recall: float

@@ -70,7 +70,7 @@ def bootstrap(
 def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Split]:
     """Split K frames into `k` folds of about one size, each the outside of one split. A group is never divided.
 
-    groups: (K,) the group of each frame. Raises ValueError where there are fewer groups than folds.
+    groups: (K,) the group of each frame. Raises ValueError if there are fewer groups than folds.
     """
     frames_of = _frames_of(groups)
     if not 2 <= k <= len(frames_of):

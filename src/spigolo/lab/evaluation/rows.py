@@ -188,7 +188,7 @@ def row_to_json(row: Row) -> str:
 def read_rows(path: Path | str) -> list[Row]:
     """The rows of a file. A last line without its end is what a crash left, and is dropped.
 
-    Raises FileError where the file cannot be read or a line is no row.
+    Raises FileError if the file cannot be read or a line is no row.
     """
     try:
         data = Path(path).read_bytes()
@@ -216,7 +216,7 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
 class RowFile:
     """A file of rows, open to append: `rows` are those that it holds, each new one is on the disk at once.
 
-    A half-written last line is cut off when the file is opened. Raises FileError where it cannot be opened or holds
+    A half-written last line is cut off when the file is opened. Raises FileError if it cannot be opened or holds
     something else.
     """
 

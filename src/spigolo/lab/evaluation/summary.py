@@ -17,7 +17,7 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 class DatasetScore(Measures):
     """Measures of many frames: means over the frames, or shares of the objects of all frames together.
 
-    The means of the frames' F are not the harmonic means of the figures beside them.
+    The means of the frames' F are not the harmonic means of the figures next to them.
     """
 
     found_70_recall: float

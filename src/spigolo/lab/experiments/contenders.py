@@ -61,7 +61,7 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
     """Find the contenders that others are compared with: those of that label, digest, preset, method or file.
 
     Without a name the first one, or, where files hold the same frames, those of the first file. Raises ConfigError
-    where the name is of none, or of several that are not one file.
+    if the name is of none, or of several that are not one file.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]

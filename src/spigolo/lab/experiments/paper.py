@@ -1,4 +1,4 @@
-"""The paper's Tables I to III, what it printed beside what rows say: its rule for an object that is found is that one
+"""The paper's Tables I to III, what it printed next to what rows say: its rule for an object that is found is that one
 segment covers more than 70 % of its pixels.
 """
 
@@ -53,7 +53,7 @@ class Tally:
 class Measured:
     """One of the paper's tables on one data set. tallies: by contender, in their order, and place.
 
-    The first contender is the preset that the paper uses. beside: the method in parentheses, None where there is none.
+    The first contender is the preset that the paper uses. beside: the method in parentheses, None if there is none.
     """
 
     printed: Printed
@@ -72,7 +72,7 @@ class Measured:
 def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple[str, Table]]:
     """Write index.html and report.md into the folder `out`. Returns titles and tables of the sets that are there.
 
-    Raises FileError where the rows hold none of the paper's sets, lack the preset that the paper uses on one, are of an
+    Raises FileError if the rows hold none of the paper's sets, lack the preset that the paper uses on one, are of an
     older version or cannot be written.
     """
     measured = measure(contenders)
@@ -184,7 +184,7 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """The preset's figures, those of the method beside it in parentheses."""
+    """The preset's figures, those of the method next to it in parentheses."""
     tallies = _tallies(measured, line, label)
     besides = _tallies(measured, line, measured.beside) if measured.beside else [None] * len(tallies)
     for tally, other in zip(tallies, besides, strict=True):

@@ -1,4 +1,4 @@
-"""Pictures of the worst frames: what was predicted beside what is true."""
+"""Pictures of the worst frames: what was predicted next to what is true."""
 
 from __future__ import annotations
 

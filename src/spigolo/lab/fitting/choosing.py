@@ -46,7 +46,7 @@ def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> 
 
 
 def check_folds(groups: Sequence[str], count: int) -> None:
-    """Raises SpigoloError where there are too few groups, one of each labelled frame, for as many folds."""
+    """Raises SpigoloError if there are too few groups, one of each labelled frame, for as many folds."""
     distinct = len(set(groups))
     if not 2 <= count <= distinct:
         raise SpigoloError(
@@ -69,7 +69,7 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
     """Every data set scored by the trial that is best on the others: what to expect of another camera or place.
 
-    The sets come in the order of their names. Raises SpigoloError where `set_splits` has none.
+    The sets come in the order of their names. Raises SpigoloError if `set_splits` has none.
     """
     splits = set_splits(search)
     if not splits:
@@ -81,7 +81,7 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
 
 
 def set_splits(search: Search) -> list[Split]:
-    """One for each data set. None where there is one set alone, or nothing but frames like its own beside it."""
+    """One for each data set. None if there is one set alone, or nothing but frames like its own next to it."""
     places = search.subject.places
     if len({place.data_set for place in places}) < 2:
         return []

@@ -28,7 +28,7 @@ def score_table(search: Search, held: HeldOut) -> Table:
 
 
 def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
-    """Write the parameters as TOML and report.md, and say where they are. Raises FileError where it cannot.
+    """Write the parameters as TOML and report.md, and say where they are. Raises FileError if it cannot.
 
     The TOML of `toscana2016` is a preset that every command takes. That of another method holds its fields.
     """

@@ -49,7 +49,7 @@ def search(
 ) -> Search:
     """Try the start and `trials` settings drawn at random, and appends those to the file `out` that it lacks.
 
-    frames: those without labels are left out. jobs: worker processes. Raises SpigoloError where optuna or scipy is
+    frames: those without labels are left out. jobs: worker processes. Raises SpigoloError if optuna or scipy is
     missing or a worker dies, FileError without labelled frames or for a file of other trials.
     """
     if importlib.util.find_spec("scipy") is None:
@@ -74,10 +74,10 @@ def search(
 
 
 def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Those with labels. Raises FileError where there are none."""
+    """Those with labels. Raises FileError if there are none."""
     labelled = tuple(frame for frame in frames if frame.labelling != "none")
     if not labelled:
-        raise FileError(f"expected labelled frames, got {len(frames)} without labels: draw those of some")
+        raise FileError(f"expected labelled frames, got {len(frames)} without labels: label about twenty of them")
     return labelled
 
 

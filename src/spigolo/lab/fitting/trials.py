@@ -76,7 +76,7 @@ class Search:
 def read_search(path: Path | str) -> Search:
     """The trials of a file, packed by gzip or not. A last line without its end is what a crash left, and is dropped.
 
-    Raises FileError where the file cannot be read or holds something else.
+    Raises FileError if the file cannot be read or holds something else.
     """
     try:
         data = Path(path).read_bytes()
@@ -101,7 +101,7 @@ def read_search(path: Path | str) -> Search:
 class TrialFile:
     """A file of trials of one subject, open to append: each new one is on the disk at once.
 
-    Raises FileError where it holds trials of another subject.
+    Raises FileError if it holds trials of another subject.
     """
 
     trials: list[Trial]

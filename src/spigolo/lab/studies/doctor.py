@@ -77,7 +77,7 @@ def along_rays(frame: Frame) -> Frame:
 
 
 def not_registered(frame: Frame) -> Frame:
-    """Depth as the depth camera of a RealSense D435 would see it, 15 mm beside the colour camera."""
+    """Depth as the depth camera of a RealSense D435 would see it, 15 mm next to the colour camera."""
     camera = frame.camera
     assert camera is not None
     ratio = 384 / 615 if camera.width * 3 < camera.height * 5 else 640 / 922.5

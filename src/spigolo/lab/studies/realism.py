@@ -1,4 +1,4 @@
-"""Figures of rendered families beside those of real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
+"""Figures of rendered families next to those of real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
 
 FRAMES is a folder of sets as SET/FRAME/ with rgb.png, depth.png and camera.json. Frames of one scene count once. With
 `--slant` it also prints the noise by how fast the disparity changes, with `--presets` how many objects each preset

@@ -71,7 +71,7 @@ class Plot:
         rng: np.random.Generator,
         touching: bool = False,
     ) -> SceneObject | None:
-        """The product in one of these rests, somewhere that `spot` proposes (x, y). None where there is no room.
+        """The product in one of these rests, somewhere that `spot` proposes (x, y). None if there is no room.
 
         touching: it is then pushed against what stands nearest.
         """
@@ -86,7 +86,7 @@ class Plot:
         return None
 
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
-        """The product on the flat top of something that is there. None where it does not fit or would meet others."""
+        """The product on the flat top of something that is there. None if it does not fit or would meet others."""
         points = world_points(below)
         top_m = float(points[:, 2].max())
         face = _hull(points[points[:, 2] > top_m - _LEVEL_M, :2])

@@ -100,7 +100,7 @@ class View:
 
 
 def load_mujoco() -> Any:
-    """The renderer. Raises FileError where it is missing. Without a screen it draws by EGL."""
+    """The renderer. Raises FileError if it is missing. Without a screen it draws by EGL."""
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         os.environ.setdefault("MUJOCO_GL", "egl")
     try:

@@ -1,4 +1,4 @@
-"""A scene with objects, and what an RGB-D camera records of it beside the exact truth.
+"""A scene with objects, and what an RGB-D camera records of it next to the exact truth.
 
 World axes: x to the right, y away from the camera, z up. Objects stand at z = 0. Lengths are in metres.
 """

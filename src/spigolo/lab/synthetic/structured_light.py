@@ -1,6 +1,6 @@
 """A numpy-only model of a structured-light depth camera (in the manner of the first Kinect).
 
-The camera finds depth by triangulation: a projector beside it throws a pattern, and each pixel's disparity
+The camera finds depth by triangulation: a projector next to it throws a pattern, and each pixel's disparity
 ``d = fx * baseline / Z`` says how far off the surface is. The faults of such a camera follow from that, and
 the model has them in the same order: the projector's shadows, surfaces that send no usable pattern back,
 noise and quantisation of the disparity.

@@ -57,7 +57,7 @@ def test_an_example_is_short_and_says_what_it_is(path: Path) -> None:
 
 @compiled
 @pytest.mark.parametrize("path", EXAMPLES, ids=name)
-def test_an_example_runs_and_writes_where_it_is_told(path: Path, tmp_path: Path) -> None:
+def test_an_example_runs_and_writes_into_its_output_folder(path: Path, tmp_path: Path) -> None:
     done = run(path, "--out", tmp_path / "out", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert 3 <= len(done.stdout.splitlines()) <= 30
@@ -92,7 +92,7 @@ def test_a_script_says_what_it_takes(path: Path, tmp_path: Path) -> None:
 
 
 @compiled
-def test_the_page_of_bad_input_is_what_is_said_now() -> None:
+def test_the_page_of_bad_input_has_the_present_messages() -> None:
     done = run(ROOT / "scripts" / "bad_inputs.py", folder=ROOT)
     assert done.returncode == 0, done.stderr
     written = (ROOT / "docs" / "bad-input.md").read_text(encoding="utf-8")

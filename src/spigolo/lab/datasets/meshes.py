@@ -29,7 +29,9 @@ def read_model(path: Path, unit_m: float = 1.0) -> Model:
     if not triangles.size:
         raise FileError(f"expected a triangle mesh in {path}, got one without triangles")
     if triangles.min() < 0 or triangles.max() >= len(vertices) or not np.isfinite(vertices).all():
-        raise FileError(f"expected a triangle mesh in {path}, got triangles whose corners are nowhere: it is damaged")
+        raise FileError(
+            f"expected a triangle mesh in {path}, got triangles with corners that do not exist: the file is damaged"
+        )
     coloured = mesh.visual.kind == "vertex"
     colors = np.asarray(mesh.visual.vertex_colors, np.uint8)[:, :3] if coloured else None
     return Model(path.stem, vertices * unit_m, triangles, colors)

@@ -23,7 +23,7 @@ CV2_WHEELS = (
 SMALL_PX = 160
 """Objects in an image of a shorter width or height are a few pixels large."""
 BORDER = 0.1
-"""A share of the frame that is missing up to the image border, from here on told with the advice."""
+"""Minimum share of missing depth at the image border that is reported with the advice."""
 
 
 def diagnose(frame: Frame) -> Diagnosis:

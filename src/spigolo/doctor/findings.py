@@ -25,7 +25,7 @@ class Finding:
     severity: Severity
     sentence: str
     judged: bool = True
-    """False where the frame lacks the evidence: then nobody has looked at it."""
+    """False if the frame lacks the evidence for this check."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ FEW_VALID = 0.02
 """With a smaller share of valid pixels there is nothing to segment."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
-"""A share of the frame in holes of one or two pixels, from here on told."""
+"""Minimum share of the frame in holes of one or two pixels that is reported."""
 
 SCALES = {
     0.001: "stored millimetres",

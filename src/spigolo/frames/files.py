@@ -149,7 +149,7 @@ def append_lines(path: Path) -> BinaryIO:
 
 
 def write_bytes(path: PathLike, data: bytes) -> None:
-    """Write a file at once: next to its place first, then renamed, so that nobody ever sees half of it."""
+    """Write a file completely or not at all: a temporary file is renamed."""
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

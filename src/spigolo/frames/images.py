@@ -132,9 +132,7 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pi
         told = " ".join(str(getattr(error, "err", "") or error).split())
         raise FileError(f"expected an image in {path}, but it cannot be read: {told}") from None
     if image is None:
-        raise FileError(
-            f"expected an image in {path}, but its {data.size} bytes are none that OpenCV reads{_advice(path)}"
-        )
+        raise FileError(f"expected an image in {path}, got {data.size} bytes that OpenCV cannot read{_advice(path)}")
     return image
 
 

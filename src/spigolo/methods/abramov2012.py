@@ -39,7 +39,7 @@ class AbramovConfig(MethodConfig):
     """Gaussian smoothing of colour in pixels of the model, on top of the mean that shrinking takes (our choice)."""
     alpha: Positive = 2.5
     """Attraction range of colours, in mean distances of neighbours. Colours that differ more repel (the public
-    re-implementation: 1 to 1.35, which leaves thousands of fragments; our choice).
+    re-implementation: 1 to 1.35, which leaves thousands of fragments, our choice).
     """
     repulsion: NotNegative = 1.0
     """Maximum repulsion of two colours, so that a print does not outweigh all attraction (our choice, theirs has no
@@ -47,7 +47,7 @@ class AbramovConfig(MethodConfig):
     """
     step_m: Positive | None = 0.02
     """Depth difference in metres above which neighbours repel, whatever their colours. None ignores depth, also at the
-    start (the public re-implementation: 0.3; our choice, for things on a table).
+    start (the public re-implementation: 0.3, our choice, for things on a table).
     """
     step_per_m: NotNegative = 0.0083
     """The same per squared distance, 1/m, so that noise and slanted planes make no step. The larger of both applies

@@ -276,7 +276,7 @@ class Rules(Settings):
 
 
 class Refinement(Settings):
-    """Outlines of objects, drawn again by colour where depth does not say where they lie.
+    """Outlines of objects, drawn again by colour if depth is missing or smeared.
 
     A band along the borders of objects is opened. A spanning forest over colour differences gives each open pixel to an
     object or to the background. It grows from the pixels outside the band.
@@ -292,7 +292,7 @@ class Refinement(Settings):
     max_width_px: Length_px = 10
     """Maximum width of the band on each side of a border."""
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
-    """Maximum width of the band where depth is missing: shadows and rims of objects."""
+    """Maximum width of the band at missing depth: shadows and rims of objects."""
     near_hole_px: Length_px = 1
     """Distance to missing depth up to which measured depth is not trusted either."""
     reach_px: Offset_px = 8
@@ -323,15 +323,15 @@ class Additions(Settings):
     packing: Packing | None = None
     """Warn if a layer of packed objects was taken for the support. Nothing is rejected."""
     contours: DepthContours | None = None
-    """Add depth steps and creases to the boundary map, where the cost reads it."""
+    """Add depth steps and creases to the boundary map, if the cost function reads it."""
     merging: Merging | None = None
-    """Merge regions over their whole common border, where the cost reads the boundary map."""
+    """Merge regions over their whole common border, if the cost function reads the boundary map."""
     joining: Joining | None = None
     """Join the parts of an object that the partition cut. Needs a support."""
     rules: Rules = Rules()
     """Reject more regions than the paper does."""
     refinement: Refinement | None = None
-    """Draw the outlines of objects again by colour where depth does not say where they lie."""
+    """Draw the outlines of objects again by colour if depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0
     """Depth difference per squared distance, 1/m, up to which eq. 9 counts none. Depth comes in steps, whose borders
     would otherwise stay in a large region of equal depths."""

@@ -53,7 +53,7 @@ class Config(Parameters):
         return self
 
     def at_size(self, shape: tuple[int, int], lengths: bool = False) -> Config:
-        """Return a copy for images (H, W). Lengths grow where the additions say so (`Settings.at_size`)."""
+        """Return a copy for images (H, W). Lengths grow if `additions.lengths_grow` is set (`Settings.at_size`)."""
         return super().at_size(shape, lengths or (self.additions is not None and self.additions.lengths_grow))
 
     def to_toml(self, base: str | None = None) -> str:

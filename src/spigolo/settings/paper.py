@@ -213,7 +213,7 @@ class Rejection(Settings):
     max_eccentricity: Share | None = None
     """Maximum eccentricity sqrt(1 - lambda2 / lambda1). Larger values keep longer regions (authors' release: 0.978)."""
     max_missing: Share | None = None
-    """Maximum share of pixels without depth, after in-painting where that is on (paper: 0.3, without in-painting)."""
+    """Maximum share of pixels without depth, after in-painting if that is on (paper: 0.3, without in-painting)."""
     max_dark: Share | None = None
     """Share of pixels in the three darkest of 32 brightness bins, 0..23 of 255, that makes a region dark (paper:
     0.3)."""

@@ -103,7 +103,7 @@ def bench(
 ) -> Report:
     """Measure ours and the peers on at least one frame, by name.
 
-    python: interpreter of the peers, see `open_peers`. tell: told of the progress.
+    python: interpreter of the peers, see `open_peers`. tell: called with the progress.
     """
     plan = Plan() if plan is None else plan
     machine = this_machine(spigolo=__version__)

@@ -32,7 +32,7 @@ def _find(parent: Any, node: int) -> Any:
 
 @numba.njit(nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _merge(weights: Any, order: Any, steps: Any, gamma: float, labels: Any) -> None:
-    """Edges of +inf are none, and stand last."""
+    """Edges of +inf do not exist. They are sorted last."""
     pixels = labels.size
     parent, size = np.arange(pixels, dtype=np.int32), np.ones(pixels, np.int32)
     bound = np.full(pixels, gamma)

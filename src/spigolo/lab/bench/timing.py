@@ -28,7 +28,7 @@ Run = Callable[[], Sample]
 
 
 def silent(what: str, done: float) -> None:
-    """Tell nobody."""
+    """Report nothing."""
 
 
 def timed(work: Callable[[], object]) -> Run:

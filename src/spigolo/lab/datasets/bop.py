@@ -9,7 +9,7 @@
         depth/000000.png (or .tif)                16 bits, 0 = missing
         mask_visib/000000_000000.png              image, then place in the list of scene_gt; 0 and 255
 
-Labels are places in the list plus 1. Where there is no mask_visib it is rendered from models and poses.
+Labels are places in the list plus 1. Without mask_visib it is rendered from models and poses.
 Sets differ in whether every object is labelled: `part`, unless `full` names the set. The frames of one scene are
 near-identical.
 """
@@ -81,7 +81,7 @@ class BopImage(Entry):
 
     @property
     def _masks(self) -> tuple[Path, ...]:
-        """() where the scene has none."""
+        """() if the scene has none."""
         folder = self.scene / "mask_visib"
         if not folder.is_dir():
             return ()

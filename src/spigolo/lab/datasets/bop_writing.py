@@ -43,7 +43,7 @@ def write_description(folder: Path, models: Sequence[Model], about: str) -> None
 
 
 class SceneFiles:
-    """The files of a scene. `close` writes its JSON files, without which nobody takes it for a scene."""
+    """The files of a scene. `close` writes its JSON files. Readers accept no scene without them."""
 
     def __init__(self, folder: Path, models: Sequence[Model]) -> None:
         self._folder = folder

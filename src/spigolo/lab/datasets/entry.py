@@ -211,7 +211,7 @@ def existing_folder(folder: Path | str) -> Path:
 
 
 def _require_files(entries: Iterable[Entry], mend: str) -> None:
-    """A download that was cut off is told at once."""
+    """Report an incomplete download at once."""
     lacking = [(entry, path) for entry in entries for path in entry.files if not path.is_file()]
     if lacking:
         entry, path = lacking[0]

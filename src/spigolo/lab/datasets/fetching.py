@@ -29,9 +29,9 @@ TIMEOUT_S = 60
 
 
 def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
-    """Fetch a set into the folder `to`. Returns the folder of the set.
+    """Fetch a set into the folder `to`, and return its folder.
 
-    Raises FileError if it cannot be fetched: what had come of an archive is then kept beside, to go on from, but for
+    Raises FileError if it cannot be fetched. The received part of an archive is kept, to continue from, except
     one with a wrong hash.
     """
     target = to / known.name

@@ -146,7 +146,7 @@ def _is_absent(root: Path, name: str) -> bool:
 
 
 def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], default: T) -> T:
-    """A field of what the JSON file at `path` told. Raises FileError for a value of another type."""
+    """Return a field of the JSON file at `path`. Raises FileError for a value of another type."""
     value = told.get(name)
     if value is None:
         return default

@@ -19,7 +19,7 @@ SURFACES = ("table", "floor")
 
 @dataclass(frozen=True, slots=True)
 class LabelledImages(ImageEntry):
-    """A frame with a label image. background: labels that are no objects, beside 0."""
+    """A frame with a label image. background: labels other than 0 that are not objects."""
 
     labels: Path
     background: tuple[int, ...]

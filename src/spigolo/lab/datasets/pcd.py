@@ -53,7 +53,7 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
     if not max(x_off, y_off) <= MAX_MISFIT_PX:
         raise CameraError(
             f"expected an organised cloud, a point for each of {width}x{height} pixels of a pinhole camera, got points"
-            f" {max(x_off, y_off):.1f} px beside them"
+            f" {max(x_off, y_off):.1f} px off"
         )
     return Camera(fx, fy, cx, cy, width, height)
 

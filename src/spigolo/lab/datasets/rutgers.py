@@ -8,8 +8,8 @@
     FOLDER/models/OBJECT.ply (or .obj, .stl, or in OBJECT/), metres
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
-BIN is A..L; the four shots of one position are near-identical. Only OBJECT is labelled, as 1: its visible mask is
-rendered. Frames without a pose have no labels. What the three numbers stand for is inferred from how many there are.
+BIN is A..L. The four shots of one position are near-identical. Only OBJECT is labelled, as 1: its visible mask is
+rendered. Frames without a pose have no labels. The meaning of the three numbers is inferred from their counts.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@
 
 Scene N shows object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk, the order of their publication.
 Images without a file of poses have no labels (some original poses are poor: the new annotation holds those repaired).
-Labels are places in that file plus 1; visible masks are rendered. The frames of a scene are near-identical.
+Labels are places in that file plus 1. Visible masks are rendered. The frames of a scene are near-identical.
 """
 
 from __future__ import annotations

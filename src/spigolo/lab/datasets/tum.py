@@ -29,7 +29,7 @@ UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
 """The same for gaps between the frames of a clock that starts at 0: no video has days between its frames."""
 MANY_ALONE = 0.5
-"""Share of colour images without depth from which on it is told."""
+"""Minimum share of colour images without depth that is reported."""
 
 Stamped = list[tuple[float, Path]]
 

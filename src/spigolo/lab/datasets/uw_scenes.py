@@ -6,8 +6,8 @@
     rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
     quickfind_mask_data/SCENE_K_N_mask.png                optional, beside rgbd-scenes or in it: a colour an object
 
-Labels are places in `MASK_COLORS` plus 1; strange colours are ignored. Frames without a mask have no labels. What is
-none of those 22 objects is not labelled: `part`. The frames of one sequence SCENE_K are near-identical.
+Labels are places in `MASK_COLORS` plus 1. Strange colours are ignored. Frames without a mask have no labels. Other
+things than those 22 objects are not labelled: `part`. The frames of one sequence SCENE_K are near-identical.
 """
 
 from __future__ import annotations

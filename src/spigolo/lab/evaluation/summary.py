@@ -21,7 +21,7 @@ class DatasetScore(Measures):
     """
 
     found_70_recall: float
-    """Share of all objects, NaN without objects. Merging raises it: read it beside `overlap_precision`."""
+    """Share of all objects, NaN without objects. Merging raises it: read it together with `overlap_precision`."""
 
     found_70_both: float
     """Share of all objects, NaN without objects."""

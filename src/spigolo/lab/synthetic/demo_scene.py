@@ -36,7 +36,7 @@ _LIGHTING = Lighting(
     lamp_rgb=0.85 * np.array([1.0, 0.95, 0.87]),
     sky_rgb=1.05 * np.array([0.93, 0.98, 1.08]),
 )
-_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels; more would make the PNG a great deal larger
+_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels: more would make the PNG much larger
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,8 @@ demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in 
 
 test: $(VENV)/.developing $(ORACLE)/.installed $(ROS)/.installed check  ## install and run every check and test, on two processes
 	$(BIN)/spigolo warmup
-	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal
+	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not alone"
+	$(BIN)/python -m pytest -m alone
 
 check: $(VENV)/.developing  ## style, types, import contract
 	$(BIN)/ruff check .
@@ -40,6 +41,7 @@ long: $(VENV)/.developing  ## what takes too long for every change: full fuzzing
 	$(BIN)/python -m spigolo.lab.studies.soak
 	$(BIN)/python -m spigolo.lab.studies.emptiness
 	$(BIN)/python -m spigolo.lab.studies.robustness
+	$(BIN)/python -m spigolo.lab.studies.tracking
 	$(BIN)/python -m spigolo.lab.studies.robustness --shelves 24
 	$(MAKE) table-1 table-2 table-3
 

@@ -14,6 +14,8 @@ from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 
+import naive
+
 COLOR, DEPTH, INFO = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw", "/camera/color/camera_info"
 KINDS = ("ros1.bag", "ros2-sqlite", "ros2-mcap")
 STEP_NS = 33_000_000
@@ -52,7 +54,11 @@ class Bag:
         )  # fmt: skip
 
     def add_compressed(self, topic: str, stamp_ns: int, image: np.ndarray, told: str, suffix: str = ".png") -> None:
-        data = cv2.imencode(suffix, image)[1].ravel()
+        if "rvl" in told:
+            size = struct.pack("<2i", image.shape[1], image.shape[0])
+            data = np.frombuffer(size + naive.pack_rvl(image.ravel()), np.uint8)
+        else:
+            data = cv2.imencode(suffix, image)[1].ravel()
         if "compressedDepth" in told:
             data = np.concatenate([np.frombuffer(struct.pack("<i2f", 0, 100, 0), np.uint8), data])
         self.add(topic, "sensor_msgs/msg/CompressedImage", stamp_ns, format=told, data=data)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import colorsys
 import itertools
 import math
+import struct
 from collections import Counter, deque
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -198,6 +199,16 @@ def mean_boxes(depth: Array, left_out: Array, radius: Array) -> Array:
         ]
         if depth[y, x] != 0 and kept and radius[y, x] > 0:
             out[y, x] = math.fsum(kept) / len(kept)
+    return out
+
+
+def halve_depth(depth: Array) -> Array:
+    """Lower median of the valid depths of each block of two by two; blocks at an odd end repeat their pixels."""
+    wide = np.pad(depth, [(0, n % 2) for n in depth.shape], mode="edge")
+    out = np.zeros((wide.shape[0] // 2, wide.shape[1] // 2), np.float32)
+    for y, x in pixels(out):
+        valid = sorted(d for d in wide[2 * y : 2 * y + 2, 2 * x : 2 * x + 2].ravel() if d > 0)
+        out[y, x] = valid[(len(valid) - 1) // 2] if valid else 0
     return out
 
 
@@ -1079,6 +1090,61 @@ def draw_mesh(points: Array, triangles: Array, shape: tuple[int, int]) -> Array:
             depth = shares.sum() / float(shares @ np.array([a_w, b_w, c_w]))
             if out[y, x] == 0 or depth < out[y, x]:
                 out[y, x] = depth
+    return out
+
+
+def pack_rvl(values: np.ndarray) -> bytes:
+    """What ROS makes of depth (M,) uint16: runs and differences in nibbles, eight of them a little-endian word."""
+    nibbles: list[int] = []
+
+    def put(number: int) -> None:
+        while number > 7:
+            nibbles.append(8 | number & 7)
+            number >>= 3
+        nibbles.append(number)
+
+    rest, last = [int(v) for v in values], 0
+    while rest:
+        zeros = next((k for k, v in enumerate(rest) if v), len(rest))
+        count = next((k for k, v in enumerate(rest[zeros:]) if not v), len(rest) - zeros)
+        put(zeros)
+        put(count)
+        for value in rest[zeros : zeros + count]:
+            put(2 * (value - last) if value >= last else -2 * (value - last) - 1)
+            last = value
+        rest = rest[zeros + count :]
+    nibbles += [0] * (-len(nibbles) % 8)
+    words = [int("".join(f"{n:x}" for n in nibbles[k : k + 8]), 16) for k in range(0, len(nibbles), 8)]
+    return struct.pack(f"<{len(words)}I", *words)
+
+
+def unpack_rvl(packed: bytes, count: int) -> list[int]:
+    """The numbers of an RVL stream; raises StopIteration where it is cut off or has other than `count`."""
+    digits = iter("".join(f"{word:08x}" for word in struct.unpack(f"<{len(packed) // 4}I", packed)))
+
+    def number() -> int:
+        octal = ""
+        while len(octal) < 11:
+            nibble = int(next(digits), 16)
+            octal = str(nibble % 8) + octal
+            if nibble < 8:
+                return int(octal, 8)
+        raise StopIteration
+
+    def run() -> range:
+        length = number()
+        if length > count - len(out):
+            raise StopIteration
+        return range(length)
+
+    out: list[int] = []
+    last = 0
+    while len(out) < count:
+        out += [0 for _ in run()]
+        for _ in run():
+            step = number()
+            last += -(step // 2) - 1 if step % 2 else step // 2
+            out.append(last % 65536)
     return out
 
 

@@ -33,36 +33,41 @@ SCENE = Path(sp.__file__).parent / "demo_scene"
 FRAME_ID = "camera_color_optical_frame"
 FIRST_S = 1000
 VARIANTS = 5
-WAIT_S = 60.0
+WAIT_S = 120.0
+KEPT = 200
+"""Messages kept for each topic: more than a run sends, so that a busy machine loses none."""
 
 
-def variants() -> list[tuple[np.ndarray, np.ndarray]]:
-    """Colour and depth in millimetres of different views."""
+def variants(every: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Colour and depth in millimetres of different views: each pixel, or one of `every` along both axes."""
     frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
-    depth = np.round(frame.depth * 1000).astype(np.uint16)
-    return [(np.roll(frame.color, 16 * k, axis=1), np.roll(depth, 16 * k, axis=1)) for k in range(VARIANTS)]
+    color, depth = frame.color[::every, ::every], np.round(frame.depth * 1000).astype(np.uint16)[::every, ::every]
+    return [(np.roll(color, 16 * k, axis=1), np.roll(depth, 16 * k, axis=1)) for k in range(VARIANTS)]
 
 
-def camera() -> sp.Camera:
-    return sp.read_camera(SCENE / "camera.json")[0]
+def scaled_camera(every: int) -> sp.Camera:
+    k = sp.read_camera(SCENE / "camera.json")[0]
+    return sp.Camera(k.fx / every, k.fy / every, k.cx / every, k.cy / every, k.width // every, k.height // every)
 
 
 class Peer:
     """Publishes pairs and collects answers by stamp."""
 
-    def __init__(self, best_effort: bool) -> None:
+    def __init__(self, best_effort: bool, every: int) -> None:
         self.node = rclpy.create_node("peer")
-        self.views = variants()
+        self.views, self.camera = variants(every), scaled_camera(every)
         self.sent_s: dict[int, float] = {}
         self.labels: dict[int, tuple[float, str, str, bytes]] = {}
         self.seen: dict[str, list] = {name: [] for name in ("overlay", "markers", "cloud", "objects", "mask")}
-        reliable = QoSProfile(depth=10)
+        reliable = QoSProfile(depth=KEPT)
         self.color = self.node.create_publisher(Image, "color", reliable)
         self.depth = self.node.create_publisher(Image, "depth", reliable)
         self.info = self.node.create_publisher(CameraInfo, "camera_info", reliable)
         self.click = self.node.create_publisher(PointStamped, "spigolo/click", 10)
         policy = ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE
-        self.node.create_subscription(Image, "spigolo/labels", self.on_labels, QoSProfile(depth=10, reliability=policy))
+        self.node.create_subscription(
+            Image, "spigolo/labels", self.on_labels, QoSProfile(depth=KEPT, reliability=policy)
+        )
         self.spinning = threading.Thread(target=self.spin, daemon=True)
         self.spinning.start()
 
@@ -72,7 +77,7 @@ class Peer:
 
     def watch(self, **kinds: type) -> None:
         for name, kind in kinds.items():
-            self.node.create_subscription(kind, f"spigolo/{name}", self.seen[name].append, 10)
+            self.node.create_subscription(kind, f"spigolo/{name}", self.seen[name].append, KEPT)
 
     def on_labels(self, message: Image) -> None:
         stamp = message.header.stamp
@@ -90,7 +95,7 @@ class Peer:
         self.color.publish(filled(key, color[..., ::-1] if swapped else color, "bgr8" if swapped else "rgb8"))
 
     def publish_info(self, key: int) -> None:
-        k = camera()
+        k = self.camera
         info = CameraInfo(width=k.width, height=k.height, distortion_model="plumb_bob", d=[0.0] * 5)
         info.k = [float(v) for v in k.matrix.ravel()]
         info.p = [float(v) for v in np.hstack([k.matrix, np.zeros((3, 1))]).ravel()]
@@ -159,14 +164,14 @@ def filled(key: int, pixels: np.ndarray, encoding: str) -> Image:
     return image
 
 
-def expected(view: tuple[np.ndarray, np.ndarray], config: sp.Config) -> bytes:
-    frame = sp.Frame(*view, camera(), depth_scale=0.001)
+def expected(peer: Peer, view: int, config: sp.Config) -> bytes:
+    frame = sp.Frame(*peer.views[view], peer.camera, depth_scale=0.001)
     return sp.segment(frame, config).labels.astype("<u2").tobytes()
 
 
 def answers(peer: Peer, given: argparse.Namespace) -> dict[str, object]:
     """Send pairs at a rate and compare the answers with `sp.segment`."""
-    wanted = [expected(view, sp.preset(given.preset)) for view in peer.views]
+    wanted = [expected(peer, view, sp.preset(given.preset)) for view in range(VARIANTS)]
     if given.all_topics:
         peer.watch(overlay=Image, markers=MarkerArray, cloud=PointCloud2, objects=PointCloud2)
     peer.connect()
@@ -195,9 +200,30 @@ def answers(peer: Peer, given: argparse.Namespace) -> dict[str, object]:
     }
 
 
+def lasting(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
+    """Numbers of the objects while the view moves: by id, and after the parameter is off by label."""
+    peer.connect()
+    found = {}
+    for k in range(4):
+        found[k] = numbers(
+            peer, 800_000 + 100 * k, np.roll(peer.views[0][0], 8 * k, 1), np.roll(peer.views[0][1], 8 * k, 1)
+        )
+    before = peer.set(ids=False)
+    return {"numbers": list(found.values()), "set": before, "off": numbers(peer, 900_000, *peer.views[0])}
+
+
+def numbers(peer: Peer, key: int, color: np.ndarray, depth: np.ndarray) -> list[int]:
+    """Numbers in the label image that answers a pair, those of large areas."""
+    peer.views.append((color, depth))
+    peer.send(key, len(peer.views) - 1)
+    peer.until(lambda: key in peer.labels, f"answer to {key}")
+    values, counts = np.unique(np.frombuffer(peer.labels[key][3], "<u2"), return_counts=True)
+    return [int(v) for v, n in zip(values, counts, strict=True) if v and n > 2000]
+
+
 def described(peer: Peer) -> dict[str, object]:
     """Facts of the other topics' last messages."""
-    frame = sp.Frame(*peer.views[0], camera(), depth_scale=0.001)
+    frame = sp.Frame(*peer.views[0], peer.camera, depth_scale=0.001)
     objects = {key: len(value) for key, value in peer.seen.items()}
     cloud, marks, overlay = peer.seen["cloud"][-1], peer.seen["markers"][-1], peer.seen["overlay"][-1]
     kind = np.dtype([(field.name, {6: "<u4", 7: "<f4"}[field.datatype]) for field in cloud.fields])
@@ -229,7 +255,7 @@ def parameters(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
         **{"partition.gamma": 0.02, "rejection.max_distance_m": None, "additions.rules.wall": None}
     )
     out["equal_after_set"] = same(peer, 500_000, changed)
-    out["differs_from_before"] = expected(peer.views[0], changed) != expected(peer.views[0], sp.OBJECTS)
+    out["differs_from_before"] = expected(peer, 0, changed) != expected(peer, 0, sp.OBJECTS)
     out["wrong"] = peer.set(
         partition__gamma=-1.0, edges__contact_low_deg="steep", preset="NOPE", queue=3, tolerance_s=-0.1
     )
@@ -244,7 +270,7 @@ def same(peer: Peer, key: int, config: sp.Config) -> bool:
     """Whether the answer to the first view is that of a configuration."""
     peer.send(key)
     peer.until(lambda: key in peer.labels, f"answer to {key}")
-    return peer.labels[key][3] == expected(peer.views[0], config)
+    return peer.labels[key][3] == expected(peer, 0, config)
 
 
 def asking(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
@@ -266,8 +292,8 @@ def asking(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
         time.sleep(1.0)
     peer.until(lambda: 700_100 in peer.labels, f"labels after the service said {done.message!r}")
     out["service"] = [done.success, done.message, max(peer.labels)]
-    out["equal"] = peer.labels[700_100][3] == expected(peer.views[0], sp.OBJECTS)
-    frame = sp.Frame(*peer.views[0], camera(), depth_scale=0.001)
+    out["equal"] = peer.labels[700_100][3] == expected(peer, 0, sp.OBJECTS)
+    frame = sp.Frame(*peer.views[0], peer.camera, depth_scale=0.001)
     y, x = sp.segment(frame)[0].centroid_px
     click = PointStamped()
     click.point.x, click.point.y = float(round(x)), float(round(y))
@@ -285,18 +311,19 @@ def asking(peer: Peer, _: argparse.Namespace) -> dict[str, object]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=["answers", "parameters", "asking"])
+    parser.add_argument("what", choices=["answers", "parameters", "asking", "lasting"])
     parser.add_argument("--pairs", type=int, default=100)
     parser.add_argument("--rate", type=int, default=10)
     parser.add_argument("--patience", type=float, default=30.0)
     parser.add_argument("--preset", default="OBJECTS")
     parser.add_argument("--best-effort", action="store_true")
+    parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--all-topics", action="store_true")
     given = parser.parse_args()
     rclpy.init()
-    peer = Peer(given.best_effort)
+    peer = Peer(given.best_effort, given.every)
     print(
-        json.dumps({"answers": answers, "parameters": parameters, "asking": asking}[given.what](peer, given)),
+        json.dumps({one.__name__: one for one in (answers, parameters, asking, lasting)}[given.what](peer, given)),
         flush=True,
     )
     rclpy.try_shutdown()

@@ -110,7 +110,7 @@ def test_too_many_pixels_are_refused_before_they_are_decoded(tmp_path: Path, rea
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("d.bag", "It is a recording: extract its colour and depth images first"),
+        ("d.bag", "It is a recording: sp.open_source reads its frames, and so does `spigolo segment RECORDING`"),
         ("d.exr", "EXR needs an OpenCV built with it"),
         ("d.raw", r"numpy\.fromfile"),
         ("d.png", r"Supported: PNG, TIFF"),
@@ -151,7 +151,7 @@ def test_arrays_by_name_or_alone(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"A \.npz file alone is a frame if it holds the arrays rgb and depth"):
         find_frames([str(tmp_path / "d.npz")])
     (tmp_path / "x.mcap").write_bytes(b"x")
-    with pytest.raises(FileError, match=r"got the recording .*x\.mcap: extract"):
+    with pytest.raises(FileError, match=r"got the recording .*x\.mcap: sp\.open_source reads its frames"):
         find_frames([str(tmp_path / "x.mcap")])
 
 

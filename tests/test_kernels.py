@@ -28,6 +28,7 @@ from spigolo.kernels import (
     costs,
     edges,
     features,
+    halving,
     inpainting,
     lzf,
     merging,
@@ -37,6 +38,7 @@ from spigolo.kernels import (
     potts,
     rasterising,
     registration,
+    rvl,
     saliency,
     seeding,
     smoothing,
@@ -959,6 +961,51 @@ def test_unpack_lzf() -> None:
         assert not lzf.unpack_lzf(np.frombuffer(packed, np.uint8).copy(), out[:-1]), "longer than was said"
 
 
+@pytest.mark.parametrize("shape", [(6, 8), (7, 9), (1, 1), (5, 2)])
+def test_halve_depth(shape: tuple[int, int]) -> None:
+    rng = np.random.default_rng(3)
+    for missing in (0.0, 0.3, 0.7, 1.0):
+        depth = rng.uniform(0.5, 2, shape).astype(np.float32)
+        depth[rng.random(shape) < missing] = 0
+        out = np.empty(((shape[0] + 1) // 2, (shape[1] + 1) // 2), np.float32)
+        halving.halve_depth(depth, out)
+        np.testing.assert_array_equal(out, naive.halve_depth(depth))
+
+
+def depth_runs(rng: np.random.Generator, size: int) -> np.ndarray:
+    """Values near each other, in runs between zeros, and a few far apart."""
+    values = np.clip(1000 + np.cumsum(rng.integers(-9, 10, size)), 1, 65535).astype(np.uint16)
+    values[rng.random(size) < 0.02] = rng.integers(1, 65536)
+    values[np.repeat(rng.random(size // 5 + 1) < 0.4, 5)[:size]] = 0
+    return values
+
+
+def test_unpack_rvl() -> None:
+    rng = np.random.default_rng(9)
+    extremes = np.array([65535, 1, 65535, 0, 0, 32768, 32767], np.uint16)
+    for values in (extremes, np.zeros(40, np.uint16), *(depth_runs(rng, size) for size in (1, 7, 200, 3000))):
+        packed = naive.pack_rvl(values)
+        assert naive.unpack_rvl(packed, values.size) == values.tolist()
+        words, out = np.frombuffer(packed, "<u4").astype(np.uint32), np.ones(values.size, np.uint16)
+        assert rvl.unpack_rvl(words, out)
+        np.testing.assert_array_equal(out, values)
+        assert not rvl.unpack_rvl(words[:-1], out), "cut off"
+        assert not rvl.unpack_rvl(words, np.ones(values.size + 99, np.uint16)), "shorter than was said"
+
+
+def test_unpack_rvl_ends_on_any_words() -> None:
+    rng, out = np.random.default_rng(10), np.zeros(500, np.uint16)
+    endless = np.zeros(50, np.uint32), np.full(50, 0xFFFFFFFF, np.uint32), np.zeros(0, np.uint32)
+    for words in (*endless, *(rng.integers(0, 2**32, 60, dtype=np.uint32) for _ in range(300))):
+        fills = rvl.unpack_rvl(words, out)
+        try:
+            wanted = naive.unpack_rvl(words.astype("<u4").tobytes(), out.size)
+        except StopIteration:
+            wanted = []
+        assert not fills or wanted == out.tolist()
+        assert fills == (len(wanted) == out.size)
+
+
 # --- seeded partition -----------------------------------------------------------------------------------------
 
 
@@ -1065,9 +1112,17 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
     assert [name for name in names if f"naive.{name}" not in called] == []
 
 
-OUTSIDE_THE_PIPELINE = {"count_boxes", "splat_depth", "fit_sides", "closed_path", "draw_mesh", "unpack_lzf"}
-"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; two are of methods and the
-last two of data sets."""
+OUTSIDE_THE_PIPELINE = {
+    "count_boxes",
+    "splat_depth",
+    "fit_sides",
+    "closed_path",
+    "draw_mesh",
+    "unpack_lzf",
+    "unpack_rvl",
+}
+"""The first is eq. 7 alone, which smoothing counts within eq. 8; the second makes frames; two are of methods, two of
+data sets, and the last of recordings."""
 
 COUNT_SIGNATURES = """
 import importlib, json, sys
@@ -1088,6 +1143,7 @@ for height, width in ((60, 80), (97, 53)):
     frames = [sp.Frame(color, depth, camera, depth_scale=0.001), sp.Frame(color, depth / 1000.0, camera)]
     for preset in (sp.TABLE, sp.SHELF, sp.OBJECTS):
         sp.trace(frames[0 if first else 1], preset)
+    sp.trace(frames[0 if first else 1], sp.OBJECTS.replace(additions={"resolution": "half"}))
     for method in sp.METHODS.values():
         method(frames[0 if first else 1])
 found = {n: len(getattr(importlib.import_module(f"spigolo.kernels.{m}"), n).signatures) for n, m in names.items()}

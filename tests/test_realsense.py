@@ -18,6 +18,7 @@ pytest.importorskip("pyrealsense2")
 from realsense_device import FPS, Device, record
 from spigolo.sources import realsense
 
+pytestmark = pytest.mark.alone
 SCENE = Path(sp.__file__).parent / "demo_scene"
 
 

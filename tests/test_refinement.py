@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.additions.refinement import enlarge_labels, open_hulls, refine_labels
+from spigolo.additions.refinement import open_hulls, place_outlines, refine_labels
 from spigolo.kernels import seeding
 from spigolo.settings import Refinement
 
@@ -82,14 +82,13 @@ def test_a_hull_opens_background_only_and_flags_the_image_border():
     assert (opened[20:40, 0] == seeding.OPEN | seeding.FIRST_COLUMN).all()
 
 
-def test_enlarged_labels_follow_the_full_image():
+def test_repeated_labels_follow_the_full_image():
     yy, xx = np.mgrid[:120, :160]
     disc = (yy - 57.3) ** 2 + (xx - 80.7) ** 2 < 35.2**2
     color = np.where(disc[..., None], 40, 180).astype(np.uint8).repeat(3, axis=2)
-    out = enlarge_labels(
-        disc[::2, ::2].astype(np.int32), color, np.zeros((120, 160), np.float32), Refinement(sigma_px=0.0)
-    )
-    np.testing.assert_array_equal(out > 0, disc)
+    repeated = disc[::2, ::2].astype(np.int32).repeat(2, axis=0).repeat(2, axis=1)
+    out = place_outlines(repeated, color, np.zeros((120, 160), np.float32), Refinement(sigma_px=0.0))
+    np.testing.assert_array_equal(out.labels > 0, disc)
 
 
 def test_facts_describe_the_refined_mask():

@@ -6,6 +6,7 @@ import array
 import struct
 import sys
 import threading
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,8 +20,9 @@ from spigolo.ros import answers
 from spigolo.ros.kinds import Kinds, find_kinds
 from spigolo.ros.messages import fill_image, quaternion
 from spigolo.ros.node import _frame_of
-from spigolo.ros.pairing import KEPT, Pair, StampMatcher, Waiting
+from spigolo.ros.pairing import Pair, Waiting
 from spigolo.ros.parameters import Options, changed, descriptions, first_state, values_of
+from spigolo.sources.pairing import KEPT, StampMatcher
 from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from test_objects import scene
 
@@ -169,6 +171,21 @@ def test_labels_keep_their_header_and_are_mono16(kinds: Kinds, result: sp.Segmen
     assert (message.encoding, message.height, message.width, message.step) == ("mono16", 120, 160, 320)
     np.testing.assert_array_equal(np.frombuffer(message.data, "<u2").reshape(120, 160), result.labels)
     np.testing.assert_array_equal(depth_of(message), result.labels)  # and back
+
+
+def test_ids_are_the_numbers_of_every_message(kinds: Kinds, result: sp.Segmentation) -> None:
+    ids = {o.label: one for o, one in zip(result, (7, 65536, *range(100, 200)), strict=False)}
+    tracked = replace(result, objects=tuple(replace(o, id=ids[o.label]) for o in result))
+    wanted = [ids[o.label] if ids[o.label] < 65536 else 1 for o in result]  # 65536 begins again
+    seen = depth_of(answers.label_image(kinds, HEADER, tracked))
+    for o, number in zip(result, wanted, strict=True):
+        np.testing.assert_array_equal(seen == number, o.mask)
+    texts = [m for m in answers.markers(kinds, HEADER, tracked).markers[1:] if m.type == 9]
+    assert [(m.id, m.text) for m in texts] == [(n, str(n)) for n in wanted]
+    assert [d.id for d in answers.detections(kinds, HEADER, tracked).detections] == list(map(str, wanted))
+    packed = bytes(answers.cloud(kinds, HEADER, tracked).data)
+    assert {struct.unpack_from("<I", packed, k + 16)[0] for k in range(0, len(packed), 20)} == set(wanted)
+    assert (tracked.overlay() != result.overlay()).any()
 
 
 def test_an_overlay_and_a_mask_are_images(kinds: Kinds, result: sp.Segmentation) -> None:

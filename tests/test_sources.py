@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import shutil
+import struct
 import subprocess
 import sys
+import tracemalloc
+import zlib
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
+import naive
 import spigolo as sp
 from bags import COLOR, DEPTH, INFO, KINDS, START_NS, STEP_NS, Bag, usual_bag
-from spigolo.errors import FileError
+from spigolo.errors import FileError, FrameError
 from spigolo.sources.pairing import pair_stamps
+from spigolo.sources.ros_images import color_of, depth_of
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 K = [150.0, 0, 79.5, 0, 150.0, 59.5, 0, 0, 1]
@@ -140,8 +146,17 @@ def test_topics_are_guessed_or_named(tmp_path: Path, frame: sp.Frame) -> None:
         sp.open_source(path, colour="/rgb")
 
 
-ENCODINGS = ("rgb8", "bgr8", "rgba8", "bgra8", "jpeg", "png")
-DEPTHS = ("16UC1", "mono16", "32FC1", "compressedDepth png", "compressedDepth 32FC1", "png")
+ENCODINGS = ("rgb8", "bgr8", "rgba8", "bgra8", "jpeg", "png", "rgb8", "rgb8")
+DEPTHS = (
+    "16UC1",
+    "mono16",
+    "32FC1",
+    "compressedDepth png",
+    "compressedDepth 32FC1",
+    "png",
+    "compressedDepth rvl",
+    "compressedDepth rvl 32FC1",
+)
 
 
 @pytest.mark.parametrize("kind", ["ros1.bag", "ros2-mcap"])
@@ -161,10 +176,10 @@ def test_every_encoding_gives_the_same_frame(tmp_path: Path, frame: sp.Frame, ki
             bag.add_image("/depth/image", stamp, mm, depth, pad=2)
         elif depth == "32FC1":
             bag.add_image("/depth/image", stamp, metres.astype(np.float32), depth)
-        elif depth == "compressedDepth 32FC1":
+        elif depth.endswith("32FC1"):
             inverse = np.where(frame.depth > 0, 100 / np.maximum(frame.depth, 0.01), 0)
             quantised = np.round(inverse * 1).astype(np.uint16)
-            bag.add_compressed("/depth/image/compressedDepth", stamp, quantised, "32FC1; compressedDepth png")
+            bag.add_compressed("/depth/image/compressedDepth", stamp, quantised, f"32FC1; {depth[:-6]}")
         else:
             bag.add_compressed("/depth/image/compressedDepth", stamp, mm, f"16UC1; {depth}")
         folder = tmp_path / f"{k}"
@@ -175,6 +190,45 @@ def test_every_encoding_gives_the_same_frame(tmp_path: Path, frame: sp.Frame, ki
         assert np.abs(one.color.astype(int) - rgb).mean() <= near / 10, color
         rough = 0.02 if "32FC1" in depth and "compressed" in depth else 1e-6
         np.testing.assert_allclose(one.depth, frame.depth, rtol=rough, atol=1e-6, err_msg=depth)
+
+
+def packed(data: bytes, told: str) -> SimpleNamespace:
+    return SimpleNamespace(format=told, data=data)
+
+
+RVL = struct.pack("<i2f2i", 0, 100, 0, 8, 6) + naive.pack_rvl(np.arange(48).astype(np.uint16))
+
+
+@pytest.mark.parametrize(
+    ("data", "text"),
+    [
+        (RVL[:19], "expected at least 20 bytes of RVL depth, got 19"),
+        (RVL[:-4], "the RVL depth of 8x6 is damaged or cut off"),
+        (RVL[:20], "the RVL depth of 8x6 is damaged or cut off"),
+        (RVL[:12] + struct.pack("<2i", 0, 6) + RVL[20:], "expected the size of RVL depth in its header, got 0x6"),
+        (RVL[:12] + struct.pack("<2i", -8, -6) + RVL[20:], "expected the size of RVL depth in its header, got -8x-6"),
+        (
+            RVL[:12] + struct.pack("<2i", 10**6, 10**6) + RVL[20:],
+            "expected at most 16000000 pixels, got 1000000x1000000",
+        ),
+    ],
+)
+def test_damaged_rvl_is_told_and_takes_no_memory(data: bytes, text: str) -> None:
+    np.testing.assert_array_equal(depth_of(packed(RVL, "16UC1; compressedDepth rvl")).ravel(), np.arange(48))
+    tracemalloc.start()
+    with pytest.raises(FrameError, match=text):
+        depth_of(packed(data, "16UC1; compressedDepth rvl"))
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 1_000_000
+
+
+def test_a_small_png_of_many_pixels_is_refused_before_it_is_decoded() -> None:
+    header = struct.pack(">2I5B", 60_000, 60_000, 16, 0, 0, 0, 0)
+    data = b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + b"IHDR" + header + struct.pack(">I", zlib.crc32(header))
+    for read in (depth_of, color_of):
+        with pytest.raises(FrameError, match="expected at most 16000000 pixels, got 60000x60000"):
+            read(packed(data, "16UC1; compressedDepth png"))
 
 
 def test_a_rectified_topic_takes_the_projection_and_no_distortion(tmp_path: Path, frame: sp.Frame) -> None:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.lab.datasets.sample import Instance, Sample
+from spigolo.lab.studies import tracking
 from spigolo.objects.tracking import KEPT_FRAMES, match
 
 CAMERA = sp.Camera(200, 200, 79.5, 59.5, 160, 120)
@@ -79,3 +82,28 @@ def test_matching_is_one_to_one_and_leaves_out_what_has_no_affinity() -> None:
     affinity = np.array([[0.9, 0.8], [0.95, 0.0], [0.0, 0.0]])
     assert match(affinity) == {1: 0, 0: 1}
     assert match(np.zeros((0, 3))) == {}
+
+
+def sample_of(frame: sp.Frame) -> Sample:
+    """The truth of `moved`: the box of each tint."""
+    labels = np.zeros(frame.shape, np.int32)
+    for k, tint in enumerate(TINTS, start=1):
+        labels[(frame.color == tint).all(axis=2)] = k
+    return Sample(frame, labels, tuple(Instance(k, f"box {k}", None) for k in (1, 2, 3) if (labels == k).any()))
+
+
+def test_changes_of_ids_are_counted() -> None:
+    frames = [moved(step, hidden=(1,) if step == 8 else ()) for step in range(0, 40, 4)]
+    samples, results = [sample_of(one) for one in frames], [sp.segment(one, sp.TABLE) for one in frames]
+    followed, took_ms = tracking.follow(results)
+    assert took_ms > 0
+    found = tracking.count(samples, followed)
+    assert found == tracking.Count(objects=3, present=29, found=29, again=26, switches=0, ids=3)
+    swapped = [*followed[:5], *(relabelled(one, {1: 2, 2: 1, 3: 9}) for one in followed[5:])]
+    assert tracking.count(samples, swapped).switches == 3
+    assert tracking.count(samples, swapped).share == 3 / 26
+    assert tracking.count(samples, results, by_label=True).ids <= 3
+
+
+def relabelled(result: sp.Segmentation, ids: dict[int, int]) -> sp.Segmentation:
+    return replace(result, objects=tuple(replace(o, id=ids[o.id or 0]) for o in result))

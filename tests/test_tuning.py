@@ -14,6 +14,9 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from bags import START_NS, STEP_NS, Bag
+from spigolo.cli.opening import opened
+from spigolo.cli.tune import frames_of
 from spigolo.settings.config import Config
 from spigolo.view import tuning_scene as scene
 from spigolo.view.tuning_fields import MAIN, Leaf, controls_of, leaves, range_of
@@ -234,3 +237,21 @@ def test_a_label_names_the_unit() -> None:
     labels = {leaf.path: leaf.label for leaf in leaves(controls_of()) if isinstance(leaf, Leaf)}
     assert labels[HEIGHT] == "min. height (m)"
     assert labels["edges.contact_low_deg"] == "contact low (°)"
+
+
+def test_the_verb_goes_through_a_bag_and_reads_files_by_number(tmp_path: Path) -> None:
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    depth = np.round(frame.depth * 1000).astype(np.uint16)
+    bag = Bag("ros2-mcap")
+    bag.add_info("/camera/color/camera_info", START_NS, frame.camera.matrix.ravel(), frame.shape)
+    for k in range(3):
+        bag.add_image("/camera/color/image_raw", START_NS + k * STEP_NS, np.roll(frame.color, 9 * k, axis=1), "rgb8")
+        bag.add_image("/camera/depth_registered/image", START_NS + k * STEP_NS, np.roll(depth, 9 * k, axis=1), "16UC1")
+    path = str(bag.write(tmp_path))
+    with opened([path]) as source:
+        session = Session(frames_of(source, [path]))
+        seen = [session.reel.current().name, *(session.move(1) and session.reel.current().name for _ in range(3))]
+        assert seen == ["000000", "000001", "000002", False]
+        assert session.move(-1) and session.reel.current().name == "000001"
+    with opened([str(SCENE)]) as source:
+        assert len(list(frames_of(source, [str(SCENE)]))) == 1

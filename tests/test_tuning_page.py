@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 pytestmark = [
     in_browser,
+    pytest.mark.alone,
     pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels"),
 ]
 SCENE = Path(sp.__file__).parent / "demo_scene"
@@ -104,13 +105,26 @@ def test_it_looks_as_in_the_docs_and_fits_a_phone(browser: Browser, page: Tuning
     seen.close()
 
 
-def test_a_new_picture_follows_a_slider_soon(browser: Browser, page: TuningPage) -> None:
+def test_a_new_picture_follows_each_move_of_a_slider(browser: Browser, page: TuningPage) -> None:
     seen = opened(browser, page.url, *WINDOW)
     settle(page, seen)
-    times = [seen.evaluate(MOVED, k % 2 == 0) for k in range(12)]
+    times = [follow(seen, k % 2 == 0) for k in range(12)]
     print(f"slider to new picture in the page: median {statistics.median(times):.0f} ms, largest {max(times):.0f} ms")
-    assert max(times) < 20_000  # each move was answered: later than that, the page gave up waiting
+    settle(page, seen)
+    seen.get_by_role("heading", name=f"{len(answer(page))} object").wait_for(timeout=20_000)
     seen.close()
+
+
+def follow(seen: Page, up: bool) -> float:
+    """Move the slider and return the time until the page shows another answer, ms.
+
+    A browser that draws on a busy processor may miss a key: then the slider is moved the other way.
+    """
+    for k in range(6):
+        took = seen.evaluate(MOVED, up == (k % 2 == 0))
+        if took is not None:
+            return float(took)
+    raise AssertionError("six moves of the slider changed nothing on the page")
 
 
 MOVED = """async up => {
@@ -118,14 +132,13 @@ MOVED = """async up => {
     const slider = document.querySelector("[role=slider]")
     const before = head(), began = performance.now()
     const changed = new Promise(done => {
-        const watch = new MutationObserver(() => { if (head() != before) { watch.disconnect(); done() } })
+        const look = () => { if (head() != before) { watch.disconnect(); done(performance.now() - began) } }
+        const watch = new MutationObserver(look)
         watch.observe(document.body, {subtree: true, childList: true, characterData: true})
-        setTimeout(done, 20000)
+        setTimeout(() => { watch.disconnect(); done(null) }, 20000)
     })
     slider.dispatchEvent(new KeyboardEvent("keydown", {key: up ? "End" : "Home", bubbles: true}))
-    await changed
-    await new Promise(requestAnimationFrame)
-    return performance.now() - began
+    return await changed
 }"""
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from spigolo.additions.contours import Contours, add_contours
 from spigolo.additions.joining import join_parts
@@ -10,9 +10,10 @@ from spigolo.additions.merging import merge_regions
 from spigolo.additions.packing import warn_of_packing
 from spigolo.additions.support import Plane, find_support
 from spigolo.frames.frame import Frame, check_frame
+from spigolo.frames.halving import halve_frame, halve_roi, uncropped
 from spigolo.frames.roi import Roi, pixel_of, roi_mask
 from spigolo.kernels.workspace import Workspace
-from spigolo.objects.outlines import redraw_outlines
+from spigolo.objects.outlines import enlarge, redraw_outlines
 from spigolo.objects.scene import find_above
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 from spigolo.objects.selection import select_objects, set_scene
@@ -28,7 +29,7 @@ from spigolo.stages.regions import Regions, partition
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trace:
-    """One run with every stage kept."""
+    """One run with every stage kept. At half resolution the stages are those of the halved frame."""
 
     frame: Frame
     """The input."""
@@ -59,7 +60,15 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     """Segment a frame and keep the result of each stage. workspace: scratch kept between frames, one per thread."""
     check_frame(frame)
     check_config(config)
-    sized = config.at_size(frame.shape)  # lengths and areas in pixels of this image
+    if config.additions and config.additions.resolution == "half":  # ours
+        small = halve_frame(frame)
+        run = _run(small, config, config.at_size(uncropped(small.shape)), halve_roi(roi, frame), workspace)
+        return replace(run, frame=frame, segmentation=enlarge(run.segmentation, frame, config, roi))
+    return _run(frame, config, config.at_size(frame.shape), roi, workspace)
+
+
+def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace: Workspace | None) -> Trace:
+    """Do what `trace` does. sized: the parameters with lengths and areas in pixels of this image."""
     ours = sized.additions  # None: the paper's method alone
     wanted = None if roi is None else roi_mask(roi, frame)[0]
     reach_m = sized.rejection.max_distance_m
@@ -79,7 +88,7 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     if ours and ours.merging and edges:
         regions = merge_regions(regions, cues.delta_bound, depth, find_above(frame, plane, ours), ours.merging)  # ours
     regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours
-    scene = set_scene(frame, cues, graph, plane, contours, config, roi)
+    scene = set_scene(frame, cues, graph, plane, contours, config, sized, roi)
     segmentation = select_objects(regions, scene)  # section III-F, and ours
     segmentation = redraw_outlines(segmentation, ours) if ours else segmentation  # ours
     return Trace(frame, config, plane, weighing, edges, contours, cues, graph, regions, segmentation)

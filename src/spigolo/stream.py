@@ -67,7 +67,8 @@ def warm_up(config: Config | None = None) -> None:
     depth[16:32, 20:40] = 0.8
     depth[5, 5] = 0
     frame = Frame(rng.integers(0, 255, (48, 64, 3), dtype=np.uint8), depth, Camera(60, 60, 31.5, 23.5, 64, 48))
-    configs = (OBJECTS, SHELF, TABLE) if config is None else (config,)
+    halved = OBJECTS.replace(additions={"resolution": "half"})
+    configs = (OBJECTS, halved, SHELF, TABLE) if config is None else (config,)
     for one in configs:
         for cost in possible_costs(one.cost):
             with warnings.catch_warnings():

@@ -23,8 +23,8 @@ MEMORY = 0.5
 """Share of the colour of a tree that comes from its earlier pixels."""
 CARRY = 0.9
 """Share of the weight of an edge that is added to the next one."""
-UPSCALED_BAND = 1.5
-"""Half width of the band around borders of enlarged labels, in pixels of the small image."""
+HALVED_BAND_PX = 3
+"""Width of the band on each side of the borders of repeated labels: one and a half pixels of the halved image."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,17 +77,16 @@ def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: floa
     return int(np.count_nonzero(opened) - opened_before)
 
 
-def enlarge_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Labels:
-    """Labels of a smaller image at the size of the full one (H, W), their borders drawn by colour and depth steps.
+def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
+    """Place the borders of objects whose labels come from half the width and height, by colour and depth steps.
 
-    labels: (h, w) of the smaller image. color: (H, W, 3) uint8 RGB. depth: (H, W) in metres, 0 = missing. Open are the
-    pixels that the enlargement cannot place; `config` gives the smoothing and the weights.
+    labels: (H, W), each repeated in a block of two by two pixels. color: (H, W, 3) uint8 RGB. depth: (H, W) in metres
+    as measured, 0 = missing. The pixels that a border may run through are open.
     """
-    height, width = depth.shape
-    large = np.asarray(cv2.resize(labels, (width, height), interpolation=cv2.INTER_NEAREST), np.int32)
-    band = int(np.ceil(UPSCALED_BAND * max(height / labels.shape[0], width / labels.shape[1])))
-    opened, count = open_band(large, np.zeros(large.shape, np.uint8), band, band, config.max_opened)
-    return claim(large, opened, count, color, depth, config).labels
+    opened, count = open_band(
+        labels, np.zeros(labels.shape, np.uint8), HALVED_BAND_PX, HALVED_BAND_PX, config.max_opened
+    )
+    return claim(labels, opened, count, color, depth, config)
 
 
 def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
 
+SHORT = {"resolution": "additions.resolution"}
+"""Flags of a field under a shorter name."""
+
 Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
 Out = Annotated[Path, Parameter(alias="-o")]
@@ -48,6 +51,7 @@ def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | Non
 
     config = find(preset)
     known = field_names(config)
+    flags = {SHORT.get(key, key): value for key, value in flags.items()}
     for key in flags:
         if key not in known:
             meant = difflib.get_close_matches(key, _own_flags(verb), n=1, cutoff=0.75)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
 from spigolo.cli import DONE
 from spigolo.cli.inputs import Inputs, configure, split_flags
+from spigolo.cli.opening import opened
 from spigolo.sources.paths import FramePaths, find_frames
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Frame
+    from spigolo.sources.base import Source
 
 
 def tune(
@@ -31,7 +33,7 @@ def tune(
     Parameters
     ----------
     inputs
-        Colour and depth images, or folders, as for `segment`. Fields of the preset are flags too.
+        Colour and depth images, folders, a recording or a camera, as for `segment`. Fields of the preset are flags too.
     camera
         Intrinsics, as for `segment`.
     preset
@@ -50,13 +52,24 @@ def tune(
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, tune)
-    frames = FilesInTurn(find_frames(words), camera, depth_scale)
     from spigolo.view.tuning import tune as show
 
-    page = show(frames, config, port, host, open_browser=browser, folder=out, block=False)
-    print(f"{page.url} shows {len(frames)} frame{'' if len(frames) == 1 else 's'}. Ctrl-C ends it.", flush=True)
-    page.wait()
+    with opened(words, camera, depth_scale) as source:
+        frames = frames_of(source, words, camera, depth_scale)
+        page = show(frames, config, port, host, open_browser=browser, folder=out, block=False)
+        size = "live frames" if source.live else "frames" if source.count is None else f"{source.count} frames"
+        print(f"{page.url} shows {'1 frame' if source.count == 1 else size}. Ctrl-C ends it.", flush=True)
+        page.wait()
     return DONE
+
+
+def frames_of(
+    source: Source, words: Sequence[str], camera: str | None = None, depth_scale: float | None = None
+) -> Iterable[Frame]:
+    """Return the frames that a page shows: of files any one, of recordings and cameras one after the other."""
+    from spigolo.sources.folders import FolderSource
+
+    return FilesInTurn(find_frames(words), camera, depth_scale) if isinstance(source, FolderSource) else source
 
 
 class FilesInTurn(Sequence["Frame"]):

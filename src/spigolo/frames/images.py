@@ -13,7 +13,7 @@ import numpy.typing as npt
 from spigolo.errors import FileError, FrameError, warn
 from spigolo.frames.arrays import load_arrays, pick
 from spigolo.frames.limits import MAX_PIXELS, check_count
-from spigolo.frames.listing import RECORDINGS
+from spigolo.frames.listing import OPENED, RECORDINGS
 from spigolo.frames.png import as_grey, header_of
 
 Image = npt.NDArray[Any]
@@ -160,6 +160,8 @@ def _advice(path: PathLike) -> str:
 
 
 def how_to_extract(suffix: str) -> str:
-    """Return how to get images out of a recording."""
-    tools = {".bag": "rs-convert -p or rosbags", ".db3": "rosbags", ".mcap": "rosbags", ".mkv": "Open3D or k4arecorder"}
-    return f"extract its colour and depth images first (with {tools.get(suffix, 'its recorder or driver')})"
+    """Return how to get frames out of a recording."""
+    if suffix in OPENED:
+        return "sp.open_source reads its frames, and so does `spigolo segment RECORDING`"
+    tool = "Open3D or k4arecorder" if suffix == ".mkv" else "its recorder or driver"
+    return f"extract its colour and depth images first (with {tool})"

@@ -8,6 +8,8 @@ from pathlib import Path
 
 RECORDINGS = (".bag", ".db3", ".mcap", ".mkv", ".oni", ".svo", ".svo2", ".klg", ".mp4", ".avi")
 """Suffixes of recordings, which hold streams and no images."""
+OPENED = (".bag", ".db3", ".mcap")
+"""Suffixes of those that `sp.open_source` reads."""
 NOT_OURS = ("__MACOSX", "@eaDir", "Thumbs.db", "$RECYCLE.BIN")
 """Names that systems leave behind, next to those that begin with a dot."""
 EXACT_FIRST = (".npz", ".npy", ".exr", ".tif", ".tiff", ".png", ".pgm", ".ppm", ".pnm", ".bmp", ".webp")

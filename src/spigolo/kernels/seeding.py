@@ -160,14 +160,11 @@ def distance_2(red, green, blue, color, p):
 
 
 @inlined
-def step_cost(z, other, step_m, step_per_m, step_weight):
-    """step_weight times the share, at most 1, that a depth step has of max(step_m, step_per_m z^2).
-
-    0 where depth is missing.
-    """
+def step_cost(z, other, full, step_weight):
+    """step_weight times the share, at most 1, that a depth step has of a full one. 0 where depth is missing."""
     if z <= f32(0.0) or other <= f32(0.0):
         return f32(0.0)
-    step, full = abs(z - other), max(step_m, step_per_m * z * z)
+    step = abs(z - other)
     return step_weight if step >= full else step_weight * step / full
 
 
@@ -198,16 +195,37 @@ def offer(bucket, p, s, size, least, head, tail, edges):
     return size + 1
 
 
+@inlined
+def sow(points, flat, state, step_m, step_per_m, step_weight, width, least, head, tail, edges, tree, source_of):
+    """Queue the edges from labelled to open pixels. Return their number and the lightest weight."""
+    size, level = 0, LEVELS
+    for p in range(state.size):
+        for k in range(4 if state[p] else 0):
+            q = neighbour(p, k, state[p], width, state.size)
+            if q < 0 or state[q]:
+                continue
+            red, green, blue = f32(points[q, 0]), f32(points[q, 1]), f32(points[q, 2])
+            tree[q, 0], tree[q, 1], tree[q, 2] = red, green, blue
+            source_of[q] = q
+            full = max(step_m, step_per_m * flat[q] * flat[q])
+            weight = np.sqrt(distance_2(red, green, blue, points, p)) + step_cost(flat[q], flat[p], full, step_weight)
+            bucket = min(int(weight), LEVELS - 1)
+            size = offer(bucket, p, q, size, least, head, tail, edges)
+            level = min(level, bucket)
+    return size, level
+
+
 @kernel
 def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_per_m, step_weight, source_of):
     """Give each open pixel the label of a seed, by a spanning forest with the labelled pixels as its roots.
 
     Prim's algorithm from all roots at once: the lightest edge from a labelled to an open pixel comes next, and no edge
-    joins two roots. The weight of an edge is the distance in RGB plus `step_cost`. It compares the open pixel with the
-    colour of the tree at the labelled one. That is `memory` times the colour of its predecessor, the rest its own, so
-    that noise averages out along a tree. `carry` times the weight of the edge before is added, so that an image edge
-    that is blurred over several pixels weighs as much as a sharp one. With memory = carry = 0 the result is a minimum
-    spanning forest. Weights are rounded down to whole grey levels. Ties go to the edge that was found first.
+    joins two roots. The weight of an edge is the distance in RGB plus `step_cost`, where a full depth step is
+    max(step_m, step_per_m z^2). It compares the open pixel with the colour of the tree at the labelled one. That is
+    `memory` times the colour of its predecessor, the rest its own, so that noise averages out along a tree. `carry`
+    times the weight of the edge before is added, so that an image edge that is blurred over several pixels weighs as
+    much as a sharp one. With memory = carry = 0 the result is a minimum spanning forest. Weights are rounded down to
+    whole grey levels. Ties go to the edge that was found first.
 
     color (H, W, 3) uint8; depth (H, W) float32 metres, 0 = missing; labels (H, W) int32, those of open pixels are
     written; opened (H, W) uint8 as `open_layers` fills it, 0 afterwards wherever a root reaches; count: of open pixels;
@@ -219,20 +237,10 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     edges = np.empty((4 * count + 1, 3), np.int32)  # open pixel, labelled pixel, next edge of the same level
     least = np.full(label.size, LEVELS, np.int16)  # lightest edge that was found to each pixel
     tree = np.empty((label.size, 3), np.float32)  # colour of the tree at each labelled pixel
-    keep, own, carried, size, level = f32(memory), f32(1.0 - memory), f32(carry), 0, LEVELS
-    for p in range(state.size):
-        for k in range(4 if state[p] else 0):
-            q = neighbour(p, k, state[p], width, state.size)
-            if q < 0 or state[q]:
-                continue
-            red, green, blue = f32(points[q, 0]), f32(points[q, 1]), f32(points[q, 2])
-            tree[q, 0], tree[q, 1], tree[q, 2] = red, green, blue
-            source_of[q] = q
-            weight = np.sqrt(distance_2(red, green, blue, points, p))
-            weight += step_cost(flat[q], flat[p], step_m, step_per_m, step_weight)
-            bucket = min(int(weight), LEVELS - 1)
-            size = offer(bucket, p, q, size, least, head, tail, edges)
-            level = min(level, bucket)
+    keep, own, carried = f32(memory), f32(1.0 - memory), f32(carry)
+    size, level = sow(
+        points, flat, state, step_m, step_per_m, step_weight, width, least, head, tail, edges, tree, source_of
+    )
     while level < LEVELS:
         edge = head[level]
         if edge < 0:
@@ -248,7 +256,8 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
         green = keep * tree[s, 1] + own * f32(points[p, 1])
         blue = keep * tree[s, 2] + own * f32(points[p, 2])
         tree[p, 0], tree[p, 1], tree[p, 2] = red, green, blue
-        before = carried * f32(level)
+        z, before = flat[p], carried * f32(level)
+        full = max(step_m, step_per_m * z * z)
         for k in range(4):
             q = neighbour(p, k, flags, width, state.size)
             if q < 0 or not state[q]:
@@ -257,7 +266,6 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             colors_2 = distance_2(red, green, blue, points, q)
             if room <= f32(0.0) or colors_2 > (room + MARGIN) * (room + MARGIN):
                 continue  # a lighter edge is there, whatever the depth step
-            weight = np.sqrt(colors_2) + step_cost(flat[p], flat[q], step_m, step_per_m, step_weight)
-            bucket = min(int(before + weight), LEVELS - 1)
+            bucket = min(int(before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight)), LEVELS - 1)
             size = offer(bucket, q, p, size, least, head, tail, edges)
             level = min(level, bucket)

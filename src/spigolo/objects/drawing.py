@@ -20,17 +20,21 @@ Tint = npt.NDArray[np.uint8]
 
 def palette(count: int) -> npt.NDArray[np.uint8]:
     """Return colours (count, 3) RGB that differ well from their neighbours in number."""
-    hues = [(0.02 + k * GOLDEN_RATIO) % 1.0 for k in range(count)]
-    colors = [colorsys.hsv_to_rgb(h, 0.75 if k % 2 else 0.9, 1.0 if k % 2 else 0.92) for k, h in enumerate(hues)]
-    return np.round(np.array(colors, np.float64).reshape(-1, 3) * 255).astype(np.uint8)
+    return np.array([tint_of(number) for number in range(1, count + 1)], np.uint8).reshape(-1, 3)
+
+
+def tint_of(number: int) -> Tint:
+    """Return the colour (3,) RGB of a number, from 1."""
+    hue = (0.02 + (number - 1) * GOLDEN_RATIO) % 1.0
+    color = colorsys.hsv_to_rgb(hue, 0.9, 0.92) if number % 2 else colorsys.hsv_to_rgb(hue, 0.75, 1.0)
+    return np.asarray(np.round(np.array(color) * 255), np.uint8)
 
 
 def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
     """Draw masks (H, W) by number over an image (H, W, 3): background dimmed, each object tinted and outlined."""
     picture = (color * np.float32(0.45)).astype(np.uint8)
-    tints = palette(max(masks, default=0))
     for number, mask in masks.items():
-        tint = tints[number - 1]
+        tint = tint_of(number)
         picture[mask] = (0.6 * color[mask] + 0.4 * tint).astype(np.uint8)
         outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         cv2.drawContours(picture, outlines, -1, tint.tolist(), max(1, round(2 * _scale(color))), cv2.LINE_AA)
@@ -39,9 +43,8 @@ def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
 
 def draw_numbers(picture: Color, masks: Mapping[int, Mask]) -> None:
     """Write each number into its mask, in place."""
-    tints = palette(max(masks, default=0))
     for number, mask in masks.items():
-        _draw_number(picture, number, mask, tints[number - 1], _scale(picture))
+        _draw_number(picture, number, mask, tint_of(number), _scale(picture))
 
 
 def _scale(picture: Color) -> float:

@@ -177,15 +177,16 @@ def measure_regions(
     ]
 
 
-def remeasure(facts: Sequence[RegionFacts], regions: Regions, depth: DepthMap) -> list[RegionFacts]:
+def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
     """Return the facts of regions whose outlines have moved. facts: in the order of their new numbers.
+
+    depth: (H, W) after in-painting.
 
     Facts that describe the mask are measured again. Facts that a region was judged by stay: score, above, inside,
     contour, cut, hides, ledge and lean_deg.
     """
-    frame = facts[0].frame
     places = _places(regions, depth, frame, _sum_points(regions, frame))
-    return [replace(f, region=k, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]
+    return [replace(f, region=k, frame=frame, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]
 
 
 def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:

@@ -37,12 +37,17 @@ class ObjectMask(RegionFacts):
     id: int | None = None
     """Number of the object that lasts from frame to frame, from 1. None without `Segmenter(ids=True)`."""
 
+    @property
+    def number(self) -> int:
+        """The id if the object has one, else the label: the number that pictures and messages show."""
+        return self.label if self.id is None else self.id
+
     def _summary(self) -> str:
         return f"{self.label}: {RegionFacts._summary(self)}"
 
     def _repr_png_(self) -> bytes:
         """Return the object cut out of its frame as a PNG, for notebooks."""
-        picture = draw_objects(self.frame.color, {self.label: self.mask})
+        picture = draw_objects(self.frame.color, {self.number: self.mask})
         y0, x0, y1, x1 = self.box_px
         dy, dx = round(CROP_MARGIN * (y1 - y0)) + 1, round(CROP_MARGIN * (x1 - x0)) + 1
         return _png(picture[max(y0 - dy, 0) : y1 + dy, max(x0 - dx, 0) : x1 + dx])
@@ -99,8 +104,11 @@ class Segmentation:
         return self.scene.frame
 
     def overlay(self) -> Color:
-        """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered."""
-        masks = {o.label: o.mask for o in self}
+        """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered.
+
+        The numbers and tints are those of ids, if objects have them, so that they last from frame to frame.
+        """
+        masks = {o.number: o.mask for o in self}
         picture = draw_objects(self.frame.color, masks)
         draw_numbers(picture, masks)
         return picture

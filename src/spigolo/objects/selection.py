@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
+import numpy.typing as npt
 
 from spigolo.additions.contours import Contours
 from spigolo.additions.support import Plane
@@ -33,14 +35,17 @@ def set_scene(
     plane: Plane | None,
     contours: Contours | None,
     config: Config,
+    sized: Config,
     roi: Roi | None = None,
 ) -> Scene:
-    """Gather the evidence that the regions of a frame are judged by. roi: regions outside are rejected."""
-    sized = config.at_size(frame.shape)
+    """Gather the evidence that the regions of a frame are judged by.
+
+    sized: the parameters in pixels of this image. roi: regions outside are rejected.
+    """
     return Scene(
         frame=frame,
         depth=cues.depth,
-        contour=contour_cue(cues, graph),
+        contour=_contour(cues, graph, sized.additions),
         plane=plane,
         rejection=sized.rejection,
         additions=_for_holes(sized.additions, contours),
@@ -50,6 +55,18 @@ def set_scene(
         above=find_above(frame, plane, sized.additions),
         inside=find_inside(frame, roi),
     )
+
+
+def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArray[np.float32]:
+    """Return the map that borders are measured by.
+
+    In a halved frame, a border that misses its line by a pixel misses it by two of the full frame. So the maximum of
+    the neighbours counts there, which makes the mean along a border equal to that of the full frame.
+    """
+    contour = contour_cue(cues, graph)
+    if additions is None or additions.resolution == "full":
+        return contour
+    return np.asarray(cv2.dilate(contour, np.ones((3, 3), np.uint8)), np.float32)
 
 
 def _for_holes(additions: Additions | None, contours: Contours | None) -> Additions | None:

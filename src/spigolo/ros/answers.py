@@ -9,18 +9,28 @@ from typing import Any
 import numpy as np
 
 from spigolo.objects.boxes import OrientedBox
-from spigolo.objects.drawing import palette
+from spigolo.objects.drawing import tint_of
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 from spigolo.ros.kinds import Kinds
 from spigolo.ros.messages import POINT, fill_cloud, fill_image, fill_pose, point_records
 
 TEXT_HEIGHT_M = 0.03
 OPACITY = 0.4
+MAX_NUMBER = 65535
+"""The largest number of an image in mono16."""
+
+
+def number_of(o: ObjectMask) -> int:
+    """Return the number of an object in every message: its id if it has one, else its label. Ids begin again at 1."""
+    return (o.number - 1) % MAX_NUMBER + 1
 
 
 def label_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return the labels as an Image in mono16: 0 = background, 1..N = objects."""
-    return fill_image(kinds.sensor.Image(), header, result.labels.astype(np.uint16), "mono16")
+    """Return the number of the object at each pixel as an Image in mono16: 0 = background."""
+    numbers = np.zeros(len(result) + 1, np.uint16)
+    for o in result:
+        numbers[o.label] = number_of(o)
+    return fill_image(kinds.sensor.Image(), header, numbers[result.labels], "mono16")
 
 
 def overlay_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
@@ -40,7 +50,7 @@ def object_clouds(kinds: Kinds, header: Any, result: Segmentation) -> Iterator[A
 
 
 def cloud(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return one PointCloud2 with the points of all objects in the order of labels; the field `label` tells them."""
+    """Return one PointCloud2 with the points of all objects in the order of labels. The field `label` numbers them."""
     everything = np.concatenate([np.empty(0, POINT), *_records(result)])
     return fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, everything)
 
@@ -49,7 +59,7 @@ def _records(result: Segmentation) -> Iterator[Any]:
     if result.frame.camera is None:
         return
     for o in result:
-        yield point_records(o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)], o.label)
+        yield point_records(o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)], number_of(o))
 
 
 def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
@@ -59,17 +69,16 @@ def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
     clear = kind()
     clear.header, clear.action = header, kind.DELETEALL
     drawn = [clear]
-    tints = palette(len(result)) / 255
     for o, box in _boxes(result):
         solid, text = kind(), kind()
         for marker, space in ((solid, "boxes"), (text, "labels")):
-            marker.header, marker.ns, marker.id, marker.action = header, space, o.label, kind.ADD
+            marker.header, marker.ns, marker.id, marker.action = header, space, number_of(o), kind.ADD
             fill_pose(marker.pose, box.center_m, box.R_camera_box)
             color = marker.color
-            color.r, color.g, color.b = map(float, tints[o.label - 1])
+            color.r, color.g, color.b = map(float, tint_of(o.number) / 255)
         solid.type, solid.color.a = kind.CUBE, OPACITY
         solid.scale.x, solid.scale.y, solid.scale.z = map(float, box.size_m)
-        text.type, text.color.a, text.text = kind.TEXT_VIEW_FACING, 1.0, str(o.label)
+        text.type, text.color.a, text.text = kind.TEXT_VIEW_FACING, 1.0, str(number_of(o))
         text.scale.z = TEXT_HEIGHT_M
         drawn += [solid, text]
     message = kinds.visualization.MarkerArray()
@@ -78,12 +87,12 @@ def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def detections(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return a Detection3DArray: box, score and label of each object. The class is "object"."""
+    """Return a Detection3DArray: box, score and number of each object. The class is "object"."""
     assert kinds.vision is not None
     found = []
     for o, box in _boxes(result):
         detection, hypothesis = kinds.vision.Detection3D(), kinds.vision.ObjectHypothesisWithPose()
-        detection.header, detection.id = header, str(o.label)
+        detection.header, detection.id = header, str(number_of(o))
         fill_pose(detection.bbox.center, box.center_m, box.R_camera_box)
         size = detection.bbox.size
         size.x, size.y, size.z = map(float, box.size_m)

@@ -18,8 +18,9 @@ from spigolo.frames.frame import Frame
 from spigolo.objects.segmentation import Segmentation
 from spigolo.ros.answers import Answers
 from spigolo.ros.kinds import Kinds, find_kinds
-from spigolo.ros.pairing import Pair, StampMatcher, Waiting
+from spigolo.ros.pairing import Pair, Waiting
 from spigolo.ros.parameters import NodeParameters, Options, State
+from spigolo.sources.pairing import StampMatcher
 from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from spigolo.stream import Segmenter, warm_up
 
@@ -57,7 +58,7 @@ class SpigoloNode:
         options = self._parameters.state.options
         self._matcher = StampMatcher(round(options.tolerance_s * 1e9))
         self._waiting = Waiting(options.queue)
-        self._segmenter = Segmenter(self._parameters.state.config)
+        self._segmenter = Segmenter(self._parameters.state.config, options.ids)
         self._busy = threading.Lock()
         self._newest: Pair | None = None
         self._info: Any = None
@@ -140,6 +141,8 @@ class SpigoloNode:
         """Segment a pair and publish the result. For a pair that cannot be segmented, return why."""
         with self._busy:
             state = self._parameters.state
+            if self._segmenter.ids != state.options.ids:
+                self._segmenter = Segmenter(state.config, state.options.ids)
             self._segmenter.config = state.config
             try:
                 result = self._segmenter(_frame_of(pair, self._info, state.options))

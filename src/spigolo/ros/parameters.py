@@ -35,6 +35,9 @@ class Options(Settings):
     """Metres per unit of integer depth. 0.001 is ROS's millimetres."""
     rectified: bool = False
     """The images are rectified: take the matrix P of CameraInfo and ignore the distortion D."""
+    ids: bool = False
+    """Number objects by ids that last while they stay in view, in all messages. If false, the numbers are 1..N by score
+    and change from frame to frame. Setting it begins with id 1."""
     queue: Annotated[int, Field(ge=1, le=1000)] = 1
     """Maximum number of pairs that wait for their turn. 1: the newest wins and no delay builds up. Read-only."""
     reliable: bool = True

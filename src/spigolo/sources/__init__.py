@@ -1,4 +1,4 @@
-"""Where frames come from: folders, published data sets, ROS bags, RealSense cameras. Each yields Frames.
+"""Where frames come from: folders, published data sets, ROS bags, cameras. Each yields Frames.
 
     with sp.open_source("recording.mcap") as source:
         for frame in source:
@@ -12,4 +12,5 @@
 | ROS 1 and ROS 2 bags (.bag, .db3, .mcap) | `recording.mcap` | `spigolo[bags]` |
 | RealSense cameras | `realsense:` or `realsense:SERIAL` | `spigolo[realsense]` |
 | RealSense recordings | `realsense:recording.db3` | `spigolo[realsense]` |
+| Kinect v1, Xtion and other cameras of OpenNI2 | `openni:` or `openni:ADDRESS` | `spigolo[openni]` |
 """

@@ -124,7 +124,8 @@ class BagSource(SizedSource):
     def _decode(self, topic: str, data: bytes) -> Any:
         """Return the array of an image message. Raises FrameError, whatever the deserialiser raises."""
         message = self._decoder.message(data, self._types[topic])
-        return depth_of(message) if topic == self.content.topics.depth else color_of(message)
+        read = depth_of if topic == self.content.topics.depth else color_of
+        return read(message, self.options.max_pixels)
 
     def _messages(self, topics: Topics) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, number and bytes of the image messages, as far as the file can be read."""

@@ -10,12 +10,10 @@ from urllib.parse import parse_qsl
 
 from spigolo.errors import FileError
 from spigolo.frames.intrinsics import CameraLike
-from spigolo.frames.listing import listed
+from spigolo.frames.listing import OPENED, listed
 from spigolo.sources.base import Source
 from spigolo.sources.options import Options, options_from
 
-BAGS = (".bag", ".db3", ".mcap")
-"""Suffixes of recordings that are read."""
 Uri = str | os.PathLike[str]
 
 
@@ -25,10 +23,10 @@ def open_source(
     """Return the source of a name: an iterable of frames, best used inside `with`.
 
     uri: image files (colour and depth), a folder of frames, a data set (`dataset:FOLDER`), a ROS bag (.bag, .db3,
-    .mcap, or its folder), `realsense:`, `realsense:SERIAL` or `realsense:RECORDING`. Options may follow after `?`:
-    `recording.mcap?color=/camera/color/image_raw&tolerance_ms=5`. camera: intrinsics in any form that `read_frame`
-    takes, by default those of the source. depth_scale: metres per unit of integer depth. options: fields of
-    `spigolo.sources.options.Options`. Raises FileError.
+    .mcap, or its folder), `realsense:`, `realsense:SERIAL`, `realsense:RECORDING`, `openni:` or `openni:ADDRESS`.
+    Options may follow after `?`: `recording.mcap?color=/camera/color/image_raw&tolerance_ms=5`. camera: intrinsics in
+    any form that `read_frame` takes, by default those of the source. depth_scale: metres per unit of integer depth.
+    options: fields of `spigolo.sources.options.Options`. Raises FileError.
     """
     words = [uri] if isinstance(uri, str | os.PathLike) else list(uri)
     given = {"camera": camera, "depth_scale": depth_scale, **options}
@@ -42,7 +40,7 @@ def is_recording(path: Path) -> bool:
     """Return whether a path is a ROS bag: a file by its suffix, or a folder with metadata.yaml and storage files."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file() and any(_bags_in(path))
-    return path.suffix.lower() in BAGS
+    return path.suffix.lower() in OPENED
 
 
 def _parted(name: str) -> tuple[str, dict[str, str]]:
@@ -57,6 +55,10 @@ def _open(name: str, options: Options) -> Source:
     kind, colon, rest = name.partition(":")
     if colon and kind == "realsense":
         return _realsense(rest, options)
+    if colon and kind == "openni":
+        from spigolo.sources.openni import OpenNICamera
+
+        return OpenNICamera(rest, options)
     if colon and kind == "dataset":
         from spigolo.sources.published import PublishedSource
 
@@ -107,7 +109,7 @@ def _bag(path: Path, options: Options) -> Source:
 def _realsense(rest: str, options: Options) -> Source:
     from spigolo.sources.realsense import RealSenseCamera, RealSenseRecording
 
-    if Path(rest).suffix.lower() in BAGS:
+    if Path(rest).suffix.lower() in OPENED:
         return RealSenseRecording(Path(rest), options)
     return RealSenseCamera(rest, options)
 
@@ -119,4 +121,4 @@ def _folders(words: Sequence[str], options: Options) -> Source:
 
 
 def _bags_in(path: Path) -> list[Path]:
-    return [one for one in listed(path) if one.suffix.lower() in BAGS]
+    return [one for one in listed(path) if one.suffix.lower() in OPENED]

@@ -135,7 +135,11 @@ def _frames_in(folder: Path) -> list[FramePaths]:
 def _what_lies_there(folder: Path) -> str:
     """Return what a message says of a folder that holds something else."""
     found = next((path for path in listed(folder) if path.suffix.lower() in RECORDINGS), None)
-    return f". {found.name} is a recording: extract its images first" if found else ""
+    if found is None:
+        return ""
+    from spigolo.frames.images import how_to_extract
+
+    return f". {found.name} is a recording: {how_to_extract(found.suffix.lower())}"
 
 
 def _frame_of(folder: Path, top: Path) -> list[FramePaths]:

@@ -5,7 +5,6 @@ Takes any object with the fields of the message, so that neither ROS nor a bag r
 
 from __future__ import annotations
 
-import struct
 from typing import Any
 
 import cv2
@@ -14,6 +13,9 @@ import numpy.typing as npt
 
 from spigolo.errors import FrameError
 from spigolo.frames.images import Image
+from spigolo.frames.limits import MAX_PIXELS, check_count
+from spigolo.frames.png import header_of
+from spigolo.sources.compressed_depth import CONFIG, metres_of, unpacked_rvl
 
 MILLIMETRES = 0.001
 """Unit of integer depth, metres (REP 118)."""
@@ -35,8 +37,6 @@ COLOR_ENCODINGS = {
 }
 """Encodings of colour: bytes for each pixel, and the conversion to RGB."""
 PNG = b"\x89PNG"
-CONFIG = struct.Struct("<i2f")
-"""Header of compressedDepth: format, and the two numbers by which metres were quantised."""
 
 
 def stamp_ns(message: Any) -> int:
@@ -59,10 +59,10 @@ def is_depth(message: Any) -> bool:
     return packed or encoding_of(message) in DEPTH_ENCODINGS
 
 
-def color_of(message: Any) -> npt.NDArray[np.uint8]:
+def color_of(message: Any, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.uint8]:
     """Return the colour (H, W, 3) RGB of an Image or CompressedImage. Raises FrameError."""
     if not hasattr(message, "encoding"):
-        stored = _decoded(_bytes(message), cv2.IMREAD_COLOR, str(message.format))
+        stored = _decoded(_bytes(message), cv2.IMREAD_COLOR, str(message.format), max_pixels)
         return np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB), np.uint8)
     if message.encoding not in COLOR_ENCODINGS:
         raise FrameError(
@@ -75,10 +75,10 @@ def color_of(message: Any) -> npt.NDArray[np.uint8]:
     return np.asarray(pixels if conversion is None else cv2.cvtColor(pixels, conversion), np.uint8)
 
 
-def depth_of(message: Any) -> Image:
+def depth_of(message: Any, max_pixels: int = MAX_PIXELS) -> Image:
     """Return the depth (H, W) of a message: integers as stored, or floating-point metres. Raises FrameError."""
     if not hasattr(message, "encoding"):
-        return _compressed_depth(message)
+        return _compressed_depth(message, max_pixels)
     if message.encoding not in DEPTH_ENCODINGS:
         raise FrameError(
             f"expected depth as {', '.join(DEPTH_ENCODINGS)}, got the encoding {message.encoding!r}: name another"
@@ -104,26 +104,29 @@ def _rows(message: Any, kind: np.dtype[Any], channels: int) -> Image:
     return rows.view(stored).astype(kind, copy=False)
 
 
-def _compressed_depth(message: Any) -> Image:
-    """Return the depth of a CompressedImage: a PNG, with the header of compressedDepth or without."""
+def _compressed_depth(message: Any, max_pixels: int) -> Image:
+    """Return the depth of a CompressedImage: RVL, or a PNG with the header of compressedDepth or without."""
     data, told = _bytes(message), str(message.format)
+    if "rvl" in told.lower():
+        stored: Image = unpacked_rvl(data, max_pixels)
+        return metres_of(stored, data) if told.strip().startswith("32FC1") else stored
     start = next((k for k in (0, CONFIG.size) if data[k : k + 4].tobytes() == PNG), None)
     if start is None:
-        raise FrameError(f"expected depth as PNG, got the format {told!r}: record the raw depth topic, or its PNG form")
-    stored = _decoded(data[start:], cv2.IMREAD_UNCHANGED, told)
+        raise FrameError(f"expected depth as PNG or RVL, got the format {told!r}: record the raw depth topic")
+    stored = _decoded(data[start:], cv2.IMREAD_UNCHANGED, told, max_pixels)
     if stored.ndim != 2 or stored.dtype != np.uint16:
         raise FrameError(f"expected depth of 16 bits in one channel, got {stored.dtype} of shape {stored.shape}")
     if not told.strip().startswith("32FC1"):
         return stored
     if start == 0:
         raise FrameError("expected the header of compressedDepth with 32FC1, got a PNG without it")
-    _, a, b = CONFIG.unpack(data[: CONFIG.size].tobytes())
-    with np.errstate(divide="ignore", invalid="ignore"):
-        metres = np.float32(a) / (stored.astype(np.float32) - np.float32(b))
-    return np.asarray(np.where(stored > 0, metres, 0), np.float32)
+    return metres_of(stored, data)
 
 
-def _decoded(data: npt.NDArray[np.uint8], flags: int, told: str) -> Image:
+def _decoded(data: npt.NDArray[np.uint8], flags: int, told: str, max_pixels: int) -> Image:
+    header = header_of(data[:26].tobytes())
+    if header is not None:
+        check_count(header.width, header.height, max_pixels)
     try:
         image = cv2.imdecode(data, flags) if data.size else None
     except cv2.error:

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.frames.frame import Color
+from spigolo.frames.halving import halve_frame
 from spigolo.objects.drawing import palette
 from spigolo.pipeline import Trace
 from spigolo.stages.color import color_points
@@ -54,10 +55,12 @@ def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
 def stages(trace: Trace) -> dict[str, Array]:
     """Every stage's array by name, as `spigolo trace --stages` writes them."""
     cues = trace.cues
+    halved = cues.depth.shape != trace.frame.shape
+    frame = halve_frame(trace.frame) if halved else trace.frame
     arrays: dict[str, Array] = {
         "depth": trace.frame.depth,
         "smoothed_depth": cues.depth,
-        "color_points": color_points(trace.frame.color, trace.config.at_size(trace.frame.shape).color),
+        "color_points": color_points(frame.color, trace.config.at_size(frame.shape).color),
         "weights": trace.graph.weights,
         "regions": trace.regions.labels,
         "labels": trace.segmentation.labels,

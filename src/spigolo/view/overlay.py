@@ -59,7 +59,7 @@ def boundary_picture(trace: Trace) -> Color:
     if trace.edges is None:
         level = np.round(trace.cues.delta_sal * 255).astype(np.uint8)
         return np.repeat(level[..., None], 3, axis=2)
-    picture = np.full((*trace.frame.shape, 3), 30, np.uint8)
+    picture = np.full((*trace.edges.canny.shape, 3), 30, np.uint8)
     picture[trace.edges.canny] = 110
     if trace.contours is not None and trace.contours.contours is not None:
         picture[trace.contours.contours] = 235
@@ -73,11 +73,19 @@ def region_picture(labels: npt.NDArray[np.int32]) -> Color:
 
 
 def tile(pictures: dict[str, Color], columns: int) -> Color:
-    """Pictures of one size in a grid, each with its title."""
-    titled = [_titled(picture, title) for title, picture in pictures.items()]
+    """Pictures in a grid, each with its title and of the size of the first."""
+    shape = next(iter(pictures.values())).shape[:2]
+    titled = [_titled(fitted(picture, shape), title) for title, picture in pictures.items()]
     titled += [np.full_like(titled[0], 255)] * (-len(titled) % columns)
     rows = [np.hstack(titled[k : k + columns]) for k in range(0, len(titled), columns)]
     return np.vstack(rows)
+
+
+def fitted(picture: Color, shape: tuple[int, ...]) -> Color:
+    """Return a picture at the size (H, W), its pixels enlarged: the stages of a halved frame are smaller."""
+    if picture.shape[:2] == shape:
+        return picture
+    return np.asarray(cv2.resize(picture, shape[::-1], interpolation=cv2.INTER_NEAREST), np.uint8)
 
 
 def _titled(picture: Color, title: str) -> Color:

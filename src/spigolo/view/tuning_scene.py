@@ -15,7 +15,14 @@ from spigolo.objects.drawing import draw_objects, palette
 from spigolo.objects.facts import RegionFacts
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 from spigolo.view.figure1 import weight_picture
-from spigolo.view.overlay import BOX_EDGES, boundary_picture, depth_picture, draw_boxes, region_picture
+from spigolo.view.overlay import (
+    BOX_EDGES,
+    boundary_picture,
+    depth_picture,
+    draw_boxes,
+    fitted,
+    region_picture,
+)
 from spigolo.view.tuning_session import Answer, Pixel
 
 Vectors = npt.NDArray[np.float64]
@@ -40,7 +47,7 @@ CLICK = 0.012
 
 def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
     """Return the picture of a stage (one of STAGES), with the chosen region outlined."""
-    drawn = _stage(answer, stage).copy()
+    drawn = fitted(_stage(answer, stage), answer.run.frame.shape).copy()
     if chosen is not None:
         _outline(drawn, chosen, CHOSEN)
     return drawn

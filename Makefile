@@ -65,6 +65,7 @@ format: $(VENV)/.developing  ## put the source in its form
 
 docs: $(VENV)/.documenting  ## build the site from docs/ into site/
 	$(BIN)/zensical build --clean --strict
+	$(BIN)/python scripts/check_site.py
 
 table-1: $(VENV)/.developing  ## the paper's Table I from rendered stand-ins: spigolo-paper/table-1/
 	$(BIN)/python scripts/paper_tables.py 1

@@ -1,4 +1,4 @@
-"""Gives spigolo each kind of bad input and prints what it says, as a Markdown table: `python scripts/bad_inputs.py`.
+"""Give spigolo each kind of bad input and print its messages as a Markdown table: `python scripts/bad_inputs.py`.
 
 With `--write` the table goes to docs/bad-input.md.
 """
@@ -27,10 +27,10 @@ SCENE = Path(sp.__file__).parent / "demo_scene"
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "bad-input.md"
 INTRODUCTION = """# Bad input
 
-What spigolo says of input that it cannot work with: one sentence, with what was expected, what it got and, where it
-can, what to do. The command line prints it after `spigolo:` and ends with exit code 2; in Python the same sentence
-comes as `FileError`, `FrameError`, `CameraError` or `ConfigError`, all of which are a `SpigoloError`. Warnings do not
-stop a run. `spigolo doctor` looks for what is wrong in a frame that can be read.
+spigolo refuses input that it cannot use, with a one-line message. The message says what was expected, what it got and,
+if possible, what to do. The command line prints it after `spigolo:` and ends with exit code 2. In Python the same
+message comes as `FileError`, `FrameError`, `CameraError` or `ConfigError`, which are all kinds of `SpigoloError`.
+Warnings do not stop a run. `spigolo doctor` finds faults in a frame that can be read.
 
 `python scripts/bad_inputs.py --write` makes each of these inputs, and this page.
 """

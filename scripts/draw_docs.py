@@ -1,6 +1,7 @@
-"""Draws the pictures of the docs from the bundled scene: `python scripts/draw_docs.py [--out DIR] [NAME ...]`.
+"""Draw the pictures of the docs from the bundled scene: `python scripts/draw_docs.py [--out DIR] [NAME ...]`.
 
-Each but the first, which is that of `spigolo demo`, sets one open choice or addition beside its other reading.
+The first is that of `spigolo demo`. Others compare presets, additions and faults of the input. The rest show an open
+choice or an addition next to its other reading.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ def main() -> None:
 
 
 def demo(frame: sp.Frame) -> Color:
-    """What `spigolo demo` draws, smaller."""
+    """The picture of `spigolo demo`, smaller."""
     run = sp.trace(frame)
     result = run.segmentation
     pictures = {
@@ -140,9 +141,9 @@ def larger_end(frame: sp.Frame) -> Color:
 
 
 def depth_contours(frame: sp.Frame) -> Color:
-    """Boundaries and regions with and without depth contours; without the support plane, which closes feet too.
+    """Boundaries and regions with and without depth contours.
 
-    Nor is anything joined, as joining asks what stands on the plane.
+    The support plane is off, because it closes feet too. Joining is off, because it requires the plane.
     """
     with_them = sp.OBJECTS.replace(additions={"joining": None, "support": None})
     pictures = {}
@@ -157,7 +158,7 @@ def depth_contours(frame: sp.Frame) -> Color:
 
 
 def support_plane(frame: sp.Frame) -> Color:
-    """Objects with and without the support plane, and the plane; of a preset that has no rule for walls."""
+    """Objects with and without the support plane, and the plane. The preset has no rule for walls."""
     found = sp.segment(frame, sp.PRESETS["OBJECTS_1"])
     without = sp.segment(frame, sp.PRESETS["OBJECTS_1"].replace(**{"additions.support": None}))
     plane = (frame.color * np.float32(0.45)).astype(np.uint8)
@@ -174,15 +175,70 @@ def support_plane(frame: sp.Frame) -> Color:
 
 
 def noise_floor(frame: sp.Frame) -> Color:
-    """Regions with and without the noise floor of eq. 9."""
+    """Regions with and without the noise floor of eq. 9. Merging is off, because it removes most of the bands."""
     pictures = {}
     for title, config in {
-        "noise_per_m = 0": sp.OBJECTS.replace(additions={"noise_per_m": 0.0}),
-        f"noise_per_m = {NOISE_PER_M}": sp.OBJECTS.replace(additions={"noise_per_m": NOISE_PER_M}),
+        "noise_per_m = 0": sp.OBJECTS.replace(additions={"noise_per_m": 0.0, "merging": None}),
+        f"noise_per_m = {NOISE_PER_M}": sp.OBJECTS.replace(additions={"noise_per_m": NOISE_PER_M, "merging": None}),
     }.items():
         regions = sp.trace(frame, config).regions
         pictures[f"{title}: {regions.count} regions"] = region_picture(regions.labels)
     return tile(pictures, columns=2)
+
+
+def presets(frame: sp.Frame) -> Color:
+    """Objects of each preset."""
+    pictures = {"colour": frame.color}
+    for name, config in (("OBJECTS", sp.OBJECTS), ("TABLE", sp.TABLE), ("CLUTTER", sp.CLUTTER), ("SHELF", sp.SHELF)):
+        result = sp.segment(frame, config)
+        pictures[f"{name}: {len(result)} objects"] = result.overlay()
+    pictures["depth (black: missing)"] = depth_picture(frame.depth)
+    return tile({title: smaller(picture) for title, picture in pictures.items()}, columns=3)
+
+
+def additions(frame: sp.Frame) -> Color:
+    """Objects with all additions, and with one of them left out."""
+    configs = {"all additions": sp.OBJECTS}
+    for name, off in {
+        "no contours": {"additions.contours": None},
+        "no support, no joining": {"additions.support": None, "additions.joining": None},
+        "no joining": {"additions.joining": None},
+        "no refinement": {"additions.refinement": None},
+        "none of them": {"additions": None},
+    }.items():
+        configs[name] = sp.OBJECTS.replace(**off)
+    results = {name: sp.segment(frame, config) for name, config in configs.items()}
+    return tile({f"{name}: {len(r)} objects": smaller(r.overlay()) for name, r in results.items()}, columns=3)
+
+
+def wrong_inputs(frame: sp.Frame) -> Color:
+    """Objects found in inputs with a fault, for the page of symptoms."""
+    camera = frame.camera
+    assert camera is not None
+    shifted = np.roll(frame.depth, 25, axis=1)
+    holes = np.where(np.arange(frame.shape[1]) % 32 < 20, np.float32(0), frame.depth)
+    frames = {
+        "a good frame": frame,
+        "depth in wrong units (x 10)": sp.Frame(frame.color, frame.depth * 10, camera),
+        "depth 25 px to the right": sp.Frame(frame.color, shifted, camera),
+        "no intrinsics": sp.Frame(frame.color, frame.depth, None),
+        "two thirds of the depth missing": sp.Frame(frame.color, holes, camera),
+        "a frame without its table": sp.Frame(frame.color, np.where(table(frame), 0, frame.depth), camera),
+    }
+    results = {name: sp.segment(spoilt) for name, spoilt in frames.items()}
+    return tile({f"{name}: {len(r)}": smaller(r.overlay()) for name, r in results.items()}, columns=3)
+
+
+def table(frame: sp.Frame) -> npt.NDArray[np.bool_]:
+    """Background pixels on the support plane."""
+    support = sp.segment(frame).support
+    assert support is not None
+    return support
+
+
+def smaller(picture: Color) -> Color:
+    """A picture at half the size, for six in one."""
+    return np.asarray(cv2.resize(picture, None, fx=0.6, fy=0.6, interpolation=cv2.INTER_AREA), np.uint8)
 
 
 def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, EdgesConfig]) -> Color:
@@ -200,7 +256,7 @@ def edge_maps(frame: sp.Frame, config: EdgesConfig) -> EdgeMaps:
 
 
 def edge_picture(edges: EdgeMaps) -> Color:
-    """Orange: depth boundary; green: contact boundary alone; grey: other Canny edges."""
+    """Draw depth boundaries in orange, other contact boundaries in green, other Canny edges in grey."""
     picture = np.full((*edges.canny.shape, 3), GROUND, np.uint8)
     for mask, ink in ((edges.canny, CANNY), (edges.contact_boundary, CONTACT), (edges.depth_boundary, STEP)):
         picture[mask] = ink
@@ -231,7 +287,7 @@ def change(smoothed: DepthMap, measured: DepthMap) -> Color:
 
 
 def write_jpeg(path: Path, picture: Color) -> None:
-    """Writes a JPEG that a page can carry, and says how large it is."""
+    """Write a JPEG that a page can carry, and print its size."""
     done, data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     if not done or data.size > MOST_BYTES:
         raise ValueError(f"{path.name} would have {data.size} bytes, at most {MOST_BYTES} are wanted")
@@ -241,6 +297,9 @@ def write_jpeg(path: Path, picture: Color) -> None:
 
 PICTURES: dict[str, Callable[[sp.Frame], Color]] = {
     "demo": demo,
+    "presets": presets,
+    "additions": additions,
+    "wrong-inputs": wrong_inputs,
     "mean-of-windows": mean_of_windows,
     "sign-of-step": sign_of_step,
     "missing-samples": missing_samples,

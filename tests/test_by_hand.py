@@ -240,14 +240,14 @@ def test_without_intrinsics_the_boxes_are_found_all_the_same() -> None:
         sp.segment(bare(None), CONFIG, sp.MetricBox((0, 0, 0), (1, 1, 1)))
 
 
-def test_depth_in_millimetres_is_told() -> None:
+def test_depth_in_millimetres_is_reported() -> None:
     frame = scene()
     far = sp.Frame(frame.color, frame.depth * 1000, frame.camera)
     with pytest.warns(UserWarning, match="the median depth is .* m: .* depth_scale=0.001"):
         sp.segment(far, CONFIG)
 
 
-def test_a_scale_applied_twice_is_told() -> None:
+def test_a_scale_applied_twice_is_reported() -> None:
     frame = scene()
     sp.segment(sp.Frame(frame.color, frame.depth * 0.07, frame.camera), CONFIG)  # 5 cm: some cameras see so near
     near = sp.Frame(frame.color, frame.depth, frame.camera, depth_scale=0.001)

@@ -376,7 +376,7 @@ def test_a_scale_of_another_unit_is_refused(images: tuple[Path, Path], tmp_path:
     assert io.read_frame(*images, tmp_path / "camera.json", 0.001).depth[0, 0] == pytest.approx(1.234)
 
 
-def test_a_file_in_place_of_a_camera_is_told(tmp_path: Path) -> None:
+def test_a_file_in_place_of_a_camera_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "camera.json"
     path.write_text("{}")
     for given in (path, str(path)):

@@ -176,7 +176,7 @@ def test_cameras_that_differ_are_refused_with_their_names(tmp_path: Path) -> Non
         ("c.xml", "<x/>", FileError, "Supported: JSON or YAML"),
     ],
 )  # fmt: skip
-def test_what_is_no_camera_file_is_told(
+def test_a_file_that_is_not_a_camera_file_is_reported(
     tmp_path: Path, name: str, content: Any, error: type[Exception], words: str
 ) -> None:
     with pytest.raises(error, match=words) as caught:
@@ -207,7 +207,7 @@ def test_a_region_of_interest_moves_the_principal_point() -> None:
     assert camera_from_mapping({**FULL, "roi": whole, "binning_x": 1}).width == 1280
 
 
-def test_a_window_that_does_not_fit_the_images_is_told_by_name() -> None:
+def test_a_window_that_does_not_fit_the_images_is_reported_by_name() -> None:
     with pytest.raises(CameraError, match=r"binning_x 2 and binning_y 2 of 1280x960 says, got 1280x960: set these"):
         camera_from_mapping({**FULL, "binning_x": 2, "binning_y": 2}, 1280, 960)
     roi = {"x_offset": 1000, "y_offset": 0, "width": 640, "height": 480}
@@ -227,7 +227,7 @@ def test_an_empty_matrix_leaves_that_of_the_projection(fields: dict[str, Any]) -
     assert camera_from_mapping({**fields, "width": 640, "height": 480, "d": [0.0] * 8}) == CAMERA
 
 
-def test_an_uncalibrated_driver_is_told() -> None:
+def test_an_uncalibrated_driver_is_reported() -> None:
     for fields in ({"k": [0.0] * 9, "p": [0.0] * 12}, {"K": [0.0] * 9}):
         with pytest.raises(CameraError, match="not calibrated") as caught:
             camera_from_mapping({**fields, "width": 0, "height": 0}, 640, 480)
@@ -259,7 +259,7 @@ def test_other_fields_name_lenses_too() -> None:
         camera_from_mapping({**FIELDS, "distortion_model": "narrow"}, WIDTH, HEIGHT)
 
 
-def test_the_inverse_model_says_what_leaving_it_out_costs() -> None:
+def test_an_inverse_distortion_model_is_refused_with_the_error_of_leaving_it_out() -> None:
     fields = {**FIELDS, "coeffs": [-0.0565, 0.0682, 0.0004, 0.0007, -0.0218], "model": "Inverse Brown Conrady"}
     with pytest.raises(CameraError, match=r"inverse_brown_conrady: .*leave out the coefficients.* up to [3-9]\.\d px"):
         camera_from_mapping(fields, WIDTH, HEIGHT)
@@ -281,7 +281,7 @@ def test_the_inverse_model_says_what_leaving_it_out_costs() -> None:
         ("scale", 0.25, "0.00025"),
     ],
 )
-def test_another_name_for_the_scale_is_told(name: str, value: float, wanted: str) -> None:
+def test_another_name_for_the_scale_is_reported(name: str, value: float, wanted: str) -> None:
     with pytest.raises(CameraError, match=f"got {name} .*did you mean depth_scale {wanted}"):
         scale_from_mapping({**FIELDS, name: value})
     assert scale_from_mapping({**FIELDS, name: value, "depth_scale": 0.001}) == 0.001

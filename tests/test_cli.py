@@ -70,7 +70,7 @@ def test_the_largest_rejected_regions_are_printed(tmp_path: Path) -> None:
     assert f"and {rejected - 10} smaller ones" in done.stdout
 
 
-def test_depth_in_millimetres_is_told_of_once(tmp_path: Path) -> None:
+def test_depth_in_millimetres_is_reported_once(tmp_path: Path) -> None:
     depth = cv2.imread(str(SCENE / "depth.png"), cv2.IMREAD_UNCHANGED)
     np.save(tmp_path / "depth.npy", depth.astype(np.float32))
     frame = [SCENE / "rgb.png", tmp_path / "depth.npy", "--camera", SCENE / "camera.json", "--out", tmp_path / "out"]

@@ -207,7 +207,7 @@ def test_strange_colours_of_a_mask_are_ignored() -> None:
     assert np.argwhere(truth.labels).tolist() == [[0, 0]] and np.argwhere(truth.ignore).tolist() == [[1, 2]]
 
 
-def test_masks_may_lie_beside_or_be_named_or_be_absent(tmp_path: Path) -> None:
+def test_masks_may_be_next_to_the_frames_or_named_or_absent(tmp_path: Path) -> None:
     uw(tmp_path / "set")
     shutil.move(tmp_path / "set" / "quickfind_mask_data", tmp_path / "elsewhere")
     assert {entry.labelling for entry in UwScenes(tmp_path / "set")} == {"none"}
@@ -286,7 +286,7 @@ def test_a_model_reads_back_from_each_format(kind: str, tmp_path: Path) -> None:
         assert model.colors is not None and np.array_equal(model.colors, BOOK.colors)
 
 
-def test_a_mesh_whose_corners_are_nowhere_is_refused(tmp_path: Path) -> None:
+def test_a_mesh_with_faces_of_missing_corners_is_refused(tmp_path: Path) -> None:
     """A kernel that draws it would read beside the array."""
     for number, (corners, faces) in enumerate([(3, "3 0 1 3"), (3, "3 0 1 -1"), (2, "3 0 1 2")]):
         path = tmp_path / f"book{number}.ply"
@@ -297,7 +297,9 @@ def test_a_mesh_whose_corners_are_nowhere_is_refused(tmp_path: Path) -> None:
         path.write_text(
             f"{header}element face 1\nproperty list uchar int vertex_indices\nend_header\n{rows}\n{faces}\n"
         )
-        with pytest.raises(FileError, match=r"expected a triangle mesh in .*(corners are nowhere|cannot be read)"):
+        with pytest.raises(
+            FileError, match=r"expected a triangle mesh in .*(corners that do not exist|cannot be read)"
+        ):
             read_model(path)
 
 

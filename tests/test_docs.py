@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import doctest
+import json
 import os
 import pkgutil
 import re
@@ -55,7 +57,7 @@ def test_an_example_is_short_and_says_what_it_is(path: Path) -> None:
 
 @compiled
 @pytest.mark.parametrize("path", EXAMPLES, ids=name)
-def test_an_example_runs_and_writes_where_it_is_told(path: Path, tmp_path: Path) -> None:
+def test_an_example_runs_and_writes_into_its_output_folder(path: Path, tmp_path: Path) -> None:
     done = run(path, "--out", tmp_path / "out", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert 3 <= len(done.stdout.splitlines()) <= 30
@@ -90,23 +92,60 @@ def test_a_script_says_what_it_takes(path: Path, tmp_path: Path) -> None:
 
 
 @compiled
-def test_the_page_of_bad_input_is_what_is_said_now() -> None:
+def test_the_page_of_bad_input_has_the_present_messages() -> None:
     done = run(ROOT / "scripts" / "bad_inputs.py", folder=ROOT)
     assert done.returncode == 0, done.stderr
     written = (ROOT / "docs" / "bad-input.md").read_text(encoding="utf-8")
     assert done.stdout == written, "python scripts/bad_inputs.py --write"
 
 
-@compiled
-@pytest.mark.parametrize("page", ["README.md", "docs/index.md"])
-def test_the_python_of_a_page_runs(page: str, tmp_path: Path) -> None:
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), flags=re.DOTALL)
-    assert blocks
+RUN = {
+    page: re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for page in PAGES
+    if page.name in ("README.md", "index.md", "python.md", "cameras.md", "presets.md", "outputs.md", "wrong-results.md")
+}
+"""The Python of pages whose blocks continue each other."""
+FIRST = {"python.md": 1, "cameras.md": 1}
+"""How many blocks of a page run, where the others use things that a test does not have."""
+
+
+def scene_in(folder: Path) -> Path:
     for file in ("rgb.png", "depth.png", "camera.json"):
-        shutil.copy(SCENE / file, tmp_path)
-    done = run("-W", "error", "-c", "\n".join(blocks), folder=tmp_path)
+        shutil.copy(SCENE / file, folder)
+    return folder
+
+
+@compiled
+@pytest.mark.parametrize("page", RUN, ids=name)
+def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
+    blocks = RUN[page][: FIRST.get(page.name)]
+    assert blocks
+    done = run("-W", "error", "-c", "\n".join(blocks), folder=scene_in(tmp_path))
     assert done.returncode == 0, done.stderr
     assert done.stdout
+
+
+@compiled
+@pytest.mark.parametrize("page", [p for p in PAGES if "```sh" in p.read_text(encoding="utf-8")], ids=name)
+def test_the_shell_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
+    scene_in(tmp_path)
+    for block in re.findall(r"```sh\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL):
+        for line in block.splitlines():
+            done = run("-m", *line.split(), folder=tmp_path)
+            assert done.returncode == 0, line + done.stderr
+            assert done.stdout
+
+
+@compiled
+def test_the_examples_of_the_api_reference_give_what_they_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(scene_in(tmp_path))
+    text = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    examples = "\n".join(re.findall(r"```pycon\n(.*?)```", text, flags=re.DOTALL))
+    asked = doctest.DocTestParser().get_doctest(examples, {}, "api.md", None, 0)
+    told: list[str] = []
+    failed, tried = doctest.DocTestRunner().run(asked, out=told.append)
+    assert tried > 20
+    assert not failed, "".join(told)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
@@ -186,3 +225,20 @@ def anchors(page: Path) -> set[str]:
     """As both the site and GitHub make them of the plain headings used here."""
     headings = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
     return {re.sub(r"[^\w -]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
+
+
+def test_dead_links_and_missing_words_of_a_site_are_reported(tmp_path: Path) -> None:
+    page = '<a href="other.html#there">a</a><a href="#nowhere">b</a><a href="gone.html">c</a><a href="https://x.org">'
+    (tmp_path / "index.html").write_text(page, encoding="utf-8")
+    (tmp_path / "other.html").write_text('<h2 id="there">d</h2>', encoding="utf-8")
+    item = {"location": "outputs.html#a", "title": "Segmap", "text": "hand-eye calibration"}
+    (tmp_path / "search.json").write_text(json.dumps({"items": [item]}), encoding="utf-8")
+    done = run(ROOT / "scripts" / "check_site.py", tmp_path, folder=tmp_path)
+    assert done.returncode == 1
+    assert done.stdout.splitlines() == [
+        "index.html: dead link #nowhere",
+        "index.html: dead link gone.html",
+        "cameras.html: no section has the words 'depth scale'",
+        "cameras.html: no section has the words 'realsense'",
+        "wrong-results.html: no section has the words 'table returned as object'",
+    ]

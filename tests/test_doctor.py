@@ -69,7 +69,7 @@ def test_the_shift_is_told_with_its_direction(demo: Frame) -> None:
 
 
 @pytest.mark.parametrize(("axes", "says"), [((1,), "left to right"), ((0,), "top to bottom"), ((0, 1), "upside down")])
-def test_mirrored_depth_is_told_how(demo: Frame, axes: tuple[int, ...], says: str) -> None:
+def test_mirrored_depth_is_reported_with_its_axis(demo: Frame, axes: tuple[int, ...], says: str) -> None:
     assert says in finding(study.with_depth(demo, np.flip(demo.depth, axes)), "alignment").sentence
 
 
@@ -116,7 +116,7 @@ def test_negative_depth() -> None:
     assert "found 6400 negative pixels" in finding(frame, "negative depth").sentence
 
 
-def test_missing_depth_is_told_by_place() -> None:
+def test_missing_depth_is_reported_by_place() -> None:
     good = plain()
     depth = good.depth.copy()
     depth[:, :160] = 0  # a quarter, at the border

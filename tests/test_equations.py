@@ -161,7 +161,7 @@ def test_eq_08_without_depth_changes_nothing() -> None:
     assert (smooth(np.zeros((5, 5), np.float32), Smoothing()) == 0).all()
 
 
-def test_eq_08_leaves_pixels_on_a_step_out_only_if_asked() -> None:
+def test_eq_08_leaves_pixels_on_a_step_out_only_if_set() -> None:
     # Far from the camera the limit of a step is 18 * 0.0028 * 1^2 = 0.05 m: (3, 3) steps to its right neighbour, and
     # it lies sqrt 2 from the centre: r = 1. Window of the centre: eight of 1.0 and the stepping (3, 3) of 0.96.
     depth = np.ones((7, 7), np.float32)
@@ -303,7 +303,7 @@ def upright_crease(height_m: float) -> Array:
     )
 
 
-def test_sign_rule_tangent_tells_an_upright_valley_from_a_ridge() -> None:
+def test_sign_rule_tangent_separates_an_upright_valley_from_a_ridge() -> None:
     rule = EdgesConfig(sign_rule="tangent", contact_low_deg=56, contact_high_deg=154)
     _, valley = upright_edges(upright_crease(0.01), rule)
     _, ridge = upright_edges(upright_crease(-0.01), rule)
@@ -330,7 +330,7 @@ def test_signed_step_misses_an_edge_seen_from_the_near_side() -> None:
 
 
 @pytest.mark.parametrize("counts", [False, True])
-def test_missing_depth_is_a_boundary_only_if_asked(counts: bool) -> None:
+def test_missing_depth_is_a_boundary_only_if_set(counts: bool) -> None:
     depth = np.ones((41, 41), np.float32)
     depth[:, :18] = 0
     found, contact = upright_edges(depth, EdgesConfig(missing_is_boundary=counts))

@@ -183,7 +183,7 @@ def test_info_may_ignore_the_background_and_begin_with_a_byte_order_mark(root: P
     assert find_labelled_frames([root / "shop" / "f0"])[0].ignore_label == 0
 
 
-def test_groups_of_frames_that_are_not_there_are_told_of(root: Path) -> None:
+def test_groups_of_missing_frames_are_reported(root: Path) -> None:
     for name in ("f1", "shop/f9"):
         (root / "splits.json").write_text(json.dumps({"near_duplicate_groups": [["shop/f0", name]]}))
         with pytest.warns(UserWarning, match=f"names {name}, but no frame is called so"):
@@ -277,7 +277,7 @@ def test_a_file_of_something_else_is_refused_and_left_alone(tmp_path: Path, cont
     assert path.read_bytes() == before
 
 
-def test_a_score_is_that_of_score_frame_with_the_regions_beside() -> None:
+def test_a_row_has_the_score_of_score_frame_and_counts_of_regions() -> None:
     truth = np.zeros((20, 20), int)
     truth[2:10, 2:10], truth[2:10, 12:18] = 1, 5
     regions = truth + 1
@@ -340,7 +340,7 @@ def test_the_error_of_a_frame_that_is_gone_stays(root: Path, tmp_path: Path, cou
     assert [one.error is None for one in read_rows(path)] == [True, True, False]
 
 
-def test_rows_follow_what_is_said_of_their_frames(root: Path, tmp_path: Path, counting: Counting) -> None:
+def test_rows_follow_the_group_and_labelling_of_their_frames(root: Path, tmp_path: Path, counting: Counting) -> None:
     path, runs = tmp_path / "rows.jsonl", 0
     for full, labelling in ((["osd-*"], "part"), (["osd-*", "shop"], "full")):
         rows = evaluate(find_labelled_frames([root], full), [counting], path)
@@ -383,7 +383,7 @@ def test_a_frame_that_was_mended_is_evaluated_again(root: Path, tmp_path: Path, 
     assert len(counting.runs) == runs + 2  # once untimed
 
 
-def test_a_method_that_answers_with_labels_alone_is_told(
+def test_a_method_that_answers_with_labels_alone_is_reported(
     root: Path, tmp_path: Path, counting: Counting, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Counting, "__call__", lambda self, frame: np.zeros(frame.shape, int))
@@ -626,7 +626,7 @@ def test_files_of_the_same_frames_are_two_contenders_of_other_frames_one() -> No
     assert [(c.label, len(c.rows)) for c in joined] == [("P", 3)]
 
 
-def test_labels_are_as_short_as_tells_contenders_apart() -> None:
+def test_labels_are_as_short_as_distinct_names_allow() -> None:
     rows = [row(), row(preset="Q", digest="e"), row(digest="f")]
     found = gather({"x": rows})
     assert [c.label for c in found] == ["P d", "Q", "P f"]

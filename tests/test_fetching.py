@@ -150,7 +150,7 @@ def test_nothing_of_a_file_with_a_wrong_hash_is_kept(server: Server, tmp_path: P
     assert left(tmp_path) == ["toy_base.zip"]
 
 
-def test_what_the_server_does_not_have_or_is_no_archive_is_told(server: Server, tmp_path: Path) -> None:
+def test_a_missing_file_on_the_server_or_a_wrong_archive_is_reported(server: Server, tmp_path: Path) -> None:
     base, test = server.toy.archives
     lost = replace(server.toy, archives=(base, replace(test, url=test.url.replace("toy_test", "other"))))
     with pytest.raises(FileError, match=r"expected http.*other.zip, but the server answers 404"):
@@ -163,7 +163,7 @@ def test_what_the_server_does_not_have_or_is_no_archive_is_told(server: Server, 
     assert not any(path.name.startswith(".") for folder in "abc" for path in (tmp_path / folder).iterdir())
 
 
-def test_a_server_that_is_gone_is_told(server: Server, tmp_path: Path) -> None:
+def test_a_server_that_is_gone_is_reported(server: Server, tmp_path: Path) -> None:
     toy = server.toy
     nowhere = replace(toy, archives=(replace(toy.archives[0], url="http://127.0.0.1:1/toy_base.zip"),))
     with pytest.raises(FileError, match=r"expected http://127.0.0.1:1/toy_base.zip, but after 0 bytes: "):

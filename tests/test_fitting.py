@@ -150,7 +150,7 @@ def test_goodness_is_worked_by_hand() -> None:
     assert goodness([row("e", score=None)]) == 0
 
 
-def test_a_frame_is_scored_by_what_is_best_on_the_others() -> None:
+def test_a_frame_is_scored_by_the_setting_that_is_best_on_the_others() -> None:
     """Each trial is good on one frame alone, so that no frame gets the trial that is good on it."""
     made = tried({"a": 1.0, "b": 0.0, "c": 0.2}, {"a": 0.1, "b": 0.9, "c": 0.0}, {"a": 0.0, "b": 0.2, "c": 0.8})
     held = {one.frame: one.score.overlap_f for one in hold_out(made, 3).rows if one.score}
@@ -167,7 +167,7 @@ def test_near_identical_frames_have_no_say_about_each_other() -> None:
         hold_out(twins, 3)
 
 
-def test_a_set_is_scored_by_what_is_best_on_the_others() -> None:
+def test_a_set_is_scored_by_the_setting_that_is_best_on_the_others() -> None:
     """Each trial is good on the frames of one set alone."""
     made = tried({"a": 1.0, "b": 0.9, "c": 0.2}, {"a": 0.1, "b": 0.0, "c": 0.8})
     with pytest.raises(SpigoloError, match="expected frames of several data sets that differ, got s"):
@@ -237,7 +237,7 @@ def test_a_search_goes_on_where_it_stopped(root: Path, tmp_path: Path) -> None:
             search(others, start, out, 2, seed)
 
 
-def test_a_search_that_never_began_is_in_nobodys_way(root: Path, tmp_path: Path) -> None:
+def test_a_search_that_failed_at_the_start_can_be_repeated(root: Path, tmp_path: Path) -> None:
     """A broken frame ends it at once; mended, the frames are others."""
     depth, out = root / "osd-small" / "f2" / "depth.png", tmp_path / "trials.jsonl"
     whole = depth.read_bytes()

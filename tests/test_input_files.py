@@ -63,7 +63,7 @@ def test_colour_of_more_bits_is_scaled_by_what_is_stored(tmp_path: Path, bits: i
     np.testing.assert_array_equal(color, wanted)
 
 
-def test_swapped_images_are_told(tmp_path: Path) -> None:
+def test_swapped_images_are_reported(tmp_path: Path) -> None:
     put(tmp_path)
     with pytest.raises(FrameError, match="colour first and depth second, got them swapped"):
         read_frame(tmp_path / "depth.png", tmp_path / "rgb.png", None, 0.001)
@@ -196,7 +196,7 @@ def test_the_order_is_natural(tmp_path: Path) -> None:
     assert [p.name for p in sorted(mixed, key=natural_order)] == ["2", "a02", "a2", "a10", "b"]
 
 
-def test_a_folders_camera_holds_for_what_is_below(tmp_path: Path) -> None:
+def test_a_camera_file_of_a_folder_holds_for_its_subfolders(tmp_path: Path) -> None:
     top = tmp_path / "in"
     for k in range(2):
         put(top / str(k))

@@ -73,7 +73,7 @@ def test_depth_may_be_an_array_of_metres(files: Path) -> None:
         (
             lambda f: write(f / "cut.png", (f / "depth.png").read_bytes()[:60]),
             sp.errors.FileError,
-            "none that OpenCV reads",
+            "bytes that OpenCV cannot read",
         ),
         (lambda f: image(f / "8bit.png", np.ones((24, 32), np.uint8)), sp.errors.FrameError, "8 bits"),
         (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint8)), sp.errors.FrameError, "picture of depth"),

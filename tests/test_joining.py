@@ -361,7 +361,7 @@ def test_where_depth_is_sparse_no_more_lies_below_the_support_than_on_it(measure
     assert found.offset_m == pytest.approx(DISTANCE_M + (0.0 if supports else 0.4), abs=0.005)
 
 
-def test_where_every_plane_shows_what_is_below_the_largest_stays() -> None:
+def test_the_largest_plane_stays_if_every_plane_shows_points_below() -> None:
     """A board of holes alone: nothing else is large enough to support."""
     origin, direction = rays()
     board, below = plane(0.0)(origin, direction), plane(-0.4)(origin, direction)

@@ -51,7 +51,7 @@ def own_frame(folder: Path, labels: np.ndarray) -> None:
     (folder / "set" / "camera.json").write_text('{"fx": 60, "fy": 61, "cx": 31.2, "cy": 23.7, "depth_scale": 0.001}')
 
 
-def test_a_mask_of_0_and_255_is_told(tmp_path: Path) -> None:
+def test_a_mask_of_0_and_255_is_reported(tmp_path: Path) -> None:
     labels = images()[2]
     own_frame(tmp_path, np.where(labels > 0, 255, 0).astype(np.uint8))
     (entry,) = guess(tmp_path)

@@ -280,7 +280,7 @@ def test_without_depth_rao_is_felzenszwalb() -> None:
     np.testing.assert_array_equal(both.graph(frame).weights.shape, colour.graph(frame).weights.shape)
 
 
-def test_depth_parts_what_colour_does_not() -> None:
+def test_depth_separates_objects_of_one_colour() -> None:
     depth = np.ones((60, 80), np.float32)
     depth[20:40, 20:50] = 0.9
     frame = sp.Frame(np.full((60, 80, 3), 120, np.uint8), depth, None)

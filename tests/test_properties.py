@@ -461,7 +461,7 @@ def test_what_is_switched_off_against_its_default_comes_back_switched_off() -> N
 
 
 @given(models(Config), st.text(max_size=5))
-def test_digest_tells_values_but_not_names(config: Config, name: str) -> None:
+def test_digest_depends_on_values_but_not_on_names(config: Config, name: str) -> None:
     assert config.replace(name=name).digest == config.digest
     other = config.replace(**{"partition.connectivity": 12 - config.partition.connectivity})
     assert other.digest != config.digest

@@ -58,7 +58,7 @@ def test_the_bottom_of_a_bowl_has_the_depth_of_the_table_and_the_colour_of_the_b
 
 
 @pytest.mark.parametrize(("size", "is_opened"), [(10, False), (45, True)])
-def test_only_what_fills_most_of_its_hull_is_opened(size, is_opened):
+def test_only_objects_that_fill_most_of_their_hull_are_opened(size, is_opened):
     """The handle and body of a drill leave most of the hull free; a thick corner does not."""
     labels = np.zeros((120, 160), np.int32)
     labels[20:100, 30 : 30 + size] = labels[20 : 20 + size, 30:110] = 1

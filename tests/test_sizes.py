@@ -171,7 +171,7 @@ def test_lines_are_widened_by_hand() -> None:
     assert np.count_nonzero(widen(final, 2)[2]) == 2
 
 
-def test_holes_are_told_from_where_on_there_are_many() -> None:
+def test_holes_count_from_a_minimum_share_of_missing_depth() -> None:
     depth = np.ones((6, 10), np.float32)
     depth[2:4, 3:7] = 0  # 8 of 60
     assert find_holes(depth, sp.settings.DepthContours()) is None
@@ -182,7 +182,7 @@ def test_holes_are_told_from_where_on_there_are_many() -> None:
 
 
 @pytest.mark.parametrize("per_m", [0.0, 0.001, 0.004])
-def test_noise_is_what_scatters_about_the_chord_of_slanted_planes(per_m: float) -> None:
+def test_noise_is_the_scatter_about_the_chord_of_slanted_planes(per_m: float) -> None:
     """Of normal noise the median is 0.67 of its deviation, that of a pixel from the mean of two sqrt(1.5) of one's."""
     rng = np.random.default_rng(3)
     depth = 1 / np.linspace(0.5, 1.5, 320)[None].repeat(240, 0)
@@ -216,7 +216,7 @@ def test_contours_of_a_hole_are_both_sides_of_its_border_and_wide_color_edges_in
     assert np.array_equal(contours, wanted)
 
 
-def test_more_contour_is_asked_where_the_borders_of_holes_are_contours() -> None:
+def test_more_contour_is_required_if_outlines_of_holes_are_contours() -> None:
     """Nothing has a mean boundary of 1: asked for that, all regions of a frame with holes are weak."""
     frame = sp.read_frame(DEMO / "rgb.png", DEMO / "depth.png", DEMO / "camera.json")
     depth = frame.depth.copy()

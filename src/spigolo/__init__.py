@@ -1,4 +1,4 @@
-"""Finds the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.
+"""Find the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.
 
 The method of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation for RGB-D Images".
 
@@ -8,9 +8,9 @@ The method of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation for RGB
     for o in sp.segment(frame):
         print(o.area_px, o.centroid_m)
 
-Conventions: H, W = image rows and columns; R = regions. Colour is RGB. Depth is float32 metres, 0 = missing.
-Camera axes: X right, Y down, Z forward. Image points are (y, x). Names carry their unit: _m, _px, _deg, _ns.
-Importing this package loads neither numba, OpenCV nor pydantic; the first use of a name does.
+Conventions: H, W = image rows and columns, R = regions. Colour is RGB. Depth is float32 metres, 0 = missing. Camera
+axes: X right, Y down, Z forward. Image points are (y, x). Names carry their unit: _m, _px, _deg, _ns. Importing this
+package loads neither numba, OpenCV nor pydantic. The first use of a name loads them.
 """
 
 from __future__ import annotations

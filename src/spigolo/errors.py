@@ -1,4 +1,4 @@
-"""What can go wrong, one class per kind. Each message says what was expected, what came and how to mend it."""
+"""Errors, one class per kind. Each message says what was expected, what came and how to mend it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
-"""Where the files of this package begin."""
+"""Path that the files of this package begin with."""
 
 
 class SpigoloError(Exception):
@@ -35,7 +35,7 @@ class UnitWarning(UserWarning):
 
 
 def warn(message: str, kind: type[Warning] = UserWarning) -> None:
-    """Warns at the line that called into this package, whichever way led here."""
+    """Warn at the line that called into this package, whichever way led here."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
         frame, level = frame.f_back, level + 1

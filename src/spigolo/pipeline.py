@@ -40,7 +40,7 @@ class Trace:
     weighing: Weighing
     """The cost function and gamma of this frame."""
     edges: EdgeMaps | None
-    """The edge maps. None where the cost function does not read a boundary."""
+    """The edge maps. None if the cost function does not read a boundary."""
     contours: Contours | None
     """Our contours of the depth map. None without additions or edge maps."""
     cues: Cues
@@ -97,9 +97,9 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
 def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:
     """Find the objects of a frame.
 
-    frame: colour, depth and camera. config: a preset or your own configuration. roi: where objects are wanted: a mask
-    (H, W), a pixel box (y0, x0, y1, x1) or a MetricBox. Regions outside are rejected.
-    Returns the label image, the objects with their 2-D and 3-D facts, and the rejected regions with their reasons.
+    frame: colour, depth and camera. config: a preset or your own configuration. roi: region of interest. It is a mask
+    (H, W), a pixel box (y0, x0, y1, x1) or a MetricBox. Regions outside are rejected. Returns the label image, the
+    objects with their 2-D and 3-D facts, and the rejected regions with their reasons.
     """
     return trace(frame, config, roi).segmentation
 

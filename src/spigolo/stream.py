@@ -1,4 +1,4 @@
-"""Streams of frames: a Segmenter keeps its buffers warm; `warm_up` compiles before the first frame."""
+"""Streams of frames. A `Segmenter` keeps its buffers between frames. `warm_up` compiles before the first frame."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Segmenter:
 
     ids: whether objects get ids that last while they stay in view (`ObjectMask.id`). `pace` has the rate and the time
     of a frame. Make one per thread: kernels release the GIL, so that Segmenters on several threads run side by side.
-    Raises SpigoloError where two threads call one at once.
+    Raises SpigoloError if two threads call one at once.
     """
 
     def __init__(self, config: Config = OBJECTS, ids: bool = False) -> None:
@@ -43,7 +43,7 @@ class Segmenter:
         return type(self), (self.config, self.ids)
 
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
-        """The objects of a frame; the answer shares no memory with the next one."""
+        """Return the objects of a frame. The result shares no memory with the next one."""
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
         start = time.perf_counter()
@@ -58,7 +58,7 @@ class Segmenter:
 
 
 def warm_up(config: Config | None = None) -> None:
-    """Compiles the kernels, or loads them, before the first frame: of one configuration, or of all.
+    """Compile the kernels, or loads them, before the first frame: of one configuration, or of all.
 
     The first time on a machine this takes about 20 s, later well under a second.
     """

@@ -1,7 +1,7 @@
 """The command line: typed functions become verbs. The only room that prints and exits.
 
-Exit codes: 0 done; 1 some of several frames failed; 2 an error in the input, with a one-line message. Heavy modules
-are imported inside the verbs, so that help appears at once.
+Exit codes: 0 = done, 1 = some of several frames failed, 2 = an error in the input, with a one-line message. Heavy
+modules are imported inside the verbs, so that help appears at once.
 """
 
 from __future__ import annotations

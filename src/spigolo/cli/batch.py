@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from spigolo.batch import Engine, FrameFiles, Progress, Summary
 
 MOST_FAILURES = 10
-"""How many failures are printed; manifest.jsonl has them all."""
+"""Maximum number of failures that are printed. manifest.jsonl has them all."""
 
 
 def batch(

@@ -19,7 +19,7 @@ def render(
 ) -> int:
     """Render household scenes with exact masks and poses, as a structured-light camera would record them.
 
-    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`; or
+    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. Another one is
     `spigolo render shelf --count 72 --layout original --out stand-ins`. Requires the extra `synthetic`.
 
     Parameters

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from spigolo.sources.base import Source
 
 MOST_REJECTED = 10
-"""How many rejected regions are printed, the largest first; objects.json has them all."""
+"""Maximum number of rejected regions that are printed, the largest first. objects.json has them all."""
 
 
 def progress(source: Source, what: str) -> Iterable[Frame]:

@@ -1,4 +1,4 @@
-"""What is wrong with a frame: sizes, depth unit, missing depth, alignment, intrinsics, and which cost function fits."""
+"""Checks of a frame: sizes, depth unit, missing depth, alignment, intrinsics, and which cost function fits."""
 
 from spigolo.doctor.checkup import diagnose
 from spigolo.doctor.findings import Diagnosis, Finding, Severity

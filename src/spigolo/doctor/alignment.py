@@ -1,7 +1,7 @@
-"""Whether depth lies on colour: where an object ends in depth, colour changes too.
+"""Check that depth is aligned with colour. An object that ends in depth mostly changes colour there too.
 
-The contours of near things are taken from depth, and the colour gradient below them is averaged for every shift of the
-contours. Aligned, the average is largest where the shift is 0.
+The contours of near things are taken from depth. The colour gradient below them is averaged for every shift of the
+contours. In an aligned frame, the average is largest at shift 0.
 """
 
 from __future__ import annotations
@@ -24,12 +24,13 @@ TOLERANCE_PX = 4
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. Fewer are no evidence."""
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
-"""How much the gradient under the contours must stand out: from those around, in units of their mean, and from what
-other shifts score, in standard deviations. Else the best shift is one of many."""
+"""Minimum contrast of the gradient under the contours, in units of the mean gradient around them, and minimum distance
+from the scores of other shifts, in standard deviations. Below these, the best shift is one of many.
+"""
 SHIFTED = 0.95
 """Unshifted, contours fit less than this share of their best fit."""
 MIRRORED = 0.8
-"""The same of unmirrored contours; less, as scenes have some symmetry."""
+"""The same for unmirrored contours. It is lower, because scenes have some symmetry."""
 
 STEP_OFFSET_PX = 2
 STEP_M, STEP_PER_M = 0.02, 0.012
@@ -61,12 +62,12 @@ class Fit:
 
     @property
     def is_clear(self) -> bool:
-        """Whether the best shift is any better than chance."""
+        """True if the best shift is better than chance."""
         return self.score >= MIN_CONTRAST and self.peak >= MIN_PEAK
 
 
 def check_alignment(color: Color, filled: DepthMap) -> Finding:
-    """Finds depth that is shifted against colour, or mirrored. filled: depth with its small gaps in-painted."""
+    """Find depth that is shifted against colour, or mirrored. filled: depth with its small gaps in-painted."""
     contours = depth_contours(filled)
     count = count_contours(contours)
     if count < MIN_CONTOUR_SHARE * filled.size:
@@ -110,7 +111,8 @@ def _not_registered(fit: ScaleFit) -> Finding:
 
 
 def depth_contours(depth: DepthMap) -> Pair:
-    """The near side of every depth step, as two float maps (H, W) of 0 and 1; nothing near the image border.
+    """Return the near side of every depth step, as two float maps (H, W) of 0 and 1. Pixels near the image border stay
+    0.
 
     Shadows count as the background behind them. The near side must be flat: slanted surfaces have no steps.
     """
@@ -147,7 +149,7 @@ def color_gradients(color: Color) -> Pair:
 
 
 def best_shift(contours: Pair, gradients: Pair) -> Fit:
-    """Tries every shift of the contours up to 24 pixels in x and y."""
+    """Try every shift of the contours up to 24 pixels in x and y."""
     inside = (slice(SEARCH_PX, -SEARCH_PX), slice(SEARCH_PX, -SEARCH_PX))
     sums = sum(
         np.asarray(cv2.matchTemplate(gradient, contour[inside], cv2.TM_CCORR))

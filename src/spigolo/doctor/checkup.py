@@ -23,13 +23,13 @@ CV2_WHEELS = (
 SMALL_PX = 160
 """Objects in an image of a shorter width or height are a few pixels large."""
 BORDER = 0.1
-"""A share of the frame that is missing up to the image border, from here on told with the advice."""
+"""Minimum share of missing depth at the image border that is reported with the advice."""
 
 
 def diagnose(frame: Frame) -> Diagnosis:
-    """Everything that can be told from one frame. Some 0.3 s for 640x480; prints nothing.
+    """Run every check on one frame. Takes about 0.3 s for 640x480 and prints nothing.
 
-    A check that lacks evidence says so in a note. Without any depth the checks that need it are left out.
+    A check that lacks evidence says so in a note. Without any depth, the checks that need depth are left out.
     """
     check_frame(frame)
     camera: Camera | None = frame.camera
@@ -62,7 +62,7 @@ def check_wheels() -> Finding:
 
 
 def check_size(frame: Frame) -> Finding:
-    """Frame has seen to equal sizes; very small images are left."""
+    """Check that the images are not very small. `Frame` has already refused unequal sizes."""
     height, width = frame.depth.shape
     if min(height, width) < SMALL_PX:
         return note(

@@ -1,4 +1,4 @@
-"""What a check says."""
+"""The result of a check."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ class Severity(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What one check found.
+    """The result of one check.
 
-    check: its name. sentence: a short statement; for a warning what was expected, what was found, how to mend it.
+    check: its name. sentence: a short statement. A warning says what was expected, what was found and how to mend it.
     """
 
     check: str
     severity: Severity
     sentence: str
     judged: bool = True
-    """False where the frame lacks the evidence: then nobody has looked at it."""
+    """False if the frame lacks the evidence for this check."""
 
 
 @dataclass(frozen=True, slots=True)

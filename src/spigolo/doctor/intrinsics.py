@@ -1,7 +1,7 @@
-"""Whether the intrinsics can be those of the camera.
+"""Check that the intrinsics can be those of the camera.
 
-A wrong focal length keeps planes plane but bends right angles. What stands on a table is mostly upright - the sides of
-boxes, cans and mugs - so the focal length is tried at which most surfaces are upright.
+A wrong focal length keeps planes plane but bends right angles. Things on a table mostly have upright sides: boxes,
+cans, mugs. So the check looks for the focal length with which most surfaces are upright.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ POSSIBLE_SHARE = (0.42, 1.3)
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
 """Factors on the focal length."""
 RIGHT_WITHIN = 1.25
-"""What stands slants a little: a factor up to this may come of the things themselves."""
+"""Maximum factor that is accepted as right. Surfaces that slant a little can cause such a factor."""
 MIN_TILT_DEG = 20.0
 """Seen straight from above, an upright side stays upright with any focal length."""
 UPRIGHT_COS = 0.07
 """Within 4 degrees of upright."""
 MIN_UPRIGHT = 0.05
-"""Share of the surfaces beside the support that are upright with the best factor; fewer are no evidence."""
+"""Minimum share of the surfaces next to the support that are upright with the best factor. Fewer are no evidence."""
 CLEAR = 2.0
 """The best factor has this many times the upright surfaces of the given focal length, or the reverse."""
 SURFACES, MIN_SURFACES, SEED = 15000, 2000, 7
@@ -72,7 +72,10 @@ def check_intrinsics(camera: Camera) -> Finding:
 
 
 def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
-    """Right angles first; where they say nothing, what cameras have. filled: depth, its small gaps in-painted."""
+    """Check right angles first. If they give no evidence, compare with the fields of view of known cameras.
+
+    filled: depth with its small gaps in-painted.
+    """
     share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
     stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
     factor = upright_factor(filled, camera)
@@ -100,7 +103,8 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
 
 
 def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
-    """The factor on the focal length with which most surfaces are upright; 1 if the given one does about as well.
+    """Return the factor on the focal length with which most surfaces are upright. It is 1 if the given one does about
+    as well.
 
     None without evidence: no support, a view from straight above, few upright surfaces, or no clear best.
     """
@@ -122,7 +126,8 @@ def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
 
 
 def count_upright(normals: Points, support: Points) -> npt.NDArray[np.intp]:
-    """How many of the normals (N, 3) lie at right angles to the support's (3,), with each factor on the focal length.
+    """Count the normals (N, 3) that are at right angles to the support's normal (3,), for each factor on the focal
+    length.
 
     With t times the focal length the normal (a, b, c) of a plane is really (t a, t b, c).
     """

@@ -21,9 +21,9 @@ Map = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalPlanes:
-    """All (H, W): slope_x, slope_y in 1/(m px) and mean in 1/m of inverse depth, its rms residual in 1/m.
+    """Planes fitted to inverse depth, all (H, W): slope_x and slope_y in 1/(m px), mean and rms residual in 1/m.
 
-    whole: where the window has no missing pixel; elsewhere the numbers mean nothing.
+    whole: True if the window of the pixel has no missing depth. Elsewhere the numbers mean nothing.
     """
 
     slope_x: Map
@@ -33,7 +33,7 @@ class LocalPlanes:
     whole: Mask
 
     def normals(self, y: npt.NDArray[np.intp], x: npt.NDArray[np.intp], camera: Camera) -> Map:
-        """Normals (N, 3) at the pixels (y, x), of any length; along X and Y they grow with the focal length."""
+        """Return normals (N, 3) at the pixels (y, x), of any length. Their X and Y grow with the focal length."""
         a, b = self.slope_x[y, x], self.slope_y[y, x]
         c = self.mean[y, x] - (x - camera.cx) * a - (y - camera.cy) * b
         return np.stack([camera.fx * a, camera.fy * b, c], axis=1)

@@ -18,7 +18,7 @@ FEW_VALID = 0.02
 """With a smaller share of valid pixels there is nothing to segment."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
-"""A share of the frame in holes of one or two pixels, from here on told."""
+"""Minimum share of the frame in holes of one or two pixels that is reported."""
 
 SCALES = {
     0.001: "stored millimetres",
@@ -38,7 +38,7 @@ NEAR_M, FAR_M = 0.2, 6.0
 TABLE_M = 0.8
 """A usual distance: the guess at the scale is the power of ten that comes closest to it."""
 COARSE_UNIT_M = 0.004
-"""Cameras store depth in units of 0.1 to 1 mm; some drivers double that."""
+"""Coarsest usual unit. Cameras store depth in units of 0.1 to 1 mm. Some drivers double that."""
 FINEST_TICK_M = 1e-4
 ROOM_M = 3.0
 FINE_NOISE_PER_M = 2.5e-4
@@ -67,9 +67,9 @@ def check_reach(frame: Frame) -> Finding:
 
 
 def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
-    """How much depth is missing, and where: at the border, inside, or in a grid of sampling holes.
+    """Report how much depth is missing, and in which part: at the border, inside, or in a grid of sampling holes.
 
-    filled: the same with its small gaps in-painted: a grid of holes would join all gaps to those at the border.
+    filled: depth with its small gaps in-painted. A grid of holes would otherwise join all gaps to those at the border.
     """
     missing = missing_mask(depth)
     share = float(missing.mean())
@@ -94,9 +94,9 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
 
 
 def check_unit(frame: Frame, filled: DepthMap) -> Finding:
-    """Whether depth can be in metres, by its distance, its stored unit and its noise.
+    """Check that depth can be in metres, by its distance, its stored unit and its noise.
 
-    filled: the same with its small gaps in-painted, so that the noise is measured between sampling holes too.
+    filled: depth with its small gaps in-painted, so that the noise is measured between sampling holes too.
     """
     depth = frame.depth
     median = float(np.median(depth[depth > 0]))
@@ -158,14 +158,15 @@ def sees_close(frame: Frame) -> bool:
 def stored_unit_m(depth: DepthMap) -> float:
     """The largest unit that all depths are whole multiples of, looked for from 0.1 mm upwards.
 
-    Times ten, millimetres come in steps of 10 mm, which no camera stores. Floating-point depth has no unit: 0.1 mm.
+    Millimetres multiplied by ten come in steps of 10 mm, which no camera stores. Floating-point depth has no unit
+    and gives 0.1 mm.
     """
     ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
     return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M
 
 
 def noise_per_m(filled: DepthMap) -> float | None:
-    """Depth noise by squared distance (1/m) on the smoother surfaces; None where no surface is whole.
+    """Return depth noise by squared distance (1/m) on the smoother surfaces. None if no surface is whole.
 
     It is about constant for a sensor, and depth times ten has a tenth of it.
     """

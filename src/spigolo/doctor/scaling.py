@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 Map = npt.NDArray[np.float32]
 Pair = tuple[Map, Map]
-"""Of upright things (compared along x) and of level ones (along y)."""
+"""Maps of upright edges (compared along x) and of level ones (compared along y)."""
 
 WIDTH_PX = 320
 """Width of the images that are compared."""
@@ -22,8 +22,7 @@ SEARCH_PX = 20
 TRIED = np.exp(np.arange(np.log(0.86), np.log(1.9), 0.04))
 """Scales that are tried: ratios of the colour camera's focal length to that of the depth camera."""
 MIN_SCORE, MAX_UNSCALED = 0.1, 0.82
-"""How much a scale must stand out: from no contrast, and from the best shift without scale, whose score is at most this
-share of it."""
+"""Minimum score of a scale, and maximum ratio of the best score without scale to it."""
 MIN_EVIDENCE, UNSCALED_COSTS = 2.45, 4.0
 """Minimum of the peak, less that share times UNSCALED_COSTS: the closer no scale is, the clearer the peak must be."""
 SAME = 0.07
@@ -34,8 +33,8 @@ SAME = 0.07
 class ScaleFit:
     """The best scale of depth contours about the image centre, and the shift after it in px of the image.
 
-    score: mean gradient under the contours. unscaled: the same of the best shift without scale. peak: by how many
-    standard deviations the score lies above the mean of all scales and shifts.
+    score: mean gradient under the contours. unscaled: the same for the best shift without scale. peak: distance of the
+    score from the mean of all scales and shifts, in standard deviations.
     """
 
     scale: float
@@ -47,7 +46,7 @@ class ScaleFit:
 
     @property
     def is_clear(self) -> bool:
-        """Whether the scale fits far better than none, and better than chance."""
+        """True if the scale fits far better than none, and better than chance."""
         share = self.unscaled / max(self.score, MIN_SCORE)
         evident = self.peak - UNSCALED_COSTS * share >= MIN_EVIDENCE
         return self.score >= MIN_SCORE and share < MAX_UNSCALED and evident

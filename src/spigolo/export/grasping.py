@@ -15,7 +15,7 @@ from spigolo.objects.segmentation import Segmentation
 def contact_graspnet(result: Segmentation, path: PathLike) -> None:
     """Write the .npz file that Contact-GraspNet reads.
 
-    Keys: `depth` (H, W) float32 in metres, 0 where missing; `K` (3, 3) float64; `rgb` (H, W, 3) uint8; `segmap` (H, W)
+    Keys: `depth` (H, W) float32 in metres, 0 where missing. `K` (3, 3) float64. `rgb` (H, W, 3) uint8. `segmap` (H, W)
     int32, 0 = background. Raises CameraError for a frame without intrinsics.
     """
     camera = result.frame.camera

@@ -23,7 +23,7 @@ ALONE = ""
 def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
     """Return the arrays of a .npz file by their names, or that of a .npy file. Raises FileError.
 
-    what: what a message calls them.
+    what: name of the arrays in messages.
     """
     try:
         stored = np.load(path, allow_pickle=False)

@@ -1,4 +1,4 @@
-"""Pinhole cameras: well-known ones, guessed ones, scaled ones; `intrinsics` has the other forms they come in.
+"""Pinhole cameras: well-known, guessed and scaled ones. `intrinsics` reads the other forms.
 
 Pixel centres have whole coordinates: an image of width W reaches from -0.5 to W - 0.5.
 """
@@ -18,7 +18,7 @@ from spigolo.errors import CameraError
 from spigolo.frames.nominal import NOMINAL
 
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
-"""How many coefficients OpenCV knows: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
+"""Numbers of coefficients that OpenCV knows: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
 LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
 """Smallest focal length, and largest one and offset of the principal point: beyond, points would leave float32."""
 MAX_SKEW = 1e-3
@@ -94,9 +94,9 @@ class Camera:
     def from_fov(
         cls, width: int, height: int, *, horizontal_deg: float | None = None, vertical_deg: float | None = None
     ) -> Camera:
-        """A camera of its field of view in degrees, principal point in the middle; square pixels if one is given.
+        """Return the camera with a field of view in degrees and its principal point in the middle.
 
-        Raises CameraError.
+        Pixels are square if one angle is given. Raises CameraError.
         """
         given = [angle for angle in (horizontal_deg, vertical_deg) if angle is not None]
         if not given or not all(0 < angle < 180 for angle in given):
@@ -111,12 +111,12 @@ class Camera:
 
     @classmethod
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
-        """The nominal colour intrinsics of a well-known camera whose depth is registered to colour, or a guess.
+        """Return the nominal colour intrinsics of a well-known camera whose depth is registered to colour, or a guess.
 
-        Nominal: every single camera differs by a per cent or two. Good for a first look; calibrate for 3-D.
-        A guess is a horizontal field of view such as "60deg" (`from_fov`).
-        width, height: size of the images, by default the camera's own, 640x480 for a guess; another one is scaled to,
-        with its aspect ratio. Raises CameraError, which lists the names.
+        Nominal: every single camera differs by a per cent or two. Good for a first look. Calibrate for 3-D. A guess is
+        a horizontal field of view such as "60deg" (`from_fov`). width, height: size of the images, by default the
+        camera's own, and 640x480 for a guess. Another size of the same aspect ratio is scaled to. Raises CameraError,
+        which lists the names.
         """
         if angle := FIELD_OF_VIEW.fullmatch(name.strip().lower()):
             return cls.from_fov(width or 640, height or 480, horizontal_deg=float(angle[1]))
@@ -137,7 +137,7 @@ class Camera:
         )
 
     def scaled(self, width: int, height: int) -> Camera:
-        """The camera of the whole image after it is resized to width x height; no crop."""
+        """Return the camera of the whole image after it is resized to width x height, without a crop."""
         x, y = width / self.width, height / self.height
         cx, cy = (self.cx + 0.5) * x - 0.5, (self.cy + 0.5) * y - 0.5
         return Camera(self.fx * x, self.fy * y, cx, cy, width, height, self.distortion)
@@ -147,7 +147,7 @@ class Camera:
         return replace(self, distortion=())
 
     def undistort(self, image: npt.NDArray[Any], *, nearest: bool = False) -> npt.NDArray[Any]:
-        """An image (H, W) or (H, W, C) as the same camera without distortion sees it; 0 where this one saw nothing.
+        """Return an image (H, W) or (H, W, C) without distortion, 0 at pixels that the camera did not see.
 
         Bilinear, or `nearest` for depth and labels, which must not mix.
         """
@@ -189,7 +189,7 @@ def _too_wide(camera: Camera) -> str:
 
 
 def is_number(value: object) -> bool:
-    """Whether it is a number, of Python's or NumPy's, or an array of one alone; truth values are none."""
+    """Return True for a number of Python or NumPy, or an array of one number. Truth values are not numbers."""
     if isinstance(value, np.ndarray):
         return value.ndim == 0 and value.dtype.kind in "uif"
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
@@ -227,11 +227,11 @@ def _whole_number(name: str, value: Any) -> int:
 
 
 def shortened(value: Any) -> str:
-    """What a message shows of a value."""
+    """Return a value as short text for a message."""
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def kernel_numbers(camera: Camera | None) -> tuple[float, float, float, float]:
-    """(fx, fy, cx, cy) as kernels take them; numbers without meaning where there is no camera."""
+    """Return (fx, fy, cx, cy) as kernels take them. Without a camera, the numbers have no meaning."""
     return (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)

@@ -51,11 +51,12 @@ def read_camera(
     """Return the camera of a file, and its depth_scale in metres per unit, or None without one.
 
     JSON: ours (fx, fy, cx, cy, width, height, depth_scale), RealSense's (ppx, ppy, coeffs), Open3D's
-    (intrinsic_matrix), a matrix K or camera_matrix, BOP's cam_K and scene_camera.json. YAML: ROS's CameraInfo as
-    `ros2 topic echo` prints it, the files of camera_calibration, of OpenCV and of kalibr. Text: a 3x3 or 4x4 matrix,
-    four numbers, COLMAP's cameras.txt. Arrays: .npy, .npz and .mat with a matrix. `camera_from_mapping` lists the
-    fields.
+    (intrinsic_matrix), a matrix K or camera_matrix, BOP's cam_K and scene_camera.json. YAML: ROS's CameraInfo as `ros2
+    topic echo` prints it, the files of camera_calibration, of OpenCV and of kalibr. Text: a 3x3 or 4x4 matrix, four
+    numbers, COLMAP's cameras.txt. Arrays: .npy, .npz and .mat with a matrix. `camera_from_mapping` lists the fields.
+
     BOP's depth_scale is millimetres per unit, Open3D's units per metre.
+
     width, height: size of the images, for files that do not say it. image: name of the colour image, for files with the
     cameras of many images. Raises FileError or CameraError.
     """
@@ -222,4 +223,4 @@ READERS: Mapping[str, Callable[[PathLike], Any]] = {
     ".npz": _npy,
     ".mat": _mat,
 }
-"""How files with another form than JSON are read."""
+"""Readers of camera files that are not JSON, by suffix."""

@@ -27,7 +27,7 @@ SHARED = ("depth_scale", "factor_depth", "width", "height")
 
 
 def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the fields of the one camera in `values`. Raises CameraError where several cameras differ."""
+    """Return the fields of the one camera in `values`. Raises CameraError if several cameras differ."""
     values = _without_prefix(values)
     if is_camera(values):
         return values

@@ -55,11 +55,11 @@ def read_frame(
 ) -> Frame:
     """Return the frame of a colour image, a 16-bit depth PNG (or an array) and a camera.
 
-    camera: a camera file (`read_camera`), or any form that `as_camera` takes, None where the intrinsics are not known.
-    A string is a file if there is one of that name or it ends as camera files do, and else a camera's name.
-    depth_scale: metres per stored unit, 0.001 for millimetres. If None, that of the camera file or mapping for
-    integers, and 1 for floating-point depth. One .npz file may be colour, depth and camera.
-    name: name of the frame, by default that of the colour file. Raises FileError, CameraError or FrameError.
+    camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
+    string is a file if a file of that name exists or it ends as camera files do. Otherwise it is a camera's name.
+    depth_scale: metres per stored unit, 0.001 for millimetres. If None, integers take that of the camera file or
+    mapping, and floating-point depth takes 1. One .npz file may be colour, depth and camera. name: name of the frame,
+    by default that of the colour file. Raises FileError, CameraError or FrameError.
     """
     try:
         stored = read_depth(depth, max_pixels)
@@ -120,7 +120,7 @@ def _names_file(text: str) -> bool:
 
 
 def write_png(path: PathLike, image: Image) -> None:
-    """Writes an image as PNG: (H, W, 3) uint8 RGB, or (H, W) of 8 or 16 bits."""
+    """Write an image as PNG: (H, W, 3) uint8 RGB, or (H, W) of 8 or 16 bits."""
     bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if image.ndim == 3 else image
     done, data = cv2.imencode(".png", bgr)
     if not done:
@@ -129,12 +129,12 @@ def write_png(path: PathLike, image: Image) -> None:
 
 
 def write_json(path: PathLike, values: Any) -> None:
-    """Writes JSON, indented."""
+    """Write JSON, indented."""
     write_bytes(path, (json.dumps(values, indent=1, allow_nan=False) + "\n").encode())
 
 
 def append_lines(path: Path) -> BinaryIO:
-    """A file of lines, open to append, its folder made; a last line without its end is what a crash left, and is cut.
+    """Open a file of lines to append, and make its folder. A last line without its end is left from a crash and is cut.
 
     Raises FileError.
     """
@@ -149,7 +149,7 @@ def append_lines(path: Path) -> BinaryIO:
 
 
 def write_bytes(path: PathLike, data: bytes) -> None:
-    """Writes a file at once: beside its place first, then renamed, so that nobody ever sees half of it."""
+    """Write a file completely or not at all: a temporary file is renamed."""
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,7 @@
-"""Frame: what goes in, checked and owned here, once.
+"""The input of the method: a frame, checked and copied once.
 
 Camera axes: X right, Y down, Z forward. Image points are (y, x), rows first. Colour is RGB. Depth is the Z coordinate
-in metres, 0 where it is missing.
+in metres, 0 if it is missing.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ Mask = npt.NDArray[np.bool_]
 class Frame:
     """One colour image with its registered depth. A frame owns contiguous copies of both.
 
-    color: (H, W, 3) uint8 RGB. depth: (H, W), floating-point metres, or integers with `depth_scale` metres per unit,
-    which may be a field of a camera's mapping. 0, NaN, infinite, negative and masked depth is missing, and so are the
-    largest value of an integer type and what lies beyond the reach of cameras (50 m). camera: any form
-    that `as_camera` takes, or None without intrinsics. Images of a camera with distortion are undistorted here, once.
-    Raises FrameError where they do not fit together or have more than `max_pixels`, and CameraError for an impossible
+    color: (H, W, 3) uint8 RGB. depth: (H, W), floating-point metres, or integers with `depth_scale` metres per unit.
+    `depth_scale` may be a field of a camera's mapping. 0, NaN, infinite, negative and masked depth is missing. The
+    largest value of an integer type and depth beyond the reach of cameras (50 m) are missing too. camera: any form that
+    `as_camera` takes, or None without intrinsics. Images of a camera with distortion are undistorted here, once. Raises
+    FrameError if the images do not fit together or have more than `max_pixels`. Raises CameraError for an impossible
     camera.
     """
 
@@ -55,7 +55,7 @@ class Frame:
     out_of_reach: OutOfReach | None = field(init=False, default=None)
     """Stored values that no camera measured and that count as missing. None without such values."""
     undistorted: bool = field(init=False, default=False)
-    """Whether the images were undistorted: results fit `color`, not the image given."""
+    """True if the images were undistorted. Results then fit `color`, not the image given."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class Frame:
         *,
         max_pixels: int = MAX_PIXELS,
     ) -> None:
-        pixels, stored = np.asarray(color), np.asarray(np.ma.filled(depth, 0))  # what a mask hides is missing
+        pixels, stored = np.asarray(color), np.asarray(np.ma.filled(depth, 0))  # masked values are missing
         _check_color(pixels, max_pixels)
         if depth_scale is None and stored.dtype.kind in "ui":
             depth_scale = _own_scale(camera)
@@ -118,9 +118,9 @@ def depth_in_metres(
 ) -> tuple[DepthMap, int, OutOfReach | None]:
     """Return depth as spigolo computes with it, how many pixels were negative, and which were out of reach.
 
-    Depth comes as a copy (H, W) in metres, 0 = missing. Missing is what is no number, infinite or nearer than
-    NEAREST_M, the largest value of an integer type, and what lies beyond the reach of cameras.
-    depth (H, W): floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
+    Depth comes as a copy (H, W) in metres, 0 = missing. Missing are NaN, infinite values, values nearer than NEAREST_M,
+    the largest value of an integer type, and depth beyond the reach of cameras. depth (H, W): floating-point metres, or
+    integers with depth_scale metres per unit. Raises FrameError.
     """
     _check_depth(depth, depth_scale)
     with np.errstate(over="ignore"):  # beyond float32 is infinite, and that is missing

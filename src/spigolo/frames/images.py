@@ -85,7 +85,7 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXELS) -> None:
-    """Raise FrameError where the colour file holds depth, now that the depth file proved to be a picture."""
+    """Raise FrameError if the colour file holds depth, now that the depth file proved to be a picture."""
     is_array = Path(color).suffix.lower() in ARRAYS
     stored = read_depth(color) if is_array else decode(color, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2 and stored.dtype != np.uint8:
@@ -132,9 +132,7 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pi
         told = " ".join(str(getattr(error, "err", "") or error).split())
         raise FileError(f"expected an image in {path}, but it cannot be read: {told}") from None
     if image is None:
-        raise FileError(
-            f"expected an image in {path}, but its {data.size} bytes are none that OpenCV reads{_advice(path)}"
-        )
+        raise FileError(f"expected an image in {path}, got {data.size} bytes that OpenCV cannot read{_advice(path)}")
     return image
 
 

@@ -51,15 +51,15 @@ FORMS = (
 )
 
 CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequence[float]] | Sequence[float] | Any
-"""What `as_camera` takes. None: the intrinsics are not known."""
+"""Any form that `as_camera` takes. None: the intrinsics are not known."""
 
 
 def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
     """Return the camera of images of width x height from any form. None stays None.
 
-    value: a Camera, kept as it is; K as (3, 3) or as nine numbers row by row; P as (3, 4); (fx, fy, cx, cy), also as
-    text; a name or a field of view that `Camera.named` knows; a mapping as in `camera_from_mapping`, or an object with
-    such attributes, as pyrealsense2, ROS and Open3D have. Raises CameraError.
+    value: a Camera, kept as it is. Or K as (3, 3) or as nine numbers row by row, P as (3, 4), or (fx, fy, cx, cy), also
+    as text. Or a name or a field of view that `Camera.named` knows. Or a mapping as in `camera_from_mapping`, or an
+    object with such attributes, as in pyrealsense2, ROS and Open3D. Raises CameraError.
     """
     if value is None or isinstance(value, Camera):
         return value
@@ -115,11 +115,11 @@ def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | N
 
 
 def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, height: int | None = None) -> Camera:
-    """Return a camera of the fields of a camera file, of width and height where it has none of its own.
+    """Return a camera from the fields of a camera file. width and height are used if it has none of its own.
 
-    Intrinsics: fx, fy, cx, cy (or ppx, ppy); or K, k, camera_matrix or cam_K, nine numbers row by row; or Open3D's
-    intrinsic_matrix, column by column; or kalibr's intrinsics, four numbers. Matrices may be 3x3 and may lie in a field
-    "data". Where K is empty, that of P is taken. Size: width, height or image_width, image_height, or resolution. The
+    Intrinsics: fx, fy, cx, cy (or ppx, ppy). Or K, k, camera_matrix or cam_K, nine numbers row by row. Or Open3D's
+    intrinsic_matrix, column by column. Or kalibr's intrinsics, four numbers. Matrices may be 3x3 and may lie in a field
+    "data". If K is empty, that of P is taken. Size: width, height or image_width, image_height, or resolution. The
     fields roi and binning_x of ROS make the size smaller. Distortion: distortion, distortion_coefficients, dist_coeffs,
     coeffs, D or d, or k1, k2, p1, p2, k3, of the model in distortion_model or model. Fields of the colour camera may
     lie in a field of its own. Raises CameraError.
@@ -140,7 +140,7 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
 
 def _through(window: Window, camera: Camera, width: int | None, height: int | None) -> Camera:
-    """Return the camera of a decimated or cropped image. Raises CameraError where the images have another size."""
+    """Return the camera of a decimated or cropped image. Raises CameraError if the images have another size."""
     seen = window.of(camera)
     if None not in (width, height) and (seen.width, seen.height) != (width, height):
         raise CameraError(

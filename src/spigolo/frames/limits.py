@@ -1,4 +1,4 @@
-"""How large an image may be."""
+"""Maximum sizes of images."""
 
 from __future__ import annotations
 

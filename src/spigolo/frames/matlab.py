@@ -60,7 +60,7 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
 
 
 def _array(content: bytes, order: str) -> tuple[str, npt.NDArray[Any]] | None:
-    """Return name and numbers of a variable, or None where it holds something else."""
+    """Return name and numbers of a variable, or None if it holds something else."""
     parts = list(_elements(content, order))
     (flags,) = struct.unpack_from(f"{order}I", parts[0][1])
     if flags & 0xFF not in NUMERIC:

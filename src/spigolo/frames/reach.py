@@ -9,12 +9,13 @@ import numpy as np
 import numpy.typing as npt
 
 REACH_M = 50.0
-"""No RGB-D camera measures farther. What lies beyond is missing, m."""
+"""Reach in metres that no RGB-D camera exceeds. Depth beyond it is missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
 """No camera measures what is nearer, and squares of depths beyond would leave float32."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
-"""If a smaller share lies within reach, or most of the depth lies beyond it and no value has this share of that, the
-unit is wrong. All of it is kept, so that the advice about the unit can be given."""
+"""Minimum share of depth within reach, and minimum share of one value among depth beyond it. If both are undercut, the
+unit is wrong. All depth is then kept, so that the advice about the unit can be given.
+"""
 LARGEST_UINT16 = 65535
 """Stands for missing in wider integer types too, as many files were copied from 16 bits."""
 
@@ -46,7 +47,7 @@ def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
 
 
 def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32]) -> OutOfReach | None:
-    """Set depth that no camera measured to 0 in `metres` (H, W), and return what it was. None where there is none.
+    """Set depth that no camera measured to 0 in `metres` (H, W), and return what it was. None if there is none.
 
     stored (H, W): the same as it was given.
     """

@@ -1,4 +1,4 @@
-"""Depth of a depth camera, moved into the image of the colour camera beside it."""
+"""Depth of a depth camera, moved into the image of the colour camera next to it."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ def register_depth(
     *,
     depth_scale: float | None = None,
 ) -> DepthMap:
-    """The depth that the colour camera would measure, (H, W) float32 metres of its size, 0 where it is not known.
+    """Return the depth that the colour camera would measure, (H, W) float32 metres of its size, 0 if it is not known.
 
     depth (h, w), the size of `depth_camera`: floating-point metres, or integers with `depth_scale` metres per unit.
     T_color_depth (4, 4), translation in metres: point in the colour camera's frame = T_color_depth @ the point in the
-    depth camera's frame.
-    Surfaces are moved, not points: a larger colour image has no holes in them. The nearest surface wins, nothing is
-    drawn across a depth step, and what the depth camera did not see stays 0. Depth of a camera with distortion is
-    undistorted first; the colour camera must have none. Raises FrameError or CameraError.
+    depth camera's frame. Surfaces are moved, not points, so a larger colour image has no holes in them. The nearest
+    surface wins. Nothing is drawn across a depth step. Surfaces that the depth camera did not see stay 0. Depth of a
+    camera with distortion is undistorted first. The colour camera must have no distortion. Raises FrameError or
+    CameraError.
     """
     for camera in (depth_camera, color_camera):
         if not isinstance(camera, Camera):

@@ -15,7 +15,7 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.registration import rigid_transform
 
 FARTHEST_M = 100.0
-"""A robot's base is nearer; a translation beyond is not in metres."""
+"""Maximum distance of a robot's base in metres. A longer translation is probably in millimetres."""
 LEAST_INSIDE = 0.5
 """A region belongs to the region of interest with at least this share of its pixels (our choice)."""
 

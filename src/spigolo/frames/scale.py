@@ -26,7 +26,7 @@ SIMILAR = (
 def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
     """Return depth_scale of the fields of a camera file in metres per unit, or None without one. Raises CameraError.
 
-    BOP counts millimetres per unit beside cam_K. Open3D counts units per metre beside intrinsic_matrix, as GraspNet's
+    BOP counts millimetres per unit next to cam_K. Open3D counts units per metre next to intrinsic_matrix, as GraspNet's
     factor_depth does, and ORB-SLAM's DepthMapFactor.
     """
     values = {**values, **own_fields(values)}

@@ -45,7 +45,7 @@ class Window:
 
 
 def window_of(values: Mapping[str, Any]) -> Window | None:
-    """Return the window of the fields roi, binning_x and binning_y, or None where they show the full image."""
+    """Return the window of the fields roi, binning_x and binning_y, or None if they show the full image."""
     roi = values.get("roi")
     names = ("x_offset", "y_offset", "width", "height")
     crop = [_whole(f"roi.{name}", _field(roi, name)) for name in names]

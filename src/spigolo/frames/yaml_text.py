@@ -19,7 +19,7 @@ NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)")
 
 
 def import_yaml(path: str | os.PathLike[str], extra: str = "yaml") -> Any:
-    """Return the module that reads a YAML file. Raises FileError where the extra that brings it is not installed."""
+    """Return the module that reads a YAML file. Raises FileError if the extra that brings it is not installed."""
     try:
         return importlib.import_module("yaml")
     except ImportError:

@@ -1,4 +1,4 @@
-"""What lies on both sides of the borders between regions, and how regions bulge."""
+"""Depth and boundary on both sides of the borders between regions, and the hollowness of regions."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def sample_border(labels, y, x, v, u, reach):
 
 @kernel
 def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
-    """Sums over the border between every two numbered regions, from samples `reach` pixels to both sides of it.
+    """Sum over the border between every two numbered regions, from samples `reach` pixels to both sides of it.
 
-    labels (H, W) int32; number (R,) int32: 0..S-1, or -1 for a region that is left out; depth, boundary (H, W).
+    labels (H, W) int32. number (R,) int32: 0..S-1, or -1 for a region that is left out. depth, boundary (H, W).
     sums (S, S, 6) float64, zero before, at [a, b]: pairs of 4-neighbours on the border, those with depth on both sides
     and between, |difference of depth| (m), how far b lies behind a (m), depth of the border behind the chord of both
     samples (m), larger boundary of each pair. Lengths are clipped. A pair counts only where both samples lie in the
@@ -72,11 +72,12 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
 
 @kernel
 def sum_hollows(labels, number, depth, fx, margin, sums):
-    """How deep each numbered region lies behind its chords along image rows: positive inside a bowl, negative on a can.
+    """Sum how deep each numbered region lies behind its chords along image rows: positive inside a bowl, negative on a
+    can.
 
     sums (S, 2) float64, zero before: depth of the middle of each row's run behind the chord between its ends (m), and
-    the length of the chord (m). Ends are taken `margin` pixels inside the run; runs shorter than 8 are left out, and
-    those that bulge more than a half-circle can: one of their points is of something else.
+    the length of the chord (m). Ends are taken `margin` pixels inside the run. Runs shorter than 8 are left out. Runs
+    that bulge more than a half-circle can are left out too, because one of their points belongs to something else.
     """
     height, width = labels.shape
     for y in range(height):
@@ -99,7 +100,7 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
 def collect_pairs(labels, boundary, pairs, strength):
     """Every pair of 4-neighbours in two regions: pairs (K,) int64 lower * 2^32 + higher, strength (K,) of the stronger.
 
-    labels (H, W) int32; boundary (H, W). Returns how many there are; with pairs too short only counts them.
+    labels (H, W) int32. boundary (H, W). Returns how many there are. With pairs too short only counts them.
     """
     height, width = labels.shape
     count = 0

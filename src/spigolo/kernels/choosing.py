@@ -1,7 +1,8 @@
-"""Which edges are sorted: all but those that can join nothing. docs/performance.md says why each kind may be left out.
+"""Choice of the edges that are sorted: all but those that can join nothing. docs/performance.md explains each kind.
 
-Three kinds are: edges inside one region; edges at a region that is final, told by its bound before they are collected
-and by its own lightest edge after; edges whose ends others connect before (detours).
+Three kinds can join nothing. Edges inside one region are the first. Edges at a final region are the second. They are
+recognised by the region's bound before they are collected, and by its own lightest edge after. Detours are the third:
+edges whose ends lighter edges connect.
 """
 
 from __future__ import annotations
@@ -14,16 +15,16 @@ from spigolo.kernels.merging import HALF_BITS, PLANE_BITS, bound_bits, ends, fin
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
 BLOCK = 4096
-"""Edges that are looked at together, so that what is known of them stays close to the processor; a multiple of 8."""
+"""Edges that are looked at together, so that what is known of them stays close to the processor. A multiple of 8."""
 
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
-    """Packs the edges with low <= weight < high between two regions of which `least` or more ends carry a flag.
+    """Pack the edges with low <= weight < high between two regions of which `least` or more ends carry a flag.
 
-    In the order of their numbers; without `detours` but for those that come last of one. weights (P, H W) float32;
-    width of a row; parent (H W,) every pixel's root; flags (H W,) uint8, 0 or 1; offsets (P,) int64; out (E,) with
-    room for one more than there are. Returns how many, or -1 where there is no room.
+    Edges keep their numeric order. Without `detours`, the last edge of each triangle or square is skipped. weights (P,
+    H W) float32. width of a row. parent (H W,): every pixel's root. flags (H W,) uint8, 0 or 1. offsets (P,) int64. out
+    (E,) with room for one more than there are. Returns the number of edges, or -1 without room.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)
@@ -43,7 +44,7 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
 
 @inlined
 def choose(weights, low, high, parent, flags, least, offset, first, last, chosen):
-    """Marks those of a block of edges, first..last - 1 of a plane, that may join something; chosen (BLOCK,) uint8."""
+    """Mark those of a block of edges, first..last - 1 of a plane, that may join something. chosen (BLOCK,) uint8."""
     begin = min(max(first, -offset), last)
     end = max(min(last, parent.size - max(0, offset)), begin)
     chosen[: begin - first] = 0
@@ -58,10 +59,10 @@ def choose(weights, low, high, parent, flags, least, offset, first, last, chosen
 
 @inlined
 def drop_detours(weights, plane, width, first, last, chosen):
-    """Takes back the edges that come last of a triangle of neighbours or, on a 4-connected grid, of a square.
+    """Take back the edges that come last of a triangle of neighbours or, on a 4-connected grid, of a square.
 
-    Of equal weights the higher edge number comes later: downwards after right, diagonals after both. Some at the image
-    border stay.
+    Among equal weights the higher edge number comes later: downwards after right, diagonals after both. Some edges at
+    the image border stay.
     """
     right, down, pixels = weights[0], weights[1], weights.shape[1]
     begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
@@ -84,7 +85,7 @@ def drop_detours(weights, plane, width, first, last, chosen):
 
 @inlined
 def drop_right(right, down, width, n, kept):
-    """In the square above, the one below. Arrays begin a row before the n edges; slices make vectors of it."""
+    """In the square above, the one below. Arrays begin a row before the n edges. Slices make vectors of it."""
     weight, above, below = right[width:], right, right[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
     for k in range(n):
@@ -145,7 +146,7 @@ def pack_edge(bits, plane, pixel):
 
 @inlined
 def pack(bits, plane, first, last, chosen, eights, count, out):
-    """Packs the chosen ones of a block of edges, first..last - 1 of a plane, behind the `count` that are there.
+    """Pack the chosen ones of a block of edges, first..last - 1 of a plane, behind the `count` that are there.
 
     Without a branch but to skip eight of which none is chosen: what is not chosen is overwritten.
     """
@@ -164,7 +165,7 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 
 @inlined
 def is_heavy(edge, offsets, parent, records):
-    """Whether an edge is heavier than the bound of the region at its first and at its second end, and both roots."""
+    """True if an edge is heavier than the bound of the region at its first and at its second end, and both roots."""
     here, there = ends(edge, offsets)
     a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), weight_bits(edge)
     return bits > bound_bits(records[a]), bits > bound_bits(records[b]), a, b
@@ -172,10 +173,10 @@ def is_heavy(edge, offsets, parent, records):
 
 @kernel
 def drop_final(edges, offsets, parent, records, useful):
-    """Keeps of packed edges (K,) those between regions that one of them can still merge; returns how many.
+    """Keep those packed edges (K,) between regions that one of them can still merge. Returns their number.
 
-    A region whose lightest edge is heavier than its bound is final. parent (H W,) every pixel's root; useful (H W,)
-    uint8 is scratch. Where few edges are heavy it does nothing, as too few would go.
+    A region whose lightest edge is heavier than its bound is final. parent (H W,): every pixel's root. useful (H W,)
+    uint8 is scratch. If few edges are heavy it does nothing, because few would be dropped.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):
@@ -200,7 +201,7 @@ def drop_final(edges, offsets, parent, records, useful):
 
 @kernel
 def flag_open(low_bits, parent, records, flags):
-    """Makes every pixel's root its parent; flags (H W,) the pixels of regions whose bound is at least `low_bits`."""
+    """Make every pixel's root its parent. flags (H W,) the pixels of regions whose bound is at least `low_bits`."""
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)
         parent[pixel] = np.uint32(root)
@@ -209,7 +210,7 @@ def flag_open(low_bits, parent, records, flags):
 
 @kernel
 def flag_small(min_size, parent, records, flags):
-    """Makes every pixel's root its parent; flags (H W,) the pixels of regions smaller than min_size."""
+    """Make every pixel's root its parent. flags (H W,) the pixels of regions smaller than min_size."""
     for pixel in range(np.uint64(parent.size)):
         root = find(parent, pixel)
         parent[pixel] = np.uint32(root)

@@ -17,7 +17,7 @@ SIN1, SIN3, SIN5, SIN7 = f32(1.0471975), f32(-0.19139575), f32(0.010489378), f32
 
 @inlined
 def hue_in_sector(r, g, b, value, chroma):
-    """Hue as t in [-1, 1], in units of 60 degrees from the nearest of red, green and blue; anything for grey."""
+    """Hue as t in [-1, 1], in units of 60 degrees from the nearest of red, green and blue. Anything for grey."""
     difference = g - b if value == r else (b - r if value == g else r - g)
     return difference / (chroma if chroma > TINY else TINY)
 
@@ -53,9 +53,9 @@ def hue_circle(r, g, b):
 
 @kernel
 def hsv_points(rgb, k_dv, k_ds, out):
-    """Maps each colour to a point whose distance to another one is their colour difference.
+    """Map each colour to a point whose distance to another one is their colour difference.
 
-    rgb (H, W, 3) float32 in 0..255;
+    rgb (H, W, 3) float32 in 0..255.
     out (3, H, W) float32 = (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2).
     By the law of cosines the Euclidean distance of two such points is eq. 4.
     """

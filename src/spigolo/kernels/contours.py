@@ -9,13 +9,15 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""What a first look in float32 leaves to the exact one: what comes so close to a limit, and rounding by the metre."""
+"""Margins of the first test in float32. Values closer to a limit are tested again exactly. The second is rounding per
+metre.
+"""
 MAY_STEP, MAY_CREASE = 1, 2
 
 
 @kernel
 def fill_shadows(depth, max_run, out):
-    """Gives each run of missing pixels in a row the farther depth of its two ends: a shadow lies on the background.
+    """Give each run of missing pixels in a row the farther depth of its two ends: a shadow lies on the background.
 
     Runs longer than max_run and those that reach the image border stay 0. depth and out (H, W) metres.
     """
@@ -39,19 +41,23 @@ def fill_shadows(depth, max_run, out):
 
 @inlined
 def bend(before, here, after):
-    """How much the depth bends at a pixel, in metres: a step bends by its height, a slanted plane hardly at all."""
+    """Return how much the depth bends at a pixel, in metres. A step bends by its height, a slanted plane hardly at
+    all.
+    """
     return abs(2.0 * here - before - after)
 
 
 @inlined
 def is_step(before, here, after, step_m, step_per_m):
-    """Whether the depth bends by max(step_m, step_per_m d^2) or more at a pixel of depth d."""
+    """True if the depth bends by max(step_m, step_per_m d^2) or more at a pixel of depth d."""
     return bend(before, here, after) >= max(step_m, step_per_m * here * here)
 
 
 @inlined
 def hollow(before, here, after):
-    """How far a pixel lies behind the chord between its samples, in metres: along a line in space 1 / Z is linear."""
+    """Return how far a pixel lies behind the chord between its samples, in metres. Along a line in space, 1 / Z is
+    linear.
+    """
     return here - f32(2.0) * before * after / (before + after)
 
 
@@ -59,8 +65,8 @@ def hollow(before, here, after):
 def least_hollow(camera, shape, crease_px, crease_high_deg):
     """No crease of crease_high_deg or less is hollow by less than this times its depth.
 
-    Its sides are at least crease_px d / f long, so its tip lies their length times cos(angle / 2) behind the chord;
-    along a slanted ray that is longer by the ray's length. Spares most pixels the angle.
+    Its sides are at least crease_px d / f long, so its tip lies their length times cos(angle / 2) behind the chord.
+    Along a slanted ray that is longer by the ray's length. Spares most pixels the angle.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -97,7 +103,7 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe
 
 @inlined
 def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
-    """Whether both sides of a pixel along (n_y, n_x) make a contact (eqs. 14-19)."""
+    """True if both sides of a pixel along (n_y, n_x) make a contact (eqs. 14-19)."""
     v, u = crease_px * n_y, crease_px * n_x
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 
@@ -117,12 +123,12 @@ def mark_contours(
     steps,
     creases,
 ):
-    """Marks depth steps and concave creases, looked for in the four directions of the grid.
+    """Mark depth steps and concave creases, looked for in the four directions of the grid.
 
-    A step bends by max(step_m, step_per_m d^2) or more over step_px; a crease is a contact by the signed angle of
+    A step bends by max(step_m, step_per_m d^2) or more over step_px. A crease is a contact by the signed angle of
     eqs. 14-19 over crease_px whose tip lies behind the chord by noise_per_m d^2 or more. Either is marked only where
-    the pixel or one of its two samples at step_px is valid in depth (H, W); samples come from filled, the same with its
-    shadows filled, in metres. camera (fx, fy, cx, cy); steps, creases (H, W) uint8, zero where nothing is written.
+    the pixel or one of its two samples at step_px is valid in depth (H, W). Samples come from filled, the same with its
+    shadows filled, in metres. camera (fx, fy, cx, cy). steps, creases (H, W) uint8, zero where nothing is written.
     """
     height, width = depth.shape
     margin = max(step_px, crease_px)

@@ -1,6 +1,6 @@
 """The weights of the graph: depth difference and both cost functions (eqs. 9, 22, 23), in float32.
 
-A plane holds the edges from each pixel to the neighbour at one offset (dy, dx), dx 0 or 1; edges that leave the image
+A plane holds the edges from each pixel to the neighbour at one offset (dy, dx), dx 0 or 1. Edges that leave the image
 are +inf. Each cue is taken along a whole row of edges before the next, so that the compiler makes vectors of all.
 """
 
@@ -18,9 +18,9 @@ ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 
 @inlined
 def depth_difference(a, b, scale, noise):
-    """Eq. 9. |difference| of two depths times `scale` (1 / range), clipped at 1; 0 where an end is missing.
+    """Eq. 9. |difference| of two depths times `scale` (1 / range), clipped at 1. It is 0 if an end is missing.
 
-    A difference within noise * d^2, d the nearer depth, counts as none; the paper has noise = 0.
+    A difference within noise * d^2, d the nearer depth, counts as none. The paper has noise = 0.
     """
     near = a if a < b else b
     beyond = abs(a - b) - noise * near * near
@@ -65,7 +65,9 @@ def depth_row(depth, y, v, dx, scale, noise, out):
 
 @inlined
 def cue_row(cue, y, v, dx, ends, out):
-    """A cue of single pixels on the edges of row y to row v: at the first end i as printed, or the larger of both."""
+    """Compute a cue of single pixels on the edges of row y to row v: at the first end i as printed, or the larger of
+    both.
+    """
     here, there = cue[y, : out.size], cue[v, dx:]
     if ends == ENDS_I:
         out[:] = here

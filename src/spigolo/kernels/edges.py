@@ -40,7 +40,7 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. rho: depth of the edge pixel less that of a sample beside it; 0 where either is missing."""
+    """Eq. 12. rho: depth of the edge pixel minus that of a sample next to it. It is 0 if either is missing."""
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
@@ -68,7 +68,7 @@ def difference(point, origin):
 
 @inlined
 def unit_vector(point, origin):
-    """Eqs. 15, 16. Direction from the edge point to a point beside it; zero where they coincide."""
+    """Eqs. 15, 16. Direction from the edge point to a point next to it. Zero where they coincide."""
     a, b, c = difference(point, origin)
     norm = np.sqrt(a * a + b * b + c * c)
     if norm == 0.0:
@@ -90,11 +90,12 @@ def cross(a, b):
 
 @inlined
 def along_edge(c, n_y, n_x, sign_rule):
-    """Eq. 19. What tells a valley from a ridge, in the cross product of both directions: below 0 on a ridge.
+    """Eq. 19. Return the sign that separates a valley from a ridge, from the cross product of both directions. Negative
+    on a ridge.
 
-    The three points lie in one plane with the camera, so only the sign of the cross product along the edge says
-    something: positive in a valley. The printed rule takes its x component, which is right for edges whose normal
-    points upwards and zero for upright ones (left to rounding, its sign would be noise).
+    The three points lie in one plane with the camera. So only the sign of the cross product along the edge has a
+    meaning: it is positive in a valley. The printed rule takes its x component. That is right for edges whose normal
+    points upwards and zero for upright edges (left to rounding, its sign would be noise).
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -119,7 +120,10 @@ def is_contact(angle_deg, low_deg, high_deg):
 
 @inlined
 def cosine_limits(low_deg, high_deg):
-    """Largest and smallest cosine of the angles between two thresholds; out of reach for one that no angle reaches."""
+    """Return the largest and smallest cosine of the angles between two thresholds.
+
+    A threshold that no angle reaches gives a cosine that no angle has.
+    """
     largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
     smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
     return largest, smallest
@@ -160,7 +164,7 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
                    high_deg, sign_rule, depth_boundary, contact):  # fmt: skip
     """Eqs. 12-19 on every edge pixel that is farther from the image border than its samples reach.
 
-    edges (H, W) uint8; gx, gy (H, W) int16; depth (H, W) metres; camera (fx, fy, cx, cy);
+    edges (H, W) uint8. Gx, gy (H, W) int16. depth (H, W) metres. camera (fx, fy, cx, cy).
     depth_boundary and contact (H, W) uint8, zero where nothing is written.
     """
     height, width = edges.shape

@@ -11,7 +11,7 @@ ZERO = np.float32(0.0)
 
 @inlined
 def squared_difference(a, b):
-    """Of one component; 0 where either end lacks it (NaN)."""
+    """Squared difference of one component. It is 0 if either end lacks it (NaN)."""
     difference = a - b
     square = difference * difference
     return square if square >= ZERO else ZERO
@@ -21,7 +21,7 @@ def squared_difference(a, b):
 def feature_plane(features, apart, dy, dx, out):
     """Eq. 1. Euclidean distance of the features of both ends of every edge of one plane, from pixels to (dy, dx).
 
-    features (C, H, W) float32, NaN = missing; apart: what the coordinates of both ends add to the square, the same for
+    features (C, H, W) float32, NaN = missing. apart: what the coordinates of both ends add to the square, the same for
     all edges of a plane. out (H, W) float32, +inf where an edge leaves the image.
     """
     components, height, width = features.shape

@@ -30,9 +30,9 @@ def around(depth, y, x):
 
 @kernel
 def close_holes(depth, holes, step_m, step_share, values):
-    """Gives each pixel of `holes` the mean of its valid 8-neighbours, the farthest where they span a step.
+    """Give each pixel of `holes` the mean of its valid 8-neighbours, the farthest where they span a step.
 
-    depth (H, W), changed in place; holes (N,) int64 numbers of missing pixels; values (N,) float32 is scratch. Pixels
+    depth (H, W), changed in place. Holes (N,) int64 numbers of missing pixels. values (N,) float32 is scratch. Pixels
     without a valid neighbour stay 0: a second pass closes holes that are two pixels wide.
     """
     width = depth.shape[1]
@@ -49,7 +49,7 @@ def close_holes(depth, holes, step_m, step_share, values):
 
 @kernel
 def find_runs(depth, runs):
-    """Lists the runs of missing pixels, runs (N, 3) int32 with room for all; returns how many there are."""
+    """List the runs of missing pixels, runs (N, 3) int32 with room for all. Returns how many there are."""
     height, width = depth.shape
     count = 0
     for y in range(height):
@@ -78,7 +78,7 @@ def root_of(parent, run):
 
 @kernel
 def join_runs(runs, parent, gaps):
-    """Numbers the 8-connected gaps 0.. in the order of their first runs: gaps (N,) int32 of each run; returns how many.
+    """Number the 8-connected gaps 0.. in the order of their first runs: gaps (N,) int32 of each run. Returns how many.
 
     parent (N,) int32 is scratch.
     """
@@ -109,7 +109,7 @@ def join_runs(runs, parent, gaps):
 def measure_gaps(depth, runs, gaps, area, near, far, on_border):
     """For each gap: its pixels, nearest and farthest valid depth of its rim, whether it touches the image border.
 
-    runs (N, 3), gaps (N,) as above; area (G,) int64, far (G,) float32 and on_border (G,) uint8 start as 0, near (G,)
+    runs (N, 3), gaps (N,) as above. area (G,) int64, far (G,) float32 and on_border (G,) uint8 start as 0, near (G,)
     float32 as +inf.
     """
     height, width = depth.shape
@@ -127,7 +127,7 @@ def measure_gaps(depth, runs, gaps, area, near, far, on_border):
 
 @kernel
 def widest(distance, runs, gaps, radius):
-    """Largest distance (H, W) to a valid pixel in each gap; radius (G,) float32 starts as 0."""
+    """Largest distance (H, W) to a valid pixel in each gap. radius (G,) float32 starts as 0."""
     for k in range(len(runs)):
         gap, (y, first, end) = gaps[k], runs[k]
         for x in range(first, end):

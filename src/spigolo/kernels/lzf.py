@@ -7,10 +7,10 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def unpack_lzf(packed, out):
-    """Unpacks into out (M,) uint8; whether packed (N,) uint8 fills it exactly.
+    """Unpack into out (M,) uint8. Returns True if packed (N,) uint8 fills it exactly.
 
-    A byte below 32 is followed by that many bytes and one more. Any other holds a length less 2 in its upper three
-    bits, 7 for 7 and the next byte, and with the byte after it how far back to copy from, less 1.
+    A byte below 32 is followed by that many bytes and one more. Any other byte holds a length minus 2 in its upper
+    three bits. 7 stands for 7 and the next byte. With the byte after it, it holds how far back to copy from, minus 1.
     """
     read, written = 0, 0
     while read < packed.size:

@@ -11,10 +11,10 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel, prefetch
 
 HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
-"""What parts the halves of an edge and of a record: the upper one is shifted down, of the lower one the rest is cut."""
+"""Shift and mask of the halves of an edge and of a record."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""How many edges ahead memory is asked for: first a pixel's parent, then the record of that parent."""
+"""Numbers of edges ahead for which memory is prefetched: first a pixel's parent, then the record of that parent."""
 
 
 @inlined
@@ -32,7 +32,7 @@ def weight_bits(edge):
 
 @inlined
 def find(parent, node):
-    """Root of a node's tree; the path behind is halved. For trees of which most nodes stand one step below the root."""
+    """Root of a node's tree. The path behind is halved. For trees of which most nodes stand one step below the root."""
     above = np.uint64(parent[node])
     root = np.uint64(parent[above])
     while above != root:
@@ -45,8 +45,10 @@ def find(parent, node):
 
 @inlined
 def find_deep(parent, node):
-    """Root of a node's tree, below which the node is hung. For trees that grow: three steps are taken unasked, as a
-    processor guesses wrongly where a path ends and loses more by that than by a step.
+    """Return the root of a node's tree and hang the node below it. For trees that grow.
+
+    Three steps are taken without a test. A processor guesses wrongly where a path ends, and loses more by that than by
+    a step.
     """
     root = np.uint64(parent[np.uint64(parent[np.uint64(parent[node])])])
     above = np.uint64(parent[root])
@@ -79,7 +81,7 @@ def bits_below(bound):
 
 @inlined
 def record(size, bound):
-    """What the root of a region keeps, in one word."""
+    """Pack the size and the merge bound of a region into the record of its root."""
     return (np.uint64(size) << np.uint64(HALF_BITS)) | np.uint64(bits_below(bound))
 
 
@@ -97,7 +99,7 @@ def bound_bits(node):
 
 @inlined
 def unite(parent, records, a, b, bound):
-    """Joins two roots, the smaller below the larger."""
+    """Join two roots, the smaller below the larger."""
     size_a, size_b = size_of(records[a]), size_of(records[b])
     if size_a < size_b:
         a, b = b, a
@@ -107,7 +109,7 @@ def unite(parent, records, a, b, bound):
 
 @inlined
 def ask_ahead(edges, k, offsets, parent, records):
-    """Asks for what the edges after the k-th will need."""
+    """Ask for what the edges after the k-th will need."""
     here, there = ends(edges[k + NODES_AHEAD], offsets)
     prefetch(parent, here)
     prefetch(parent, there)
@@ -118,10 +120,10 @@ def ask_ahead(edges, k, offsets, parent, records):
 
 @kernel
 def plant(weights, width, gamma, parent, records, flags):
-    """Makes regions, which may still merge, of the pixels that straight edges of weight 0 connect.
+    """Make regions, which may still merge, of the pixels that straight edges of weight 0 connect.
 
-    No such edge is ever refused (eq. 3), so that their order is free. weights (P, H W) float32; parent (H W,) uint32,
-    each pixel's root; records (H W,) uint64; flags (H W,) uint8.
+    No such edge is ever refused (eq. 3), so that their order is free. weights (P, H W) float32. parent (H W,) uint32,
+    each pixel's root. records (H W,) uint64. flags (H W,) uint8.
     """
     right, down = weights[0], weights[1]
     for pixel in range(np.uint64(parent.size)):
@@ -142,14 +144,14 @@ def plant(weights, width, gamma, parent, records, flags):
 
 @inlined
 def hang_below_first(parent, a, b):
-    """Joins two roots to the one that comes first in the image."""
+    """Join two roots to the one that comes first in the image."""
     if a != b:
         parent[max(a, b)] = np.uint32(min(a, b))
 
 
 @kernel
 def merge(edges, offsets, gamma, stop, parent, records):
-    """Eqs. 2, 3. Merges regions over sorted packed edges (K,); if it shall `stop`, up to the first that it refuses.
+    """Eqs. 2, 3. Merge regions over sorted packed edges (K,). If it shall `stop`, up to the first that it refuses.
 
     Returns how many edges are done.
     offsets (P,) uint64 from a pixel to its neighbour, modulo 2^64. I(R) of eq. 2 is the weight of the last merge: the
@@ -173,7 +175,7 @@ def merge(edges, offsets, gamma, stop, parent, records):
 
 @kernel
 def absorb_small(edges, offsets, min_size, parent, records):
-    """Joins regions smaller than min_size to the neighbour over their lightest edge; sorted edges as in `merge`."""
+    """Join regions smaller than min_size to the neighbour over their lightest edge. Sorted edges as in `merge`."""
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:
             ask_ahead(edges, k, offsets, parent, records)
@@ -185,7 +187,7 @@ def absorb_small(edges, offsets, min_size, parent, records):
 
 @kernel
 def number_regions(parent, number, labels):
-    """Labels 0..R-1 in the order of each region's first pixel. number (H W,) uint32 is scratch; returns R."""
+    """Labels 0..R-1 in the order of each region's first pixel. number (H W,) uint32 is scratch. Returns R."""
     number[:] = 0
     regions = np.uint32(0)
     for pixel in range(np.uint64(parent.size)):

@@ -18,7 +18,7 @@ def sum_squares(end):
 
 @kernel
 def spread(of_region, labels, out):
-    """Gives every pixel the number of its region: out (H, W) = of_region[labels], all int32."""
+    """Give every pixel the number of its region: out (H, W) = of_region[labels], all int32."""
     for y in range(labels.shape[0]):
         row, label = out[y], labels[y]
         for x in range(row.size):
@@ -27,7 +27,7 @@ def spread(of_region, labels, out):
 
 @inlined
 def add_run(sums, box, y, first, end):
-    """Adds columns first..end - 1 of row y to the moments (6,) and the box (4,) of their region, in closed form."""
+    """Add columns first..end - 1 of row y to the moments (6,) and the box (4,) of their region, in closed form."""
     n = float(end - first)
     sum_x = n * (first + end - 1.0) / 2.0
     sums[0] += n
@@ -43,8 +43,8 @@ def add_run(sums, box, y, first, end):
 def sum_regions(labels, sums, boxes):
     """Count and first and second moments of the pixel coordinates, and the box of every region.
 
-    labels (H, W) int32; sums (R, 6) float64 = n, sum y, sum x, sum yy, sum yx, sum xx, zero before;
-    boxes (R, 4) int32 = first row, first column, last row + 1, last column + 1. Run of equal labels by run.
+    labels (H, W) int32. sums (R, 6) float64 = n, sum y, sum x, sum yy, sum yx, sum xx, zero before.
+    Boxes (R, 4) int32 = first row, first column, last row + 1, last column + 1. Run of equal labels by run.
     """
     height, width = labels.shape
     boxes[:, 0], boxes[:, 1] = height, width
@@ -61,7 +61,7 @@ def sum_regions(labels, sums, boxes):
 
 @inlined
 def add_points(sums, y, n, sum_z, sum_xz, camera):
-    """Adds the n points of a run in row y to the sums (4,) of their region."""
+    """Add the n points of a run in row y to the sums (4,) of their region."""
     fx, fy, cx, cy = camera
     sums[0] += n
     sums[1] += (sum_xz - cx * sum_z) / fx
@@ -91,7 +91,7 @@ def sum_depth(labels, depth, camera, sums):
 
 @kernel
 def count_marked(labels, mask, counts):
-    """Pixels of every region where a mask (H, W) uint8 of 0 and 1 holds; counts (R,) int64, zero before."""
+    """Pixels of every region where a mask (H, W) uint8 of 0 and 1 holds. counts (R,) int64, zero before."""
     for y in range(labels.shape[0]):
         row, marks = labels[y], mask[y]
         region, marked = row[0], 0
@@ -115,10 +115,10 @@ def count_dark(labels, color, counts):
 
 @kernel
 def sum_contours(labels, boundary, sums):
-    """How many pairs of 4-neighbours each region's border has, and the sum of the boundary there.
+    """Count the pairs of 4-neighbours on each region's border, and sum the boundary there.
 
-    boundary (H, W) in [0, 1], the larger of both ends counts for both regions; sums (R, 2) float64 = pairs, sum.
-    The image border is no contour.
+    boundary (H, W) in [0, 1]: the larger of both ends counts for both regions. sums (R, 2) float64 = pairs, sum. The
+    image border is no contour.
     """
     height, width = labels.shape
     for y in range(height):

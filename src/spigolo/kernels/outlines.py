@@ -1,4 +1,4 @@
-"""How depth and height step across the outlines of regions, seen through shadows."""
+"""Steps of depth and height across the outlines of regions, seen through shadows."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ SUMS = 6
 
 @inlined
 def first_measured(depth, y, x, dy, dx, most):
-    """The first pixel with depth from (y, x) along (dy, dx), at most `most` pixels further; row -1 without one."""
+    """The first pixel with depth from (y, x) along (dy, dx), at most `most` pixels further. Row -1 without one."""
     height, width = depth.shape
     for _ in range(most + 1):
         if y < 0 or x < 0 or y >= height or x >= width:
@@ -23,7 +23,7 @@ def first_measured(depth, y, x, dy, dx, most):
 
 @inlined
 def is_inner(labels, y, x):
-    """Whether a pixel and its four neighbours are of one region, inside the image."""
+    """True if a pixel and its four neighbours are of one region, inside the image."""
     k = labels[y, x]
     if y == 0 or x == 0 or y + 1 == labels.shape[0] or x + 1 == labels.shape[1]:
         return False
@@ -42,15 +42,15 @@ def sum_outlines(
 ):
     """Steps of depth and of height across the outline of each region.
 
-    labels (H, W) int32; depth (H, W) float32 metres; height above the support is
+    labels (H, W) int32. depth (H, W) float32 metres. height above the support is
     (slope_x[x] + slope_y[y] + slope) * depth + offset. The inner sample lies `near` pixels inside the outline, or on
     it where the region is thinner or lacks depth there. The outer one is the first pixel with depth from `near` pixels
     outside on, at most `shadow` pixels further: a shadow lies on what is behind. The region's own slope is taken up to
     `deep` pixels inside.
 
-    sums (R, 6) float64, zero before: pairs of 4-neighbours across the outline; those with both samples; those where
-    the outside is farther, and nearer, by step_m + step_share * depth + slope; those where height steps by
-    max(ledge_m, ledge_per_m * depth^2); sides of pixels on the image border.
+    sums (R, 6) float64, zero before: pairs of 4-neighbours across the outline. Those with both samples. Those where
+    the outside is farther, and nearer, by step_m + step_share * depth + slope. Those where height steps by
+    max(ledge_m, ledge_per_m * depth^2). Sides of pixels on the image border.
     """
     height, width = labels.shape
     for y in range(height):

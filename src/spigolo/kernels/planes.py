@@ -11,9 +11,9 @@ MISSING, BELOW, ON, ABOVE = range(4)
 
 @kernel
 def count_near(points, planes, tolerance, counts):
-    """How many points lie within their tolerance of each plane; counts (P,) int64.
+    """Count the points that lie within their tolerance of each plane. counts (P,) int64.
 
-    points (3, N) and tolerance (N,) float32 metres; planes (P, 4) float32: unit normal and offset.
+    points (3, N) and tolerance (N,) float32 metres. planes (P, 4) float32: unit normal and offset.
     """
     xs, ys, zs = points
     for k in range(len(planes)):
@@ -37,7 +37,7 @@ def measure_heights(depth, slope_x, slope_y, slope, offset, out):
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
     """On which side of a plane every pixel lies: out (H, W) uint8 is MISSING, BELOW, ON or ABOVE.
 
-    Its height is (slope_x[x] + slope_y[y] + slope) * depth + offset, all float32 in metres; it lies on the plane within
+    Its height is (slope_x[x] + slope_y[y] + slope) * depth + offset, all float32 in metres. It lies on the plane within
     max(least, noise * depth^2).
     """
     for y in range(depth.shape[0]):
@@ -52,12 +52,12 @@ def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
 
 @kernel
 def sum_normals(labels, depth, wanted, camera, reach, sums):
-    """Sum of the surface normals of each region, and of the directions that they are seen from.
+    """Sum the surface normals of each region, and the directions that they are seen from.
 
-    labels (H, W) int32; depth (H, W) float32 metres; wanted (R,) uint8: other regions stay as they are; camera (4,)
+    labels (H, W) int32. depth (H, W) float32 metres. wanted (R,) uint8: other regions stay as they are. camera (4,)
     float64: fx, fy, cx, cy. Slopes are taken over `reach` pixels to both sides, within one region. sums (R, 7) float64,
-    zero before: pixels with a normal, the normals' X, Y, Z, the same of unit vectors along the lines of sight; normals
-    point away from the camera, as those do.
+    zero before: pixels with a normal, the normals' X, Y, Z, and the same of unit vectors along the lines of sight.
+    Normals point away from the camera, as lines of sight do.
     """
     fx, fy, cx, cy = camera
     for y in range(reach, labels.shape[0] - reach):

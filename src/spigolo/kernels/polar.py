@@ -9,7 +9,7 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def line_through(n, s, ss, d, sd):
-    """Intercept and slope of the line of least squares from its sums; a level one where all points coincide."""
+    """Intercept and slope of the line of least squares from its sums. A level one where all points coincide."""
     spread = n * ss - s * s
     if spread <= 1e-9 * n * n:
         return d / n, 0.0
@@ -19,12 +19,12 @@ def line_through(n, s, ss, d, sd):
 
 @kernel
 def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, out):
-    """Lines fitted to the disparity on both sides of every edge pixel, along its normal.
+    """Fit lines to the disparity on both sides of every edge pixel, along its normal.
 
-    edges (H, W) uint8; direction (H, W) uint8, row of normals (K, 2) float64, unit vectors (n_y, n_x). disparity
-    (H, W) float32, 0 where missing. Pixels within `radius` count, those nearer than `strip` to the edge line `weak`; a
-    side needs the weight `least`. out (H, W, 4) float32: disparity at the edge and its slope per pixel on the side
-    that the normal points to, then on the other one; 0 everywhere where a side knows too little.
+    edges (H, W) uint8. direction (H, W) uint8: row of normals (K, 2) float64, unit vectors (n_y, n_x). disparity (H, W)
+    float32, 0 if missing. Pixels within `radius` count, those nearer than `strip` to the edge line with the weight
+    `weak`. A side needs the weight `least`. out (H, W, 4) float32: disparity at the edge and its slope per pixel on the
+    side that the normal points to, then on the other one. It is 0 everywhere if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -61,7 +61,7 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
 def advance(total, across, low, high, reached, origin):
     """Cheapest way to each radius low..high-1 of the next ray from any radius of this one, and which it is from.
 
-    To go from radius k to k + 1, or back, costs across[k]; so two sweeps see all ways.
+    To go from radius k to k + 1, or back, costs across[k]. So two sweeps see all ways.
     """
     best, source = np.inf, low
     for k in range(low, high):
@@ -82,7 +82,7 @@ def advance(total, across, low, high, reached, origin):
 
 @inlined
 def go_around(radial, angular, low, high, total, reached, origin):
-    """Takes what radii of ray 0 cost (total) around all rays within low..high; reached: what it costs to be back."""
+    """Take what radii of ray 0 cost (total) around all rays within low..high. reached: what it costs to be back."""
     rays = radial.shape[0]
     for t in range(1, rays + 1):
         here, before = t % rays, t - 1
@@ -98,7 +98,7 @@ def closed_path(radial, angular, least, most, best):
 
     radial (T, R): cost to cross ray t between radii k - 1 and k. angular (T, R): cost to pass radius k between rays
     t and t + 1, the last and the first being neighbours. Both float32, not negative. best (T,) int32. Returns the cost.
-    Cheapest paths need not cross each other, so that one through a start leaves two smaller problems; starts that
+    Cheapest paths need not cross each other, so that one through a start leaves two smaller problems. Starts that
     cannot be reached for less than the best path, even from anywhere, are left out.
     """
     rays, radii = radial.shape

@@ -2,7 +2,7 @@
 
 Every pixel has a spin, one of a few numbers. Neighbours of equal spin lower the energy by their interaction J, which is
 positive where they look alike and negative where they differ: E = -sum of J over all pairs of equal spin.
-Interactions lie in planes as the weights of a graph do (`spigolo.stages.graph`); pairs that leave the image have 0.
+Interactions lie in planes as the weights of a graph do (`spigolo.stages.graph`). Pairs that leave the image have 0.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ TO_UNIT = 1.0 / (1 << 32)
 
 @inlined
 def scatter_bits(value):
-    """Mixes 32 bits, kept in a uint64 so that no product overflows, until counters look random."""
+    """Mix 32 bits, kept in a uint64 so that no product overflows, until counters look random."""
     value = ((value ^ (value >> np.uint64(15))) * ODD_B) & LOW_BITS
     value = ((value ^ (value >> np.uint64(13))) * ODD_C) & LOW_BITS
     return value ^ (value >> np.uint64(16))
@@ -42,7 +42,7 @@ def color_interaction(distance, mean, repulsion):
 
 @inlined
 def is_step(z_here, z_there, step, step_per_m):
-    """Whether two depths lie farther apart than noise and a slanted plane explain; missing depth is no step."""
+    """True if two depths lie farther apart than noise and a slanted plane explain. Missing depth is no step."""
     near = min(z_here, z_there)
     return near > 0.0 and abs(z_here - z_there) > max(step, step_per_m * near * near)
 
@@ -51,7 +51,7 @@ def is_step(z_here, z_there, step, step_per_m):
 def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalty, dy, dx, out):
     """J of every pair of one plane.
 
-    distance (H, W) float32 of the colours of a pair, +inf where there is none; depth (H, W) metres, 0 = missing. mean,
+    distance (H, W) float32 of the colours of a pair, +inf where there is none. depth (H, W) metres, 0 = missing. mean,
     repulsion: as `color_interaction` has them. Depth that differs by more than step (m) and step_per_m (1/m) times its
     square repels by `penalty`. out (H, W) float32.
     """
@@ -67,7 +67,7 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
 
 @inlined
 def look_around(spins, planes, y, x, spin, force):
-    """Spins and interactions of the 8 neighbours of a pixel; -1 and 0 outside the image."""
+    """Read spins and interactions of the 8 neighbours of a pixel. They are -1 and 0 outside the image."""
     height, width = spins.shape
     k = 0
     for dy in range(-1, 2):
@@ -88,7 +88,7 @@ def look_around(spins, planes, y, x, spin, force):
 
 @inlined
 def energy(spin, force, of):
-    """What a pixel adds to the energy if its spin is `of`."""
+    """Return the energy that a pixel adds if its spin is `of`."""
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
         if spin[k] == of:
@@ -114,7 +114,7 @@ def sweep(spins, planes, values, temperature, seed, number):
 
     It takes it where that raises the energy by dE <= 0, else with probability exp(-dE / temperature). Pixels of a
     quarter, every second one of every second row, are no neighbours: their order does not matter.
-    spins (H, W) int32, changed; planes (4, H, W) float32; values: spins are 0..values-1; seed, number of the sweep:
+    spins (H, W) int32, changed. planes (4, H, W) float32. values: spins are 0..values-1. seed, number of the sweep:
     what is drawn depends on them. Returns how many spins changed.
     """
     height, width = spins.shape

@@ -41,7 +41,7 @@ EXP0, EXP1, EXP2, EXP3, EXP4, EXP5, EXP6 = (
 
 @inlined
 def log2_1p(x):
-    """log2(1 + x) for float32 x in [0, 1]; 0 for 0."""
+    """Return log2(1 + x) for float32 x in [0, 1]. 0 gives 0."""
     for_x = (((((((LOG8 * x + LOG7) * x + LOG6) * x + LOG5) * x + LOG4) * x + LOG3) * x + LOG2) * x + LOG1) * x + LOG0
     return for_x * x
 
@@ -66,7 +66,7 @@ def exp2(y):
 
 @inlined
 def power(x, exponent):
-    """x^exponent for float32 x in [0, 1] and exponent in [1, 2]; 0 for 0."""
+    """Return x^exponent for float32 x in [0, 1] and exponent in [1, 2]. 0 gives 0."""
     y = exponent * log2(x)
     value = exp2(y if y > LEAST_EXPONENT else LEAST_EXPONENT)
     return value if x > f32(0.0) else f32(0.0)

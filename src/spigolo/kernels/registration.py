@@ -9,9 +9,9 @@ from spigolo.kernels._jit import inlined, kernel
 NEAREST_M = 0.01
 """Surfaces nearer to the colour camera than this would fill its image."""
 FARTHEST_PX = 1e9
-"""What lies farther from the image than that is nothing measured; a loop must not begin there."""
+"""Distance in pixels from the image beyond which a point is no measurement. A loop must not begin there."""
 ROUNDING = 1e-6
-"""How far beyond its edges a triangle still counts as covering a pixel centre, as a share of its height."""
+"""Margin beyond the edges of a triangle within which it covers a pixel centre, as a share of its height."""
 SMALLEST_PX2 = 1e-6
 """Twice the area of the smallest triangle that is drawn."""
 
@@ -35,7 +35,7 @@ def project(x, y, z, P):
 
 @inlined
 def one_surface(a, b, step_m, step_share):
-    """Whether two depths are valid and less than a step apart."""
+    """True if two depths are valid and less than a step apart."""
     return a > 0.0 and b > 0.0 and abs(a - b) <= max(step_m, step_share * min(a, b))
 
 
@@ -56,7 +56,7 @@ def triangle(a, b, c):
 
 @inlined
 def inverse_depth_at(x, y, t):
-    """1 / Z of a triangle at (x, y), 0 beside it."""
+    """1 / Z of a triangle at (x, y), 0 next to it."""
     a_x, a_y, a_w, b_x, b_y, b_w, c_x, c_y, c_w, scale = t
     share_b = ((x - a_x) * c_y - (y - a_y) * c_x) * scale
     share_c = (b_x * (y - a_y) - b_y * (x - a_x)) * scale
@@ -66,7 +66,7 @@ def inverse_depth_at(x, y, t):
 
 @inlined
 def draw_quad(a, b, c, d, out):
-    """Draws the triangles a b c and a c d into out (H, W) metres where nothing nearer is, unless a corner is too near.
+    """Draw the triangles a b c and a c d into out (H, W) metres where nothing nearer is, unless a corner is too near.
 
     The corners are projected points (u, v, 1 / Z).
     """
@@ -87,7 +87,7 @@ def draw_quad(a, b, c, d, out):
 
 @inlined
 def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
-    """Draws the quarter of pixel (y, x) towards its neighbours to_y rows and to_x columns away.
+    """Draw the quarter of pixel (y, x) towards its neighbours to_y rows and to_x columns away.
 
     It reaches half the way. At its corners lie the depths that it shares with those of the three neighbours which
     are on its surface, and its own where they are not.
@@ -117,7 +117,7 @@ def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
 
 @inlined
 def project_row(depth, y, P, points):
-    """Fills points (w, 3) with the projections of row y of depth; 0 where there is none."""
+    """Fill points (w, 3) with the projections of row y of depth. Missing depth gives 0."""
     for x in range(depth.shape[1]):
         z = np.float64(depth[y, x])
         if z > 0.0:
@@ -128,16 +128,16 @@ def project_row(depth, y, P, points):
 
 @kernel
 def splat_depth(depth, P, step_m, step_share, out):
-    """Draws the surfaces of a depth map into the image of another camera, the nearest one winning.
+    """Draw the surfaces of a depth map into the image of another camera, the nearest one winning.
 
-    Four neighbouring pixels on one surface make a quad between their projections. Of other four each valid one draws
-    the quarter of itself that lies between them, so that a surface ends half a pixel behind its last pixel and nothing
-    is drawn across a step of more than max(step_m, step_share Z).
-    depth (h, w) metres; P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1); out (H, W) metres, 0 before.
+    Four neighbouring pixels on one surface make a quad between their projections. Among four others, each valid one
+    draws the quarter of itself that lies between them, so that a surface ends half a pixel behind its last pixel and
+    nothing is drawn across a step of more than max(step_m, step_share Z).
+    depth (h, w) metres. P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, 0 before.
     """
     height, width = depth.shape
     above, here = np.zeros((width, 3)), np.zeros((width, 3))
-    for y in range(height + 1):  # of the cell whose lower right pixel is (y, x); the first and last ones reach outside
+    for y in range(height + 1):  # cells by their lower right pixel (y, x), the outer ones included
         above, here = here, above
         if y < height:
             project_row(depth, y, P, here)

@@ -15,7 +15,7 @@ def whole_quotient(dividend, inverse):
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Sums of a band of rows up to each column, from two rows of an integral image, repeated `pad` times outwards."""
+    """Sum of a band of rows up to each column, from two rows of an integral image, repeated `pad` times outwards."""
     columns = above.size
     strip[:pad] = 0
     inner = strip[pad : pad + columns]
@@ -43,11 +43,11 @@ def difference_row(gray, left, right, areas, inverses, out):
 
 @kernel
 def center_surround(gray, integral, surrounds, on, off):
-    """Sums over all surrounds how much brighter (on) and darker (off) each pixel is than its surround.
+    """Sum over all surrounds how much brighter (on) and darker (off) each pixel is than its surround.
 
-    gray (H, W) uint8; integral (H+1, W+1) int32 of gray; surrounds (S,): half-sizes n of 2n x 2n windows (rows
-    y-n+1..y+n, clipped), whose centre pixel does not count. Each difference is cut to a whole grey level; on and off
-    (H, W) int32.
+    gray (H, W) uint8. integral (H+1, W+1) int32 of gray. surrounds (S,): half-sizes n of 2n x 2n windows (rows
+    y-n+1..y+n, clipped). The centre pixel does not count. Each difference is cut to a whole grey level. on and off (H,
+    W) int32.
     """
     height, width = gray.shape
     pad = min(surrounds.max(), width)

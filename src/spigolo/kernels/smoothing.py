@@ -26,7 +26,7 @@ def mark_steps(depth, error_per_m, step_factor, out):
 
 @inlined
 def down_and_up(mask, cap, steps):
-    """Rows to the nearest zero of `mask` (H, W) in the same column, up to `cap`; steps (H, W) int16."""
+    """Rows to the nearest zero of `mask` (H, W) in the same column, up to `cap`. steps (H, W) int16."""
     height, width = mask.shape
     for y in range(height):
         row, before = steps[y], steps[max(y - 1, 0)]
@@ -42,7 +42,7 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    out (H, W) float32; steps (H, W) int16 is scratch. Exact: along columns first, then the least of
+    out (H, W) float32. steps (H, W) int16 is scratch. Exact: along columns first, then the least of
     (columns away)^2 + (rows away)^2 along each row, as far as the row's largest distance reaches.
     """
     height, width = mask.shape
@@ -99,7 +99,7 @@ def box_row(integral, y, x, r, n, out):
 
 @kernel
 def count_boxes(integral, radius, out):
-    """Eq. 7. How many pixels that I_B marks lie in the window of each pixel (gamma_0)."""
+    """Eq. 7. Count the pixels of I_B in the window of each pixel (gamma_0)."""
     height, width = radius.shape
     for y in range(height):
         for x in range(width):
@@ -108,7 +108,7 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eq. 8; eq. 5 where nothing is left out. Mean depth of each pixel's window, left-out pixels not counted.
+    """Eq. 8, or eq. 5 if nothing is left out. Mean depth of each pixel's window, without the left-out pixels.
 
     depth_integral float64 and left_out_integral int32 (H+1, W+1). A missing pixel stays missing: smoothing fills no
     shadow. Pixels are taken in runs of equal radius, so that the compiler makes vectors of them.

@@ -8,18 +8,18 @@ import numpy as np
 import numpy.typing as npt
 
 LARGEST_HEAP_BLOCK = 32 * 2**20 - 2**13
-"""The largest block whose release moves glibc's thresholds (mallopt(3), M_MMAP_THRESHOLD), its header aside."""
+"""Size of the largest block whose release raises glibc's thresholds, without its header. See mallopt(3)."""
 
 
 class Workspace:
-    """Named pieces of scratch memory. One per thread; no result ever lies in it."""
+    """Named pieces of scratch memory. One per thread. No result ever lies in it."""
 
     def __init__(self) -> None:
         keep_freed_memory()
         self._memory: dict[str, npt.NDArray[np.uint8]] = {}
 
     def array(self, name: str, size: int, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-        """An array (size,) with whatever values the last user left; the same memory as long as it is large enough.
+        """An array (size,) with whatever values the last user left. The same memory as long as it is large enough.
 
         Two arrays of one name, whatever their type, are the same memory.
         """
@@ -31,14 +31,14 @@ class Workspace:
 
     @property
     def size_bytes(self) -> int:
-        """What it holds at the moment."""
+        """Return the number of bytes that it holds at the moment."""
         return sum(memory.nbytes for memory in self._memory.values())
 
 
 def keep_freed_memory() -> None:
-    """Lets the C library keep what a frame frees for the next one, up to 64 MB.
+    """Let the C library keep the memory that a frame frees for the next one, up to 64 MB.
 
-    glibc gives freed memory back to the system above twice the size of the largest block freed so far, which costs a
-    frame up to a fifth of its time. This frees a large one that was never touched; elsewhere it does nothing.
+    glibc gives freed memory back to the system above twice the size of the largest block freed so far. That costs a
+    frame up to a fifth of its time. This frees a large block that was never touched. On other systems it does nothing.
     """
     np.empty(LARGEST_HEAP_BLOCK, np.uint8)

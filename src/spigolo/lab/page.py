@@ -66,7 +66,7 @@ def cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A picture beside the page, with its caption."""
+    """A picture next to the page, with its caption."""
 
     path: str
     caption: str
@@ -122,7 +122,7 @@ figcaption { color: var(--dim); font-size: .9em; margin-top: .3rem; }
 
 
 def to_html(page: Page) -> str:
-    """The page as one HTML file; pictures lie beside it."""
+    """The page as one HTML file. Pictures lie next to it."""
     title = escape(page.title)
     body = "\n".join(_html(block) for block in page.blocks)
     return (
@@ -133,12 +133,12 @@ def to_html(page: Page) -> str:
 
 
 def to_markdown(page: Page) -> str:
-    """The page as Markdown; pictures lie beside it."""
+    """The page as Markdown. Pictures lie next to it."""
     return "\n\n".join([f"# {page.title}", *(_markdown(block) for block in page.blocks)]) + "\n"
 
 
 def to_text(table: Table) -> str:
-    """The table for a terminal, columns aligned; what goes with a figure stands in parentheses."""
+    """The table for a terminal, columns aligned. Additions to a figure stand in parentheses."""
     cells = [list(table.head), *([_text_cell(cell) for cell in row] for row in table.rows)]
     widths = [max(len(row[k]) for row in cells) for k in range(len(table.head))]
     pads = [str.ljust if k < table.names else str.rjust for k in range(len(widths))]

@@ -1,12 +1,12 @@
-"""The methods that can be compared, ours one of them: a frame in, a segmentation out.
+"""Methods that can be compared, ours one of them. Each takes a frame and returns a segmentation.
 
     import spigolo as sp
 
     sp.METHODS["rao2010"](frame)  # with its own parameters
     sp.METHODS["rao2010"].replace(k=200)(frame)
 
-All answer with the same type, and their regions are judged by the same rules. `segment_around` is `mishra2009`, which
-needs a point and is no method for a whole frame.
+All return the same type, and their regions are judged by the same rules. `segment_around` is `mishra2009`, which
+segments around a given point instead of a whole frame.
 """
 
 from __future__ import annotations
@@ -42,4 +42,4 @@ __all__ = [
 METHODS: dict[str, Method] = {
     method.name: method for method in (Toscana2016(), Felzenszwalb2004(), Rao2010(), Abramov2012(), Mishra2012())
 }
-"""Every method by name, with its own parameters; `replace` gives it others."""
+"""Methods by name, with their own parameters. `replace` gives a method other parameters."""

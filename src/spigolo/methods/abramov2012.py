@@ -1,8 +1,8 @@
 """Abramov et al. 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
-Their abstract and the timings of their papers could be had; the form of the interactions, the penalty of a depth step
-and the joining of domains are as a public re-implementation tells them, all numbers are our choice. One frame at a
-time: their tracking of labels by optical flow saves sweeps and changes no single frame's equilibrium.
+Only their abstract and the timings of their papers were available. The interactions, the penalty of a depth step and
+the joining of domains follow a public re-implementation. All numbers are our choice. One frame at a time: their
+tracking of labels by optical flow saves sweeps and changes no single frame's equilibrium.
 """
 
 from __future__ import annotations
@@ -25,38 +25,44 @@ from spigolo.stages.graph import OFFSETS
 from spigolo.stages.regions import Regions
 
 LEAST_MEAN = 1e-6
-"""Where a whole frame has one colour, nothing is divided by zero."""
+"""Minimum mean difference, so that a frame of one colour is not divided by zero."""
 
 
 class AbramovConfig(MethodConfig):
     """Parameters of `abramov2012`. Colours are 0..255, interactions and temperatures are shares of the largest one."""
 
     shrink: Annotated[int, Field(ge=1, le=8)] = 2
-    """The model has one spin for this many rows and columns, labels are enlarged again. 2 makes 320x240 of 640x480, as
-    they have it; 1 takes four times as long."""
+    """Factor by which the model has fewer rows and columns than the frame. Labels are enlarged again. 2 makes 320x240
+    of 640x480, as in their paper. 1 takes four times as long.
+    """
     sigma_px: NotNegative = 0.0
     """Gaussian smoothing of colour in pixels of the model, on top of the mean that shrinking takes (our choice)."""
     alpha: Positive = 2.5
-    """Colours attract up to this many times the mean distance of neighbours, beyond that they repel (the public
-    re-implementation: 1 to 1.35, which leaves thousands of fragments; our choice)."""
+    """Attraction range of colours, in mean distances of neighbours. Colours that differ more repel (the public
+    re-implementation: 1 to 1.35, which leaves thousands of fragments, our choice).
+    """
     repulsion: NotNegative = 1.0
-    """Largest repulsion of two colours, so that a print does not outweigh all that attracts (our choice; theirs has no
-    limit)."""
+    """Maximum repulsion of two colours, so that a print does not outweigh all attraction (our choice, theirs has no
+    limit).
+    """
     step_m: Positive | None = 0.02
-    """Larger depth differences of neighbours repel whatever their colours; None leaves depth out, also of the start
-    (the public re-implementation: 0.3; our choice, for things on a table)."""
+    """Depth difference in metres above which neighbours repel, whatever their colours. None ignores depth, also at the
+    start (the public re-implementation: 0.3, our choice, for things on a table).
+    """
     step_per_m: NotNegative = 0.0083
-    """The same per squared distance, 1/m, so that noise and slanted planes make no step; the larger of both holds (our
-    choice)."""
+    """The same per squared distance, 1/m, so that noise and slanted planes make no step. The larger of both applies
+    (our choice).
+    """
     penalty: NotNegative = 20.0
-    """How strongly a depth step repels (the public re-implementation: 250; our choice, as one such pair should not end
-    the attraction of hundreds)."""
+    """Repulsion of a depth step (the public re-implementation: 250). It is lower here, because one such pair should not
+    end the attraction of hundreds (our choice).
+    """
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
     """Values of a spin (theirs)."""
     temperature: Positive = 1.0
     """Temperature of the first sweep (our choice)."""
     cooling: Annotated[float, Field(gt=0, le=1)] = 0.9
-    """What the temperature is multiplied by after each sweep (our choice)."""
+    """Factor on the temperature after each sweep (our choice)."""
     sweeps: Annotated[int, Field(ge=0, le=10_000)] = 60
     """Sweeps before domains are joined (our choice)."""
     last_sweeps: Annotated[int, Field(ge=0, le=10_000)] = 10
@@ -64,25 +70,28 @@ class AbramovConfig(MethodConfig):
     last_temperature: Positive = 0.05
     """at this temperature (our choice)."""
     piece_px2: Area_px2 = 20000.0
-    """Regions smaller than this are joined with each other, the most attractive first: prints fall into pieces, which
-    are more alike than the table around them (our addition; 0 leaves it out)."""
+    """Area below which regions are joined with each other, the most attractive first. Prints fall into pieces that are
+    more alike than the table around them (our addition, 0 leaves it out).
+    """
     piece_above: float = -2.0
     """Least mean interaction for that: below lies what depth steps part (our addition)."""
     min_size_px2: Area_px2 = 1500.0
     """Smaller regions are joined to the neighbour that attracts them most (our choice)."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 7
-    """What is drawn at random depends on it: the same seed gives the same labels."""
+    """Seed of all random draws. The same seed gives the same labels."""
 
 
 @dataclass(frozen=True)
 class Abramov2012(Baseline[AbramovConfig]):
-    """Spins cooled by Metropolis sweeps; their domains joined across borders that attract."""
+    """Spins cooled by Metropolis sweeps. Their domains are joined across borders that attract."""
 
     name = "abramov2012"
     config: AbramovConfig = field(default_factory=AbramovConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Regions of the model, enlarged to the frame; their borders are as strong as the interactions repel."""
+        """Return the regions of the model, enlarged to the frame. Border strength is the repulsion of the
+        interactions.
+        """
         height, width = frame.shape
         size = max(width // self.config.shrink, 1), max(height // self.config.shrink, 1)
         color = np.asarray(cv2.resize(frame.color, size, interpolation=cv2.INTER_AREA), np.uint8)
@@ -141,5 +150,7 @@ def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
 
 
 def _repulsion(planes: Planes) -> npt.NDArray[np.float32]:
-    """How a pixel differs from its right and lower neighbour: 0 alike, 1/2 neither attracted nor repelled, up to 1."""
+    """Return how a pixel differs from its right and lower neighbour: 0 alike, 1/2 neither attracted nor repelled, up to
+    1.
+    """
     return np.asarray(np.clip((1 - np.minimum(planes[0], planes[1])) / 2, 0, 1), np.float32)

@@ -1,4 +1,4 @@
-"""What the methods that ours is compared with have in common: parameters, and how their regions become an answer."""
+"""Shared parts of the methods that ours is compared with: parameters, and the way from regions to an answer."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ C = TypeVar("C", bound="MethodConfig")
 class MethodConfig(Parameters):
     """The parameters of a method.
 
-    Lengths and areas in pixels are those of a 640x480 image; areas (`_px2`) scale with the number of pixels.
+    Lengths and areas in pixels are those of a 640x480 image. Areas (`_px2`) scale with the number of pixels.
     """
 
     rejection: Rejection = OBJECTS_2.rejection
@@ -42,7 +42,7 @@ class MethodConfig(Parameters):
 
 
 class Division(NamedTuple):
-    """What a method makes of a frame: regions, and how strong the borders are, (H, W) float32 in [0, 1]."""
+    """A frame as divided by a method: regions, and the strength of borders, (H, W) float32 in [0, 1]."""
 
     regions: Regions
     contour: npt.NDArray[np.float32]
@@ -50,7 +50,7 @@ class Division(NamedTuple):
 
 @dataclass(frozen=True)
 class Baseline(Configured[C], ABC):
-    """A method that divides a frame into regions; which of them are objects is decided by the rules for all methods."""
+    """A method that divides a frame into regions. The rules for all methods decide which of them are objects."""
 
     name: ClassVar[str]
     preset: ClassVar[str] = ""

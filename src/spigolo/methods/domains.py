@@ -1,6 +1,6 @@
-"""Domains of equal spin, and how neighbouring ones are joined by what acts across their borders.
+"""Domains of equal spin, and the joining of neighbouring ones by the interactions across their borders.
 
-A lattice is (H, W); interactions are its planes (4, H, W), one for each of `graph.OFFSETS`. B = borders.
+A lattice is (H, W). Interactions are its planes (4, H, W), one for each of `graph.OFFSETS`. B = borders.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def connected_areas(spins: Spins) -> Regions:
 
 
 class Borders(NamedTuple):
-    """Where two domains touch; every border twice, once from either side.
+    """Borders between two domains. Every border is listed twice, once from either side.
 
     domain (2, B): numbers of this domain and of the other one. area (2, B): their pixels. mean (B,): the interaction of
     the pairs across the border.
@@ -43,10 +43,10 @@ class Borders(NamedTuple):
 
 
 def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders], Mask]) -> Regions:
-    """Joins neighbouring domains by their interactions (4, H, W) until none may join another one.
+    """Join neighbouring domains by their interactions (4, H, W) until none may join another one.
 
-    In rounds: every domain joins the neighbour with the largest mean interaction among those that it may join, from its
-    side; then means are taken anew.
+    Works in rounds. Every domain joins the neighbour with the largest mean interaction among those that it may join,
+    from its side. Then means are computed anew.
     """
     while True:
         borders = find_borders(domains, planes)
@@ -94,7 +94,7 @@ def _join_best(count: int, domain: Counts, mean: npt.NDArray[np.float64]) -> Cou
 
 
 def pair_ends(shape: tuple[int, ...], offset: tuple[int, int]) -> Ends:
-    """Where the first and the second pixels of all pairs of an offset lie."""
+    """Return the places of the first and the second pixels of all pairs of an offset."""
     (height, width), (dy, dx) = shape, offset
     rows = slice(max(0, -dy), max(height - max(0, dy), 0)), slice(max(0, dy), max(height + min(0, dy), 0))
     return (rows[0], slice(0, max(width - dx, 0))), (rows[1], slice(dx, width))

@@ -16,19 +16,19 @@ Features = npt.NDArray[np.float32]
 
 
 def color_features(image: Color, sigma_px: float) -> Features:
-    """R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`; 0 smooths nothing."""
+    """Return R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`. 0 smooths nothing."""
     return np.ascontiguousarray(smooth(image.astype(np.float32), sigma_px).transpose(2, 0, 1))
 
 
 def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
-    """Depth (H, W) in levels of a colour channel, NaN where it is missing, smoothed as colour is, over valid pixels."""
+    """Depth (H, W) in levels of a colour channel, NaN if it is missing, smoothed as colour is, over valid pixels."""
     valid = (depth > 0).astype(np.float32)
     mean = smooth(depth, sigma_px) / np.maximum(smooth(valid, sigma_px), np.float32(1e-6))
     return np.where(valid > 0, mean * np.float32(levels_per_m), np.float32(np.nan))
 
 
 def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.float32]:
-    """An image (H, W) or (H, W, C) under a Gaussian that reaches 4 sigma; what lies outside repeats the border."""
+    """Smooth an image (H, W) or (H, W, C) by a Gaussian that reaches 4 sigma. The border is repeated outside."""
     if sigma_px == 0:
         return image
     size = 2 * math.ceil(4 * sigma_px) + 1

@@ -21,13 +21,15 @@ class FelzenszwalbConfig(MethodConfig):
     """Parameters of `felzenszwalb2004`. Colours are 0..255."""
 
     sigma_px: NotNegative = 0.8
-    """Gaussian smoothing of each channel (their paper, section 5); 0 smooths nothing."""
+    """Gaussian smoothing of each channel (their paper, section 5). 0 smooths nothing."""
     k: NotNegative = 800.0
-    """Larger k, larger regions: gamma of eq. 3, colour difference times pixels (their paper: 150 to 500; ours is the
-    best of a few for whole objects on real frames)."""
+    """Threshold gamma of eq. 3, colour difference times pixels. A larger k makes larger regions (their paper: 150 to
+    500; ours is the best of a few for whole objects on real frames).
+    """
     k_xy: NotNegative = 0.0
-    """Weight of a pixel's coordinates in eq. 1. Printed there among the features, which is 1; the cited method has none
-    on a grid, where they would add the same to all edges of a direction (our reading)."""
+    """Weight of a pixel's coordinates in eq. 1. Printed there among the features, which is 1. The cited method has none
+    on a grid, because they would add the same to all edges of a direction (our reading).
+    """
     connectivity: Literal[4, 8] = 8
     """Neighbours of a pixel (their paper)."""
     min_size_px2: Area_px2 = 1500.0

@@ -1,11 +1,11 @@
 """Mishra et al. 2009, *Active Segmentation With Fixation*: the object around a given point.
 
-The boundary map is seen from the point in polar coordinates, where the border of a small object is as long as that of a
-large one, and the inside is cut from the outside at least cost.
+The boundary map is seen from the point in polar coordinates. There, the border of a small object is as long as that of
+a large one. The inside is cut from the outside at the lowest cost.
 
-Costs are as their paper and released code have them. Our reading: the contour crosses each ray once, so that it is
-star-shaped; the least cut of this kind is a shortest closed path and found exactly, by dynamic programming, where a
-general minimum cut may fold back. The polar map is read from a widened boundary map; they splat edge by edge.
+Costs are as in their paper and released code. Our reading: the contour crosses each ray once, so it is star-shaped. The
+cheapest cut of this kind is a shortest closed path, and dynamic programming finds it exactly. A general minimum cut may
+fold back. The polar map is read from a widened boundary map. Their code splats edge by edge.
 """
 
 from __future__ import annotations
@@ -44,10 +44,11 @@ class FixationConfig(BoundaryConfig):
     weakest: Share = 5 / 255
     """Less is no edge (their released code)."""
     gap_cost: NotNegative = 50.0
-    """What a ray without an edge costs (their released code)."""
+    """Cost of a ray without an edge (their released code)."""
     sharpness: NotNegative = 5.0
-    """An edge of probability p costs exp(-sharpness p) (2009, as a public re-implementation has it; their released
-    code: 20)."""
+    """Sharpness of the cost of an edge: an edge of probability p costs exp(-sharpness p) (2009, as a public
+    re-implementation has it; their released code: 20).
+    """
 
 
 def segment_around(frame: Frame, point: tuple[float, float], config: FixationConfig | None = None) -> ObjectMask:
@@ -62,7 +63,7 @@ def segment_around(frame: Frame, point: tuple[float, float], config: FixationCon
 
 @dataclass(frozen=True)
 class _Around(Baseline[FixationConfig]):
-    """What lies around a point, and the rest."""
+    """The object around a point, and the rest of the frame."""
 
     name = "mishra2009"
     point: tuple[int, int]
@@ -103,7 +104,7 @@ def contour_around(edges: Floats, point: tuple[int, int], config: FixationConfig
 
 
 def _cost(a: Floats, b: Floats, config: FixationConfig) -> Floats:
-    """What it costs to part neighbours with these edge values."""
+    """Return the cost of separating neighbours with these edge values."""
     edge = np.float32(0.5) * (a + b)
     cost = np.exp(np.float32(-config.sharpness) * edge)
     cost[edge < config.weakest] = config.gap_cost

@@ -1,10 +1,11 @@
 """Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: points inside objects, and the objects around them.
 
-At a depth border the nearer side is the owner, so that it points into an object. What `mishra2009` finds around such a
-point is a simple object if borders that it owns, or contact boundaries, enclose it.
+At a depth border the nearer side is the owner, so it points into an object. The region that `mishra2009` finds around
+such a point is a simple object if borders that it owns, or contact boundaries, enclose it.
 
-Of the text only an outline could be had: how points are chosen and objects accepted is our reading, all numbers are
-our choice. They know the camera's pose, which tells contact with the table; here contact is a valley of the depth.
+Only an outline of the text was available. The choice of points and the acceptance of objects are our reading, and all
+numbers are our choice. Their method knows the camera's pose, which shows contact with the table. Here, contact is a
+valley of the depth.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 HARDLY = 0.5
 """Half of what is asked of a contour is enough to look again."""
 BESIDE_PX = 3.0
-"""How far a contour may lie from the edge that it is said to follow."""
+"""Maximum distance in pixels between a contour and the edge that it follows."""
 VOTES_PX = 9
 """Votes are counted in a square of this width."""
 
@@ -37,17 +38,17 @@ class SimpleConfig(FixationConfig):
     min_length_px: Annotated[int, Field(ge=1, le=10_000)] = 20
     """Shorter fragments of strong edges point at nothing."""
     shift_px: Positive = 18.0
-    """How far from a border, on the side that owns it, fixation points lie."""
+    """Distance of fixation points from a border, on the side that owns it."""
     max_fixations: Annotated[int, Field(ge=0, le=10_000)] = 40
     """The most points that are tried."""
     min_votes: NotNegative = 8.0
-    """Points that fewer border pixels point at are not tried; a straight border by itself gives 9."""
+    """Minimum number of border pixels that point at a fixation point. A straight border by itself gives 9."""
     refixate: bool = True
     """Look again from the innermost point of what was found."""
     min_strong: Share = 0.5
     """Least share of the contour that is strong and owned by the inside, or a contact boundary."""
     max_iou: Share = 0.5
-    """Of two objects that share more than this of their union the better founded one stays."""
+    """Maximum IoU of two objects. Among two that overlap more, the one with more evidence stays."""
     min_area_px2: Area_px2 = 500.0
     """Smaller ones are none."""
     max_area: Share = 0.2
@@ -63,13 +64,15 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Mishra2012(Baseline[SimpleConfig]):
-    """Objects around points that borders of depth point at; what they leave is one region."""
+    """Objects around the points that depth borders point at. The rest of the frame is one region."""
 
     name = "mishra2012"
     config: SimpleConfig = field(default_factory=SimpleConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """The rest of the frame and every simple object; where two overlap the better founded one has the pixels."""
+        """Return the rest of the frame and every simple object. If two overlap, the one with more evidence gets the
+        pixels.
+        """
         config = self.config.at_size(frame.shape)
         boundary = find_boundary(frame.color, frame.depth, frame.camera, config)
         found = find_simple(boundary, config)
@@ -102,9 +105,9 @@ def _look_around(boundary: Boundary, config: SimpleConfig) -> Iterator[Found]:
 
 
 def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
-    """How many border pixels point at each pixel (H, W): the point `shift_px` from them on the owner's side.
+    """Count the border pixels that point at each pixel (H, W): the point `shift_px` from them on the owner's side.
 
-    Borders without an owner count only where there are no others, on both sides.
+    Borders without an owner count only if there are no others. They point to both sides.
     """
     owned = boundary.side != 0
     strong = (boundary.strong & owned if owned.any() else boundary.strong).view(np.uint8)
@@ -123,7 +126,7 @@ def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
 
 
 class Judge:
-    """What lies around a point, and how much of its contour speaks for it."""
+    """Judge of points: finds the region around a point, and the share of its contour that supports it."""
 
     def __init__(self, boundary: Boundary, config: SimpleConfig) -> None:
         self.boundary, self.config = boundary, config
@@ -136,7 +139,9 @@ class Judge:
         self.number[self.nearest[self.y, self.x]] = np.arange(self.y.size)
 
     def __call__(self, edges: Floats, point: tuple[int, int]) -> Found | None:
-        """What is found around a pixel (y, x); None where its area is out of bounds or hardly a border is its own."""
+        """Return the region around a pixel (y, x). None if its area is out of bounds or it owns hardly any of its
+        border.
+        """
         config, shape = self.config, edges.shape
         contour = contour_around(edges, point, config)
         mask = inside(contour, (shape[0], shape[1]))
@@ -147,7 +152,9 @@ class Judge:
         return Found(mask, strong) if strong >= HARDLY * config.min_strong else None
 
     def share(self, contour: Points, point: tuple[int, int]) -> float:
-        """Share of a contour with a strong edge beside it that its inside owns, or nobody; each point by its length."""
+        """Return the share of a contour that has a strong edge next to it, owned by its inside or by nobody. Points
+        count by their length.
+        """
         height, width = self.distance.shape
         y, x = np.rint(contour).astype(int).T
         y, x = y.clip(0, height - 1), x.clip(0, width - 1)

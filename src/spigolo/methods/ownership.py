@@ -1,8 +1,9 @@
-"""How probably an edge is the border of an object, and which side of it owns it, for the methods of Mishra et al.
+"""Probability that an edge is the border of an object, and the side that owns it, for the methods of Mishra et al.
 
-Their probability is a logistic function of the difference of mean disparities of two half-discs. Here a line is fitted
-to each half-disc and compared at the edge (our reading): the texture of a slanted table then shows no step, and where
-both lines form a valley there is a contact boundary, which they speak of and do not define in what could be had.
+Their probability is a logistic function of the difference of mean disparities of two half-discs. Here, a line is fitted
+to each half-disc and compared at the edge (our reading). So the texture of a slanted table shows no step. If both lines
+form a valley there is a contact boundary. Their texts name contact boundaries, but the available parts do not define
+them.
 """
 
 from __future__ import annotations
@@ -26,15 +27,17 @@ Floats = npt.NDArray[np.float32]
 
 ORIENTATIONS = 8
 NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) * (math.pi / ORIENTATIONS)])
-"""(n_y, n_x) of every orientation that an edge is rounded to; rows are counted downwards."""
+"""Normals (n_y, n_x) of the orientations that edges are rounded to. Rows are counted downwards."""
 NOMINAL_FOCAL = 0.9
 """Focal length as a share of the image width where the camera is not known."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels beside the edge line, whose depth is smeared (their released code)."""
+"""Weight of pixels next to the edge line, whose depth is smeared (their released code)."""
 LEAST_WEIGHT = 20.0
 """A half-disc with fewer measured pixels says nothing (our choice)."""
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
-"""Steps of a disparity as Canny sees it; answer of the Scharr mask to a slope of 1; Canny's thresholds."""
+"""Steps per pixel of disparity for Canny, the response of the Scharr mask to a slope of 1, and the ratio of Canny's
+thresholds.
+"""
 
 
 class BoundaryConfig(MethodConfig):
@@ -47,7 +50,7 @@ class BoundaryConfig(MethodConfig):
     depth: bool = True
     """False weighs edges by their colour contrast alone and knows no owner: what depth is worth."""
     baseline_m: Positive = 0.075
-    """Of the stereo pair that depth is expressed for, a Kinect's (our choice)."""
+    """Baseline of the stereo pair that depth is expressed for, a Kinect's (our choice)."""
     half_disc: Positive = 0.015
     """Radius of the half-discs as a share of the image diagonal (their released code)."""
     near_line: Share = 0.4
@@ -68,12 +71,12 @@ class BoundaryConfig(MethodConfig):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boundary:
-    """Edges and who owns them, all (H, W).
+    """Edges and their owners, all (H, W).
 
     value: float32 in [0, 1], the probability at edge pixels, else 0. strong: edges that are borders with a probability
-    above one half. normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: int8, 1 where the side
-    that the normal points to owns the edge because it is nearer, -1 where the other one does, 0 where neither is known
-    to: at contact boundaries, and without depth.
+    above one half. normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: int8. It is 1 if the side
+    that the normal points to owns the edge because it is nearer, and -1 if the other one does. It is 0 if no side is
+    known to own it: at contact boundaries, and without depth.
     """
 
     value: Floats
@@ -127,7 +130,7 @@ def _by_contrast(canny: Mask, gx: Gradient, gy: Gradient) -> Boundary:
 
 
 def _disparity(depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -> Floats:
-    """(H, W) px, 0 where missing; shadows show what lies behind them."""
+    """Return disparity (H, W) in pixels, 0 if missing. Shadows get the disparity of the background."""
     filled = np.empty_like(depth)
     contours.fill_shadows(depth, config.max_shadow_px, filled)
     focal = NOMINAL_FOCAL * depth.shape[1] if camera is None else camera.fx

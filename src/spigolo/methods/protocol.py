@@ -1,4 +1,4 @@
-"""What every method is: a frame in, a segmentation out."""
+"""The interface of a method: a frame in, a segmentation out."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from spigolo.objects.segmentation import Segmentation
 
 
 class Method(Protocol):
-    """A method with its parameters: picklable, as worker processes get a copy each.
+    """A method with its parameters. It can be pickled, because worker processes get a copy each.
 
-    name: of the method. preset: of its parameters, "" for those that have no name. digest: changes with any of their
+    name: of the method. preset: of its parameters, "" for those without a name. digest: changes with any of their
     values. parameters: the values, as JSON has them.
     """
 
@@ -26,7 +26,7 @@ class Method(Protocol):
     def parameters(self) -> Mapping[str, Any]: ...  # noqa: D102
 
     def replace(self, **changes: Any) -> Method:
-        """The same method with other parameters; raises ConfigError for one that it does not have."""
+        """Return the same method with other parameters. Raises ConfigError for a parameter that it does not have."""
 
     def __call__(self, frame: Frame) -> Segmentation:
-        """The objects of a frame; raises SpigoloError for one that it cannot work with."""
+        """Return the objects of a frame. Raises SpigoloError for a frame that the method cannot use."""

@@ -1,7 +1,8 @@
-"""Rao et al. 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth component beside R, G and B.
+"""Rao et al. 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth component next to R, G and B.
 
-The segmentation alone; theirs goes on to choose graspable segments with a trained classifier. Of the text only what the
-paper says of it could be had: the scale of depth, what is done where it is missing and all numbers are our reading.
+This is their segmentation alone. Their system then chooses graspable segments with a trained classifier. Only the
+paper's summary of their text was available. The scale of depth, the treatment of missing depth and all numbers are our
+reading.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ class RaoConfig(FelzenszwalbConfig):
     """Parameters of `rao2010`: those of `felzenszwalb2004` and the scale of depth."""
 
     levels_per_m: NotNegative = 1200.0
-    """What a metre of depth difference counts, in levels of a colour channel; 0 leaves depth out (found as k was)."""
+    """Weight of a metre of depth difference, in levels of a colour channel. 0 ignores depth (found in the same way as
+    k).
+    """
 
 
 @dataclass(frozen=True)

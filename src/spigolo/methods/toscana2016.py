@@ -16,7 +16,7 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, repr=False)
 class Toscana2016(Configured[Config]):
-    """Toscana & Rosa 2016 with one configuration; every thread keeps its buffers from frame to frame."""
+    """Toscana & Rosa 2016 with one configuration. Every thread keeps its buffers from frame to frame."""
 
     name: ClassVar[str] = "toscana2016"
     config: Config = OBJECTS

@@ -41,11 +41,11 @@ class OrientedBox:
 
 
 def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = None) -> OrientedBox | None:
-    """The box of the valid depth (H, W) under a mask (H, W); None where fewer than 10 pixels have any.
+    """Fit a box to the valid depth (H, W) under a mask (H, W). None if fewer than 10 pixels have depth.
 
-    up: (3,) unit vector that one of its axes follows, such as the normal of what the object stands on. Without one it
-    is the direction in which the surface varies least, which is tilted where the camera sees top and sides at once.
-    It covers the visible surface alone. Depth at a contour mixes object and background (flying pixels), so the rim of
+    up: (3,) unit vector that one of its axes follows, such as the normal of the support. Without one it is the
+    direction in which the surface varies least. That direction is tilted if the camera sees top and sides at once. The
+    box covers the visible surface alone. Depth at a contour mixes object and background (flying pixels). So the rim of
     the mask and the outermost points along each axis are left out.
     """
     core = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0

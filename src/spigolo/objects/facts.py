@@ -1,4 +1,4 @@
-"""What is known of every region, in the image and in space."""
+"""Facts about every region, in the image and in space."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ class RegionFacts:
         return {name: list(fact) if isinstance(fact, tuple) else fact for name, fact in facts.items()}
 
     def points_m(self) -> npt.NDArray[np.float32]:
-        """Its measured points (N, 3) in the camera's frame, in raster order; never in-painted depth.
+        """Return its measured points (N, 3) in the camera's frame, in raster order. In-painted depth is never used.
 
         Raises CameraError for a frame without intrinsics.
         """
@@ -122,7 +122,7 @@ class RegionFacts:
         return self.frame.camera.back_project(self.frame.depth, self.mask)
 
     def oriented_box(self) -> OrientedBox | None:
-        """The box around its measured surface, trimmed against flying pixels; it stands upright on the support.
+        """Return the box around its measured surface, trimmed against flying pixels. It stands upright on the support.
 
         None with fewer than 10 measured pixels, or without intrinsics.
         """
@@ -149,7 +149,8 @@ def measure_regions(
     """Measure the facts of every region, by number.
 
     depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` returns it. above: (H, W), measured pixels above
-    the support. inside: pixels (H, W) in the region of interest, and those that count. plane: the support.
+    the support. inside: two masks (H, W), the pixels in the region of interest and the pixels that count. plane: the
+    support.
     """
     points = _sum_points(regions, frame)
     measured = points[:, 0]
@@ -246,7 +247,7 @@ def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
 
 
 def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Mean of a cue (H, W) along the border of each region (R,); 0 for a region without neighbours."""
+    """Return the mean of a cue (H, W) along the border of each region (R,), 0 for a region without neighbours."""
     sums = np.zeros((regions.count, 2))
     moments.sum_contours(regions.labels, contour, sums)
     return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
@@ -264,7 +265,9 @@ def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.floa
 
 
 def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
-    """Measured pixels and sum of their X, Y, Z of each region (R, 4); without a camera only the count is right."""
+    """Return the number of measured pixels and the sum of their X, Y, Z for each region (R, 4). Without a camera only
+    the count is right.
+    """
     sums = np.zeros((regions.count, 4))
     moments.sum_depth(regions.labels, frame.depth, kernel_numbers(frame.camera), sums)
     return sums

@@ -60,8 +60,9 @@ class Support(Settings):
     contour: bool = True
     """Add the outline of all that stands above the plane to the boundary map."""
     stacked_share: Positive | None = None
-    """Minimum size of a plane above and parallel to the largest one, as a share of that one's pixels, to be taken
-    instead: the table rather than the floor. None takes the largest plane."""
+    """Minimum size of a plane above the largest one and parallel to it, as a share of the largest one's pixels. A plane
+    of that size is taken instead: the table rather than the floor. None takes the largest plane.
+    """
     facing: Facing | None = None
     """Skip planes on which nothing can stand: ceilings and side walls. None skips none."""
     min_things: Share | None = None
@@ -113,8 +114,9 @@ class DepthContours(Settings):
     """Minimum depth of a crease behind the chord of its sides, as a multiple of the frame's own depth noise. None:
     every crease counts, however short its sides are in metres."""
     holes_from: Share | None = None
-    """Minimum share of missing depth from which hole outlines and the image edges inside holes are contours too, so
-    that regions do not leak through holes. None: off."""
+    """Minimum share of missing depth from which hole outlines are contours too. The image edges inside holes then
+    become contours as well, so that regions do not leak through. None: off.
+    """
 
 
 class Merging(Settings):
@@ -211,8 +213,8 @@ class Joining(Settings):
 class Wall(Settings):
     """Rules against walls and rims of bins and shelves, which stand as tall as objects do.
 
-    An object stands free: along its own outline, depth steps back to what is behind. Where the other side is nearer by
-    a step, the outline belongs to the object in front and does not count.
+    An object stands free: along its own outline, depth steps back to what is behind. If the other side is nearer by a
+    step, the outline belongs to the object in front and does not count.
     """
 
     min_hides: Share = 0.15
@@ -274,40 +276,43 @@ class Rules(Settings):
 
 
 class Refinement(Settings):
-    """Outlines of objects, drawn again by colour where depth does not say where they lie.
+    """Outlines of objects, drawn again by colour if depth is missing or smeared.
 
     A band along the borders of objects is opened. A spanning forest over colour differences gives each open pixel to an
     object or to the background. It grows from the pixels outside the band.
     """
 
     ramp_factor: NotNegative = 5.0
-    """Width of the band for each pixel of ramp, the mean number of pixels between the near and the far depth of the
-    frame's depth steps. Wider ramps mean a coarser sensor: stereo smears steps, structured light hardly does."""
+    """Width of the band for each pixel of ramp. The ramp is the mean number of pixels between the near and the far
+    depth of the frame's depth steps. Wider ramps mean a coarser sensor: stereo smears steps, structured light hardly
+    does.
+    """
     min_width_px: Length_px = 2
     """Minimum width of the band on each side of a border, also without ramps."""
     max_width_px: Length_px = 10
     """Maximum width of the band on each side of a border."""
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
-    """Maximum width of the band where depth is missing: shadows and rims of objects."""
+    """Maximum width of the band at missing depth: shadows and rims of objects."""
     near_hole_px: Length_px = 1
     """Distance to missing depth up to which measured depth is not trusted either."""
     reach_px: Offset_px = 8
     """Length on each side of a border along which ramps are counted."""
     min_profiles: Annotated[int, Field(ge=1)] = 40
-    """Minimum number of depth steps to measure ramps from; with fewer the band has its minimum width."""
+    """Minimum number of depth steps to measure ramps from. With fewer, the band has its minimum width."""
     max_opened: Share = 0.6
     """Maximum share of the layers of a small object that is opened: its innermost pixels stay."""
     min_solidity: Share | None = 0.5
     """Minimum share of an object's convex hull that it fills for the background inside the hull to be opened."""
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Gaussian smoothing of the colour image before differences are taken; 0 smooths nothing."""
+    """Gaussian smoothing of the colour image before differences are taken. 0 smooths nothing."""
     step_m: Positive = 0.018
     """Depth difference between neighbours that counts as a full step."""
     step_per_m: NotNegative = 0.0083
-    """The same per squared distance, 1/m; the larger of both holds."""
+    """The same per squared distance, 1/m. The larger of both applies."""
     step_weight: NotNegative = 40.0
-    """Weight of a full depth step between measured pixels, in grey levels of colour difference; more keeps outlines on
-    sharp steps."""
+    """Weight of a full depth step between measured pixels, in grey levels of colour difference. A larger weight keeps
+    outlines on sharp steps.
+    """
 
 
 class Additions(Settings):
@@ -318,15 +323,15 @@ class Additions(Settings):
     packing: Packing | None = None
     """Warn if a layer of packed objects was taken for the support. Nothing is rejected."""
     contours: DepthContours | None = None
-    """Add depth steps and creases to the boundary map, where the cost reads it."""
+    """Add depth steps and creases to the boundary map, if the cost function reads it."""
     merging: Merging | None = None
-    """Merge regions over their whole common border, where the cost reads the boundary map."""
+    """Merge regions over their whole common border, if the cost function reads the boundary map."""
     joining: Joining | None = None
     """Join the parts of an object that the partition cut. Needs a support."""
     rules: Rules = Rules()
     """Reject more regions than the paper does."""
     refinement: Refinement | None = None
-    """Draw the outlines of objects again by colour where depth does not say where they lie."""
+    """Draw the outlines of objects again by colour if depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0
     """Depth difference per squared distance, 1/m, up to which eq. 9 counts none. Depth comes in steps, whose borders
     would otherwise stay in a large region of equal depths."""

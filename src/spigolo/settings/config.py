@@ -28,7 +28,7 @@ class Config(Parameters):
     """All parameters of the method. Frozen: `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. `replace` keeps it; `digest` distinguishes the values."""
+    """Name of the preset. `replace` keeps it, so `digest` distinguishes the values."""
     depth: DepthConfig = DepthConfig()
     """Preparation and comparison of depth (eqs. 5-9)."""
     color: ColorConfig = ColorConfig()
@@ -53,7 +53,7 @@ class Config(Parameters):
         return self
 
     def at_size(self, shape: tuple[int, int], lengths: bool = False) -> Config:
-        """Return a copy for images (H, W). Lengths grow where the additions say so (`Settings.at_size`)."""
+        """Return a copy for images (H, W). Lengths grow if `additions.lengths_grow` is set (`Settings.at_size`)."""
         return super().at_size(shape, lengths or (self.additions is not None and self.additions.lengths_grow))
 
     def to_toml(self, base: str | None = None) -> str:
@@ -100,7 +100,7 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _written(stage: Settings) -> dict[str, Any]:
-    """Return the values by name, without None where it is the default, else as the word "none": TOML has no null."""
+    """Return the values by name, without None if it is the default, else as the word "none": TOML has no null."""
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():
         value = getattr(stage, name)

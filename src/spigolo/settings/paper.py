@@ -1,8 +1,8 @@
 """The numbers of the paper, one frozen model for each stage. `settings.additions` has the numbers of our additions.
 
 Each field states its unit, its range and the origin of its value. "Paper": printed in Toscana & Rosa 2016. "Authors'
-release": a fact about the code that they published. "Our choice": the paper is silent, see docs/paper.md.
-Lengths and areas in pixels are those of a 640x480 image. Areas grow with the image; lengths grow with it only where
+release": a fact about the code that they published. "Our choice": the paper is silent, see docs/paper.md. Lengths and
+areas in pixels are those of a 640x480 image. Areas grow with the image. Lengths grow with it only if
 `Additions.lengths_grow` is set, except those of in-painting, which always grow.
 """
 
@@ -116,8 +116,9 @@ class EdgesConfig(Settings):
     contact_high_deg: Angle_deg = 154.0
     """Largest contact angle t_theta_H, degrees (authors' release)."""
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
-    """Sign of the contact angle: `tangent` takes the cross product along the edge and holds for every direction, `x`
-    its x component as printed in eq. 19, which is zero for upright edges, `none` keeps internal boundaries."""
+    """Sign of the contact angle. `tangent` takes the cross product along the edge and is right for every direction. `x`
+    takes its x component as printed in eq. 19, which is zero for upright edges. `none` keeps internal boundaries.
+    """
     boundary: Literal["soft", "thin"] = "soft"
     """Boundary map: `soft` blurs E_F and rescales it to 1, which closes its gaps (authors' release), `thin` is
     eq. 20."""
@@ -212,7 +213,7 @@ class Rejection(Settings):
     max_eccentricity: Share | None = None
     """Maximum eccentricity sqrt(1 - lambda2 / lambda1). Larger values keep longer regions (authors' release: 0.978)."""
     max_missing: Share | None = None
-    """Maximum share of pixels without depth, after in-painting where that is on (paper: 0.3, without in-painting)."""
+    """Maximum share of pixels without depth, after in-painting if that is on (paper: 0.3, without in-painting)."""
     max_dark: Share | None = None
     """Share of pixels in the three darkest of 32 brightness bins, 0..23 of 255, that makes a region dark (paper:
     0.3)."""

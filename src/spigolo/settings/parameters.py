@@ -33,7 +33,7 @@ class Grows:
     always: bool = False
 
     def times(self, length: float, factor: float) -> float:
-        """Return the length in an image `factor` times larger; whole numbers stay whole and are 0 or at least 1."""
+        """Return the length in an image `factor` times larger. Whole numbers stay whole, and are 0 or at least 1."""
         if isinstance(length, float):
             return length * factor
         if length == 0:
@@ -74,7 +74,7 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
-        """Read the word "none" as None where a field may be None: preset files and flags have no other word for it."""
+        """Read the word "none" as None if a field may be None: preset files and flags have no other word for it."""
         if not isinstance(values, Mapping):
             return values
         optional = {name for name, field in cls.model_fields.items() if type(None) in get_args(field.annotation)}
@@ -175,7 +175,7 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Yield the models that an annotation names, those of unions too."""
+    """Yield the models in an annotation, including those inside unions."""
     for part in (annotation, *getattr(annotation, "__args__", ())):
         if isinstance(part, type) and issubclass(part, BaseModel):
             yield part

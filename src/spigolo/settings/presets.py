@@ -108,8 +108,9 @@ OBJECTS_2 = OBJECTS_1.replace(
         "lengths_grow": True,
     },
 )
-"""OBJECTS_1 with the plane that things stand on as support, the parts of an object joined, walls told by their own
-outline, sizes in metres, outlines by colour where depth is not sharp, and lengths that grow with the image."""
+"""OBJECTS_1 with the support plane, joined parts, rules against walls, sizes in metres, outlines by colour, and lengths
+that grow with the image.
+"""
 
 OBJECTS = OBJECTS_2
 
@@ -138,11 +139,11 @@ WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
 
 
 def preset(name: str | Path) -> Config:
-    """The preset of that name in any case, or the one in a TOML file.
+    """Return the preset of that name, in upper or lower case, or the one in a TOML file.
 
-    A line `base = "TABLE"` in the file starts from that preset, so that the file holds only what differs; "none" then
-    switches a rule off. Without that line it holds all, as `to_toml` writes it.
-    Raises ConfigError for a name or key that is not known.
+    A line `base = "TABLE"` in the file starts from that preset. The file then holds only the differences, and "none"
+    switches a rule off. Without that line it holds all fields, as `to_toml` writes them. Raises ConfigError for a name
+    or key that is not known.
     """
     if str(name).upper() in PRESETS:
         return PRESETS[str(name).upper()]

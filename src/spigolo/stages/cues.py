@@ -22,7 +22,7 @@ from spigolo.stages.saliency import saliency_cue
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weighing:
-    """How a frame is weighed."""
+    """The choice of cost function for a frame, with its gamma."""
 
     cost: PixelCost
     """The cost function, AutoCost resolved."""
@@ -33,7 +33,7 @@ class Weighing:
 
     @property
     def reads_boundary(self) -> bool:
-        """Whether the cost function reads the boundary map."""
+        """True if the cost function reads the boundary map."""
         return reads(self.cost, "boundary")
 
 
@@ -44,9 +44,9 @@ class Cues:
     depth: DepthMap
     """D_s (H, W) float32: smoothed depth in metres, 0 where missing."""
     saliency: npt.NDArray[np.float32] | None
-    """Power-law saliency (H, W) in [0, 1]. None where the cost function does not read it."""
+    """Power-law saliency (H, W) in [0, 1]. None if the cost function does not read it."""
     boundary: npt.NDArray[np.float32] | None
-    """Boundary map (H, W) in [0, 1]. None where the cost function does not read it."""
+    """Boundary map (H, W) in [0, 1]. None if the cost function does not read it."""
 
     @property
     def delta_sal(self) -> npt.NDArray[np.float32]:

@@ -1,7 +1,7 @@
-"""Depth before it is compared: smoothing that knows shadows (eqs. 5-8) and in-painting of small gaps.
+"""Depth before it is compared: smoothing that respects shadows (eqs. 5-8) and in-painting of small gaps.
 
-The order is in-painting, then smoothing: a depth map with a grid of sampling holes has no window to average over
-before the holes are closed. Large shadows stay 0 in both.
+In-painting comes first. A depth map with a grid of sampling holes has no window to average over before the holes are
+closed. Large shadows stay 0 in both.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Integral = npt.NDArray[np.float64]
 
 @stage("depth")
 def prepare_depth(depth: DepthMap, config: DepthConfig) -> DepthMap:
-    """D_s (H, W): the depth that all cues are taken from, in metres, 0 where it is still missing."""
+    """D_s (H, W): the depth that all cues are taken from, in metres, 0 if it is still missing."""
     if config.inpainting is not None:
         depth = inpaint_small_gaps(depth, config.inpainting)
     return depth if config.smoothing.mean == "none" else smooth(depth, config.smoothing)
@@ -84,7 +84,7 @@ def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
 
 @stage("depth: in-painting")
 def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
-    """Closes sampling holes, then fills the gaps that are small, away from the image border, and no shadow.
+    """Close sampling holes, then fills the gaps that are small, away from the image border, and no shadow.
 
     config: sized for the image (`Settings.at_size`). A gap whose rim spans a depth step gets the far value, as a shadow
     belongs to the background.
@@ -111,7 +111,7 @@ def sampling_holes(missing: Mask) -> Mask:
 
 
 def _close(depth: DepthMap, holes: npt.NDArray[np.int64], layers: int, config: Inpainting) -> None:
-    """Closes holes, given by the numbers of their pixels, from their rim inwards, one layer of pixels a time."""
+    """Close holes, given by the numbers of their pixels, from their rim inwards, one layer of pixels a time."""
     values = np.empty(holes.size, np.float32)
     for _ in range(layers):
         inpainting.close_holes(depth, holes, config.step_m, config.step_share, values)
@@ -128,8 +128,8 @@ def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.fl
 class Gaps:
     """The 8-connected components of missing pixels.
 
-    runs (N, 3): row, first column and last column + 1 of every run of missing pixels; gap_of_run (N,): its gap. Of each
-    gap: area_px, nearest near_m and farthest far_m valid depth of its rim (0 where the rim has none), on_border.
+    runs (N, 3): row, first column and last column + 1 of every run of missing pixels. gap_of_run (N,): its gap. For
+    each gap: area_px, nearest near_m and farthest far_m valid depth of its rim (0 if the rim has none), on_border.
     """
 
     width: int

@@ -50,8 +50,10 @@ def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_
 
 
 def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
-    """Return 1 / range of eq. 9: of a frame's valid depths, or of a fixed range in metres; 0 where no depth differs."""
+    """Return 1 / range for equation 9, from a frame's valid depths or from a fixed range in metres. 0 if all depths are
+    equal.
+    """
     if depth_range is not None:
         return 1.0 / depth_range
-    nearest, farthest, _, _ = cv2.minMaxLoc(depth, (depth > 0).view(np.uint8))  # 0, 0 where none is valid
+    nearest, farthest, _, _ = cv2.minMaxLoc(depth, (depth > 0).view(np.uint8))  # 0, 0 if none is valid
     return 1.0 / (farthest - nearest) if farthest > nearest else 0.0

@@ -15,12 +15,14 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.3, 0.6)
-"""Of the positive weights. Measured to be best: fewer rounds sort more, more rounds look at every edge once more."""
+"""Quantiles of the positive weights at which rounds begin and end. Measured to be best: fewer rounds sort more, more
+rounds look at every edge once more.
+"""
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
 """With so many edges of weight 0 there are large regions from the start, which refuse early."""
 ONE, BOTH = 1, 2
-"""How many ends of an edge must carry a flag."""
+"""Numbers of ends of an edge that must carry a flag."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,18 +45,18 @@ class Regions:
         return out
 
     def joined(self, root: npt.NDArray[np.int64]) -> Regions:
-        """Those of one root (R,), the first of its regions, as one region; numbered anew."""
+        """Return the regions with those of one root (R,), the first of its regions, as one region, numbered anew."""
         kept, number = np.unique(root, return_inverse=True)
         return Regions(self.spread(number.astype(np.int32)), kept.size)
 
 
 @stage("partition")
 def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: Workspace | None = None) -> Regions:
-    """Merges pixels over their edges in the order of (float32 weight, edge number), then joins small regions.
+    """Merge pixels over their edges in the order of (float32 weight, edge number), then join small regions.
 
-    gamma: threshold of eq. 3. min_size_px: smaller regions join a neighbour, in pixels of this image.
-    I(R) of eq. 2 is the largest weight in the minimum spanning tree of R, as the cited algorithm computes it.
-    Weights must not be negative or NaN; edges of +inf are none.
+    gamma: threshold of eq. 3. min_size_px: smaller regions join a neighbour, in pixels of this image. I(R) of eq. 2 is
+    the largest weight in the minimum spanning tree of R, as the cited algorithm computes it. Weights must not be
+    negative or NaN. Edges of +inf do not exist.
     """
     planes, height, width = graph.weights.shape
     workspace = Workspace() if workspace is None else workspace
@@ -80,7 +82,9 @@ class SortedEdges:
         self._sample = sample[np.isfinite(sample)]
 
     def pivots(self) -> list[float]:
-        """Where the rounds of merging begin and end: two quantiles of a sample, so that each sorts what it needs."""
+        """Return the weights at which the rounds of merging begin and end: two quantiles of a sample. Each round then
+        sorts only what it needs.
+        """
         positive = np.sort(self._sample[self._sample > 0])
         inner = [float(positive[int(q * positive.size)]) for q in PIVOT_QUANTILES] if positive.size else []
         return [0.0, *sorted(set(inner)), np.inf]
@@ -92,10 +96,10 @@ class SortedEdges:
     def sort(
         self, low: float, high: float, forest: Forest, least: int, detours: bool = True
     ) -> tuple[npt.NDArray[np.uint64], float]:
-        """The packed edges with `least` flagged ends or more from weight `low` to below `high`, in order.
+        """Return the packed edges with `least` flagged ends or more and weights from `low` to below `high`, in order.
 
-        Or, where there is no room for all, to below a weight that it returns beside them. detours: whether those are
-        among them that come last of a triangle or a square.
+        If there is no room for all, stop below a smaller weight. That weight is returned with them. detours: True to
+        include edges that come last of a triangle or a square.
         """
         width = self.offsets[1]
         while True:
@@ -112,7 +116,9 @@ class SortedEdges:
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
 
     def _make_room(self, low: float, high: float) -> float:
-        """A weight below `high` to stop at, halfway to `low`; where there is none, `high` and more memory."""
+        """Return a weight below `high` to stop at, halfway to `low`. If there is none, return `high` and allocate more
+        memory.
+        """
         between = np.sort(self._sample[(self._sample > low) & (self._sample < high)])
         if between.size:
             return float(between[between.size // 2])
@@ -144,7 +150,9 @@ class Forest:
         self._workspace = workspace
 
     def merge(self, edges: SortedEdges) -> None:
-        """Eqs. 2, 3 in rounds of heavier and heavier edges; between them what can do nothing any more is left out."""
+        """Eqs. 2, 3. Merge in rounds of heavier and heavier edges. Between rounds, edges that can no longer join
+        anything are dropped.
+        """
         merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
         low, *pivots = edges.pivots()
         if edges.weightless_share() < MANY_WEIGHTLESS:
@@ -156,9 +164,10 @@ class Forest:
                 self._merge(lightest, edges, stop=False)
 
     def _merge_freely(self, edges: SortedEdges, high: float) -> float:
-        """Merges over the edges below `high` up to the first that is refused; returns up to which weight.
+        """Merge over the edges below `high` up to the first that is refused. Return the weight that was reached.
 
-        Until then whatever edges connect is one region, so that an edge whose ends lighter ones connect does nothing.
+        Until then, all that edges connect is one region. So an edge between two pixels that lighter edges connect does
+        nothing.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)
@@ -168,7 +177,7 @@ class Forest:
         return int(merging.merge(some, edges.steps, self.gamma, stop, self.parent, self.records))
 
     def absorb_small(self, edges: SortedEdges, min_size: float) -> None:
-        """Joins regions below min_size pixels to the neighbour over their lightest edge."""
+        """Join regions below min_size pixels to the neighbour over their lightest edge."""
         low = 0.0
         while low < np.inf:
             choosing.flag_small(min_size, self.parent, self.records, self.flags)

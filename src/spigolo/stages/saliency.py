@@ -1,7 +1,7 @@
 """Visual saliency and its power law (eq. 10).
 
-Montabone & Soto 2010: how much a pixel differs from the mean of square surrounds of several sizes, brighter and
-darker apart, from one integral image at full resolution.
+Montabone & Soto 2010: a pixel is compared with the mean of square surrounds of several sizes. Brighter and darker
+differences are kept apart. All means come from one integral image at full resolution.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ SHARES = np.arange(256, dtype=np.float32) / np.float32(255)
 
 
 def fine_grained_saliency(image: Color, config: SaliencyConfig) -> Map:
-    """V_S (H, W) in [0, 1] of an RGB image, in steps of 1/255 as Montabone's own code has them; 0 on a plain image."""
+    """Return V_S (H, W) in [0, 1] of an RGB image, in steps of 1/255 as in Montabone's own code. A plain image
+    gives 0.
+    """
     return np.asarray(cv2.LUT(_levels(image, config), SHARES), np.float32)
 
 
@@ -38,7 +40,7 @@ def _levels(image: Color, config: SaliencyConfig) -> npt.NDArray[np.uint8]:
 
 
 def power_law(saliency: Map, power: float) -> Map:
-    """Eq. 10. Normalises a saliency map (H, W) to a maximum of 1 and raises it to `power`; 0 stays 0."""
+    """Eq. 10. Normalise a saliency map (H, W) to a maximum of 1 and raise it to `power`. 0 stays 0."""
     largest = saliency.max(initial=0)
     return np.asarray((saliency / largest) ** np.float32(power), np.float32) if largest > 0 else np.zeros_like(saliency)
 

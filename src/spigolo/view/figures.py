@@ -66,7 +66,7 @@ def figure3(frame: Frame, config: Config = SHELF) -> Color:
 
 
 def figure4(frame: Frame, config: Config = TABLE) -> Color:
-    """Final edges with and without internal boundaries, and Canny's edges beside the final ones on two objects.
+    """Final edges with and without internal boundaries, and Canny's edges next to the final ones on two objects.
 
     The objects are those with the most Canny edges that are no boundary: prints and curved surfaces.
     """

@@ -1,4 +1,4 @@
-"""The tuning page: every parameter as a control, and the answer beside it, in a browser on this machine."""
+"""The tuning page: every parameter as a control, and the answer next to it, in a browser on this machine."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Controls:
-    """All controls in a page's GUI. A field that stands in two folders has two, which move together.
+    """All controls in a page's GUI. A field that is shown in two folders has two controls with one value.
 
     changed: called with the key and the value that a user chose. None switches a rule off, True or False a stage.
     """

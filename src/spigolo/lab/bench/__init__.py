@@ -1,4 +1,4 @@
-"""How fast is it: ours and others' code on the same frames, round by round.
+"""Time measurements: ours and others' code on the same frames, round by round.
 
 In use::
 

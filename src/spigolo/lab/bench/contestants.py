@@ -30,9 +30,9 @@ CONFIGS = {
 }
 """The presets, 8- and 4-connected."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Whose graphs the merging alone is timed on."""
+"""Configurations for which merging alone is timed, on their graphs."""
 OURS = "toscana2016"
-"""The method that CONFIGS stand for; all others in METHODS run in the rounds with their own parameters."""
+"""The method that CONFIGS are presets of. All others in METHODS run in the rounds with their own parameters."""
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
@@ -62,7 +62,7 @@ def saliency(frame: Frame) -> dict[str, Run]:
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Merging alone on the same weights, ours and the textbook's. Raises SpigoloError where their regions differ."""
+    """Merging alone on the same weights, ours and the textbook's. Raises SpigoloError if their regions differ."""
     runs: dict[str, Run] = {}
     for name in MERGED:
         config = CONFIGS[name]
@@ -74,17 +74,17 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """How our merging of that configuration's graph is called."""
+    """Return the name of our merging of that configuration's graph."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """How the textbook's merging of that configuration's graph is called."""
+    """Return the name of the textbook's merging of that configuration's graph."""
     return f"textbook merging, {config}"
 
 
 def check_merging(graph: Graph, config: Config) -> None:
-    """Raises SpigoloError where our regions of a graph, small ones kept, are not the textbook's."""
+    """Raises SpigoloError if our regions of a graph, small ones kept, are not the textbook's."""
     ours = partition(graph, config.partition.gamma).labels
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):

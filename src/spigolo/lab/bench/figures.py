@@ -28,7 +28,7 @@ def summarise(samples: Sequence[Sample]) -> Summary:
 
 
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
-    """How many times our CPU time the peer takes: the median over rounds of the ratio within the round."""
+    """Return the ratio of the peer's CPU time to ours: the median over rounds of the ratio within each round."""
     return statistics.median(p.cpu_ms / o.cpu_ms for p, o in zip(peer, ours, strict=True))
 
 

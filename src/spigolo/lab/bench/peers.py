@@ -51,14 +51,14 @@ class Worker:
         self.versions: dict[str, str] = greeting["versions"]
 
     def load(self, key: str, image: Color) -> None:
-        """Hands over an RGB image (H, W, 3), to be kept under a name."""
+        """Hand over an RGB image (H, W, 3), to be kept under a name."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "image.npy")
             np.save(path, image)
             self._ask({"load": key, "path": str(path)})
 
     def run(self, name: str, key: str) -> Sample:
-        """Runs a peer once on a kept image."""
+        """Run a peer once on a kept image."""
         answer = self._ask({"run": name, "image": key})
         return Sample(max(answer["cpu_ms"], LEAST_MS), max(answer["wall_ms"], LEAST_MS))
 
@@ -133,7 +133,7 @@ class Peers:
         return {str(worker.python): worker.versions for worker in self._workers}
 
     def load(self, key: str, image: Color) -> None:
-        """Hands an RGB image (H, W, 3) to all workers, under a name."""
+        """Hand an RGB image (H, W, 3) to all workers, under a name."""
         for worker in self._workers:
             worker.load(key, image)
 
@@ -148,9 +148,10 @@ def _run(worker: Worker, name: str, key: str) -> Run:
 
 @contextmanager
 def open_peers(python: Path | None = None) -> Iterator[Peers]:
-    """Starts the workers: of `python`, or of .venv-oracle below the current folder; what it lacks, of this interpreter.
+    """Start the workers of `python`, or of .venv-oracle below the current folder. This interpreter runs what that one
+    lacks.
 
-    Raises FileError where `python` is given and is no interpreter.
+    Raises FileError if `python` is given and is not an interpreter.
     """
     given = python if python is not None else DEFAULT_PYTHON if DEFAULT_PYTHON.is_file() else None
     with ExitStack() as stack:

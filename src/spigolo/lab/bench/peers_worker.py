@@ -1,8 +1,9 @@
-"""Runs the peers in an interpreter of its own: one line in, one run, one line out.
+"""Run the peers in an interpreter of its own: one line in, one run, one line out.
 
-Started as a script; needs numpy and whichever of OpenCV's contrib modules and scikit-image are there. Every line is
-JSON. It begins with {"contestants": [...], "versions": {...}}. Then {"load": NAME, "path": RGB.npy} keeps an image, and
-{"run": CONTESTANT, "image": NAME} is answered by {"cpu_ms": ..., "wall_ms": ...}; what fails, by {"error": ...}.
+Started as a script. Requires numpy. Uses OpenCV's contrib modules and scikit-image if they are installed. Every line is
+JSON. The first line is {"contestants": [...], "versions": {...}}. Then {"load": NAME, "path": RGB.npy} keeps an image,
+and {"run": CONTESTANT, "image": NAME} is answered by {"cpu_ms": ..., "wall_ms": ...}. A failure is answered by
+{"error": ...}.
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ Run = Callable[[Image], object]
 
 
 def main() -> None:
-    """Answers until standard input ends."""
+    """Answer until standard input ends."""
     answers = os.fdopen(os.dup(1), "w", buffering=1)
-    os.dup2(2, 1)  # what a library prints must not look like an answer
+    os.dup2(2, 1)  # output of a library must not look like an answer
     contestants, versions = find_contestants()
     answers.write(json.dumps({"contestants": list(contestants), "versions": versions}) + "\n")
     images: dict[str, Image] = {}
@@ -40,7 +41,7 @@ def main() -> None:
 
 
 def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str, Image]) -> dict[str, float]:
-    """Keeps an image, or runs a contestant on a kept one."""
+    """Keep an image, or run a contestant on a kept one."""
     if "load" in request:
         rgb = importlib.import_module("numpy").load(request["path"])
         images[request["load"]] = {"rgb": rgb, "bgr": rgb[..., ::-1].copy()}
@@ -53,7 +54,7 @@ def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str,
 
 
 def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
-    """What can run here, by name, and the versions of the modules it comes from."""
+    """Return the contestants that can run here, by name, and the versions of their modules."""
     found: dict[str, Run] = {}
     versions = {"python": sys.version.split()[0]}
     cv2, skimage = attempt("cv2"), attempt("skimage.segmentation")
@@ -73,7 +74,7 @@ def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
 
 
 def attempt(name: str) -> Any:
-    """A module, or None where it cannot be imported."""
+    """A module, or None if it cannot be imported."""
     try:
         return importlib.import_module(name)
     except ImportError:

@@ -28,17 +28,17 @@ from spigolo.lab.bench.timing import Sample, Tell, run_rounds, silent
 from spigolo.lab.machine import Machine, this_machine
 
 MAIN = "OBJECTS 8c"
-"""Whose throughput and latency are measured."""
+"""The contestant of throughput and latency."""
 STAGED = tuple(name for name in CONFIGS if name.endswith("8c"))
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """How much is measured.
+    """Amounts of measuring.
 
-    rounds: of the contestants and the stages; size_rounds: of the study of `sizes` (width, height), which an empty one
-    leaves out. repeats: of the throughput of `frames` frames a thread, and of the start-up. latency: frames in a row, 0
-    for none. cold: also start once with nothing compiled.
+    rounds: of the contestants and the stages. size_rounds: of the study of `sizes` (width, height), which is left out
+    if `sizes` is empty. repeats: of the throughput of `frames` frames per thread, and of the start-up. latency: frames
+    in a row, 0 for none. cold: True to start once with nothing compiled too.
     """
 
     rounds: int = 15
@@ -71,10 +71,10 @@ class Contest:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Everything that was measured. The parts from `sizes` on are about the first frame.
+    """All measurements. The parts from `sizes` on are about the first frame.
 
-    peers: versions by interpreter; missing: a sentence for each package that no interpreter has. growth by contestant;
-    stages by configuration and stage, raw; memory by configuration.
+    peers: versions by interpreter. missing: a sentence for each package that no interpreter has. growth: by contestant.
+    stages: by configuration and stage, raw. memory: by configuration.
     """
 
     machine: Machine
@@ -90,7 +90,9 @@ class Report:
     startup: Startup
 
     def to_json(self) -> dict[str, Any]:
-        """Everything, raw rounds included, as json.dumps takes it; the medians of the rounds as `summaries`."""
+        """Return all measurements, raw rounds included, as json.dumps takes them. `summaries` has the medians of the
+        rounds.
+        """
         values = asdict(self)
         for contest, out in zip(self.contests, values["contests"], strict=True):
             out["summaries"] = {name: asdict(summary) for name, summary in contest.summaries.items()}
@@ -100,9 +102,9 @@ class Report:
 def bench(
     frames: Mapping[str, Frame], plan: Plan | None = None, python: Path | None = None, tell: Tell = silent
 ) -> Report:
-    """Measures ours and the peers on at least one frame, by name.
+    """Measure ours and the peers on at least one frame, by name.
 
-    python: interpreter of the peers, see `open_peers`. tell: told of the progress.
+    python: interpreter of the peers, see `open_peers`. tell: called with the progress.
     """
     plan = Plan() if plan is None else plan
     machine = this_machine(spigolo=__version__)

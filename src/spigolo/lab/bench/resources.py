@@ -17,9 +17,9 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Bytes a pixel. workspace: kept between frames; frame: peak on top of it while one frame is segmented.
+    """Bytes per pixel. workspace: kept between frames. frame: peak above that while one frame is segmented.
 
-    answer: what of that peak the answer keeps.
+    answer: the part of that peak that the answer keeps.
     """
 
     workspace: float
@@ -28,7 +28,7 @@ class Memory:
 
 
 def measure_memory(frame: Frame, config: Config) -> Memory:
-    """What numpy and Python allocate; temporaries inside OpenCV's functions are not seen."""
+    """Measure the memory that numpy and Python allocate. Temporaries inside OpenCV's functions are not seen."""
     run = Segmenter(config)
     run(frame)
     tracemalloc.start()
@@ -53,7 +53,7 @@ class Throughput:
 
 
 def measure_throughput(frame: Frame, config: Config, frames: int, repeats: int, tell: Tell = silent) -> Throughput:
-    """Each thread segments `frames` frames; one and two threads take turns."""
+    """Measure throughput: each thread segments `frames` frames. Runs with one and with two threads alternate."""
     kept = [Segmenter(config), Segmenter(config)]
     rates: dict[int, list[float]] = {1: [], 2: []}
     with ThreadPoolExecutor(2) as pool:

@@ -1,4 +1,4 @@
-"""How time grows with the number of pixels."""
+"""Growth of time with the number of pixels."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ VGA, FULL_HD = (640, 480), (1920, 1080)
 class Growth:
     """One contestant at all sizes.
 
-    cpu_ms: medians by size. pixels: t = c N^p; pixels_log: t = c (N log N)^p; both None for a single size.
-    hd_per_vga: CPU time per pixel at 1920x1080 relative to 640x480; None where one of them was not run.
-    samples: raw, by size.
+    cpu_ms: medians by size. pixels: t = c N^p. pixels_log: t = c (N log N)^p. Both are None for a single size.
+    hd_per_vga: CPU time per pixel at 1920x1080 relative to 640x480, None if one of them was not run. samples: raw, by
+    size.
     """
 
     cpu_ms: list[float]
@@ -50,7 +50,9 @@ def rescaled(frame: Frame, size: Size) -> Frame:
 
 
 def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: Tell = silent) -> dict[str, Growth]:
-    """TABLE, SHELF and the first peer that segments, each at all sizes in each round; nothing without sizes."""
+    """Time TABLE, SHELF and the first peer that segments, each at all sizes in each round. Without sizes, return
+    nothing.
+    """
     if not sizes:
         return {}
     runs: dict[str, Run] = {}

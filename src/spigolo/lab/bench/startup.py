@@ -34,9 +34,9 @@ print(json.dumps([time.time(), cv2_s]))
 
 @dataclass(frozen=True, slots=True)
 class Startup:
-    """Wall time in s from the start of a process to its first labels, and the part in `import cv2`; medians.
+    """Wall time in s from the start of a process to its first labels, and the part in `import cv2`, as medians.
 
-    cold_s: the same, once, with nothing compiled yet; None where it was not asked for.
+    cold_s: the same, once, with nothing compiled yet. None if it was not measured.
     """
 
     warm_s: float

@@ -1,4 +1,4 @@
-"""Merging as the textbook has it: a stable sort of all edges, then union-find. What `regions.partition` must equal."""
+"""Merging as in the textbook: a stable sort of all edges, then union-find. `regions.partition` must equal it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _find(parent: Any, node: int) -> Any:
 
 @numba.njit(nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _merge(weights: Any, order: Any, steps: Any, gamma: float, labels: Any) -> None:
-    """Edges of +inf are none, and stand last."""
+    """Edges of +inf do not exist. They are sorted last."""
     pixels = labels.size
     parent, size = np.arange(pixels, dtype=np.int32), np.ones(pixels, np.int32)
     bound = np.full(pixels, gamma)

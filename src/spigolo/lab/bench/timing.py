@@ -17,7 +17,7 @@ LEAST_MS = 1e-3
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """One run. cpu_ms: CPU time of the whole process, so that no hidden thread goes uncounted; wall_ms: wall time."""
+    """One run. cpu_ms: CPU time of the whole process, so that hidden threads count too. wall_ms: wall time."""
 
     cpu_ms: float
     wall_ms: float
@@ -28,7 +28,7 @@ Run = Callable[[], Sample]
 
 
 def silent(what: str, done: float) -> None:
-    """Tells nobody."""
+    """Report nothing."""
 
 
 def timed(work: Callable[[], object]) -> Run:

@@ -9,7 +9,7 @@
         depth/000000.png (or .tif)                16 bits, 0 = missing
         mask_visib/000000_000000.png              image, then place in the list of scene_gt; 0 and 255
 
-Labels are places in the list plus 1. Where there is no mask_visib it is rendered from models and poses.
+Labels are places in the list plus 1. Without mask_visib it is rendered from models and poses.
 Sets differ in whether every object is labelled: `part`, unless `full` names the set. The frames of one scene are
 near-identical.
 """
@@ -36,7 +36,7 @@ from spigolo.lab.datasets.sample import Instance
 from spigolo.lab.datasets.visibility import visible_labels
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
-"""Folders of scenes; the first that is there is read."""
+"""Folders of scenes. The first that is there is read."""
 
 Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
 """obj_id, cam_R_m2c, cam_t_m2c in millimetres."""
@@ -44,7 +44,7 @@ Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True)
 class BopImage(Entry):
-    """One image of a scene. intrinsics: cam_K; depth_scale: metres per unit."""
+    """One image of a scene. intrinsics: cam_K. depth_scale: metres per unit."""
 
     scene: Path
     image: int
@@ -60,12 +60,12 @@ class BopImage(Entry):
         return self.color, self.depth, *(self._masks or (self._model(obj_id) for obj_id, _, _ in self.poses))
 
     def read(self) -> Frame:
-        """The frame; raises FileError, FrameError or CameraError."""
+        """The frame. Raises FileError, FrameError or CameraError."""
         depth = read_depth(self.depth)
         return Frame(read_color(self.color), depth, self.intrinsics, self.name, depth_scale=self.depth_scale)
 
     def read_truth(self) -> Truth | None:
-        """Its visible masks, stored or rendered; raises FileError or FrameError."""
+        """Its visible masks, stored or rendered. Raises FileError or FrameError."""
         if self.labelling == "none":
             return None
         instances = self.read_instances()
@@ -81,7 +81,7 @@ class BopImage(Entry):
 
     @property
     def _masks(self) -> tuple[Path, ...]:
-        """() where the scene has none."""
+        """() if the scene has none."""
         folder = self.scene / "mask_visib"
         if not folder.is_dir():
             return ()
@@ -91,7 +91,7 @@ class BopImage(Entry):
         return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
 
     def _stored_labels(self) -> npt.NDArray[np.int32]:
-        """Where masks meet, the later object."""
+        """Return labels from stored masks. If masks overlap, the later object counts."""
         labels = None
         for label, path in enumerate(self._masks, start=1):
             mask = read_labels(path)
@@ -120,7 +120,7 @@ class Bop(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether a folder of scenes has a scene_camera.json."""
+        """True if a folder of scenes has a scene_camera.json."""
         return _split(folder, None) is not None
 
     def _find(self) -> Iterator[Entry]:

@@ -1,4 +1,6 @@
-"""What `spigolo.lab.datasets.bop` reads, written: models in millimetres, frames, poses, whole and visible masks."""
+"""Writer of the layout that `spigolo.lab.datasets.bop` reads: models in millimetres, frames, poses, whole and visible
+masks.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ FULL = 65535
 
 
 def write_models(folder: Path, models: Sequence[Model]) -> None:
-    """obj_000001.ply and so on, and models_info.json with their sizes; millimetres."""
+    """obj_000001.ply and so on, and models_info.json with their sizes. Millimetres."""
     sizes = {}
     for obj_id, model in enumerate(models, start=1):
         write_model(folder / f"obj_{obj_id:06d}.ply", model, MILLIMETRES)
@@ -41,7 +43,7 @@ def write_description(folder: Path, models: Sequence[Model], about: str) -> None
 
 
 class SceneFiles:
-    """The files of a scene; `close` writes its JSON files, without which nobody takes it for a scene."""
+    """The files of a scene. `close` writes its JSON files. Readers accept no scene without them."""
 
     def __init__(self, folder: Path, models: Sequence[Model]) -> None:
         self._folder = folder
@@ -51,7 +53,7 @@ class SceneFiles:
         self._info: dict[str, Any] = {}
 
     def write(self, image: int, sample: Sample) -> None:
-        """Writes the images of one sample; raises FileError or FrameError."""
+        """Write the images of one sample. Raises FileError or FrameError."""
         frame, key = sample.frame, str(image)
         if frame.camera is None or key in self._cameras:
             raise FrameError(f"expected frame {frame.name} once in its scene and with a camera, got another")
@@ -64,7 +66,7 @@ class SceneFiles:
         self._info[key] = [self._masks(image, n, instance, sample) for n, instance in enumerate(sample.instances)]
 
     def close(self) -> None:
-        """Writes what describes the frames."""
+        """Write what describes the frames."""
         write_json(self._folder / "scene_gt.json", self._truth)
         write_json(self._folder / "scene_gt_info.json", self._info)
         write_json(self._folder / "scene_camera.json", self._cameras)
@@ -79,7 +81,7 @@ class SceneFiles:
         }
 
     def _masks(self, image: int, number: int, instance: Instance, sample: Sample) -> dict[str, Any]:
-        """Writes both masks of an object; returns its boxes and counts."""
+        """Write both masks of an object. Returns its boxes and counts."""
         camera = sample.frame.camera
         assert camera is not None
         whole = render_depth(self._models[instance.model][1], instance.pose, camera) > 0
@@ -98,7 +100,7 @@ class SceneFiles:
 
 
 def _box(mask: Mask) -> list[int]:
-    """x, y, width, height; -1 where nothing is, as BOP has it."""
+    """x, y, width, height. -1 where nothing is, as BOP has it."""
     y, x = np.nonzero(mask)
     if not x.size:
         return [-1, -1, -1, -1]

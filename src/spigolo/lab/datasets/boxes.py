@@ -24,7 +24,7 @@ FIELDS = ("category", "instance", "top", "bottom", "left", "right")
 
 @dataclass(frozen=True, slots=True)
 class ObjectBox:
-    """Where an object is: rows top..bottom - 1 and columns left..right - 1 from 0, so that image[top:bottom, ...]."""
+    """Box of an object: rows top..bottom - 1 and columns left..right - 1 from 0, so that image[top:bottom, ...]."""
 
     category: str
     instance: int
@@ -35,7 +35,7 @@ class ObjectBox:
 
 
 def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
-    """The boxes of frame `number`, from 1; raises FileError."""
+    """The boxes of frame `number`, from 1. Raises FileError."""
     frames = _read_all(path)
     if not 1 <= number <= len(frames):
         raise FileError(f"expected boxes of frame {number} in {path}, got those of {len(frames)} frames")

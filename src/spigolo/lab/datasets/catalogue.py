@@ -12,7 +12,7 @@ BOP_HOME = "https://bop.felk.cvut.cz/media/data/bop_datasets"
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """A zip file. sha256: of the whole of it; into: the folder that it is unpacked into, "" for that beside the set."""
+    """A zip file. sha256: of the whole file. into: the folder to unpack into, "" for the folder of the set."""
 
     url: str
     sha256: str
@@ -26,7 +26,7 @@ class Archive:
 
 @dataclass(frozen=True, slots=True)
 class KnownSet:
-    """A published set. home: where; archives: what can be fetched and verified, () where no hash is known."""
+    """A published set. home: where. archives: what can be fetched and verified, () where no hash is known."""
 
     name: str
     title: str
@@ -120,7 +120,7 @@ KNOWN_SETS = (
 
 
 def known_set(name: str) -> KnownSet:
-    """The set of this name; raises ConfigError, which lists the names."""
+    """The set of this name. Raises ConfigError, which lists the names."""
     found = next((known for known in KNOWN_SETS if known.name == name.lower().replace("_", "-")), None)
     if found is None:
         raise ConfigError(f"expected one of {', '.join(known.name for known in KNOWN_SETS)}, got {name!r}")

@@ -1,4 +1,4 @@
-"""What every data set is: a sized sequence of entries, each a frame that is not yet read and what is known of it.
+"""Interface of data sets: a sized sequence of entries, each a frame that is not yet read, with its facts.
 
 Letters used in shapes: H, W = image.
 """
@@ -47,9 +47,9 @@ class Truth:
 
 @dataclass(frozen=True, slots=True)
 class Entry(ABC):
-    """A frame of a data set before it is read; small, and can be sent to other processes.
+    """A frame of a data set before it is read. Small, and can be sent to other processes.
 
-    data_set and name: unique together; group: shared by near-identical frames, as those of one video.
+    data_set and name: unique together. group: shared by near-identical frames, as those of one video.
     """
 
     data_set: str
@@ -60,16 +60,18 @@ class Entry(ABC):
     @property
     @abstractmethod
     def files(self) -> tuple[Path, ...]:
-        """The files that it needs; truth last."""
+        """The files that it needs. Truth last."""
 
     @property
     def reading(self) -> str:
-        """What beside its files decides how its labels are read; "" where nothing is out of the ordinary."""
+        """Return everything outside its files that decides how its labels are read. "" in ordinary sets. "" where
+        nothing is out of the ordinary.
+        """
         return ""
 
     @property
     def content(self) -> str:
-        """A checksum of its files and its `reading`, eight hexadecimal digits; raises FileError."""
+        """A checksum of its files and its `reading`, eight hexadecimal digits. Raises FileError."""
         value = zlib.crc32(self.reading.encode())
         for path in self.files:
             try:
@@ -80,18 +82,18 @@ class Entry(ABC):
 
     @abstractmethod
     def read(self) -> Frame:
-        """The frame; raises FileError, FrameError or CameraError."""
+        """The frame. Raises FileError, FrameError or CameraError."""
 
     @abstractmethod
     def read_truth(self) -> Truth | None:
-        """Its labels, None where it has none; raises FileError or FrameError."""
+        """Its labels, None if it has none. Raises FileError or FrameError."""
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Its objects with their poses, () where the set has none; raises FileError."""
+        """Its objects with their poses, () where the set has none. Raises FileError."""
         return ()
 
     def read_both(self) -> tuple[Frame, Truth | None]:
-        """Frame and labels; raises FrameError also where they differ in size."""
+        """Frame and labels. Raises FrameError also if they differ in size."""
         frame, truth = self.read(), self.read_truth()
         if truth is not None and truth.labels.shape != frame.shape:
             raise FrameError(
@@ -101,7 +103,7 @@ class Entry(ABC):
         return frame, truth
 
     def read_sample(self) -> Sample:
-        """Frame, labels and poses; labels are 0 where the frame has none, and where they are ignored."""
+        """Frame, labels and poses. `labels` is 0 for a frame without labels, and for ignored pixels."""
         frame, truth = self.read_both()
         labels = np.zeros(frame.shape, np.int32) if truth is None else truth.labels
         return Sample(frame, labels, self.read_instances())
@@ -109,7 +111,7 @@ class Entry(ABC):
 
 @dataclass(frozen=True, slots=True)
 class ImageEntry(Entry):
-    """A colour image with a depth image, depth_scale metres per stored unit; no labels, unless a layout adds them."""
+    """A colour image with a depth image, depth_scale metres per stored unit. No labels, unless a layout adds them."""
 
     color: Path
     depth: Path
@@ -122,7 +124,7 @@ class ImageEntry(Entry):
         return self.color, self.depth
 
     def read(self) -> Frame:
-        """The frame; raises FileError, FrameError or CameraError."""
+        """The frame. Raises FileError, FrameError or CameraError."""
         return Frame(
             read_color(self.color), read_depth(self.depth), self.camera, self.name, depth_scale=self.depth_scale
         )
@@ -136,13 +138,13 @@ class DataSet(ABC):
     """The entries of a folder, found when it is opened and read when they are asked for.
 
     full: sets on which every object is labelled, as patterns such as "osd-*", where the layout does not say.
-    Raises FileError where the folder does not hold what `layout` says, or an entry lacks a file.
+    Raises FileError if the folder does not hold what `layout` says, or an entry lacks a file.
     """
 
     layout: ClassVar[str]
-    """What lies in the folder, for messages."""
+    """Content of the folder, for messages."""
     mend: ClassVar[str] = "fetch or unpack the set again"
-    """What helps where a file is missing."""
+    """Advice if a file is missing."""
 
     def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS) -> None:
         self.folder = existing_folder(folder)
@@ -155,7 +157,7 @@ class DataSet(ABC):
     @classmethod
     @abstractmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether the folder looks like this layout."""
+        """True if the folder looks like this layout."""
 
     @abstractmethod
     def _find(self) -> Iterable[Entry]:
@@ -163,7 +165,7 @@ class DataSet(ABC):
 
     @property
     def rendered(self) -> bool:
-        """Whether its frames are rendered stand-ins rather than photographs."""
+        """True if its frames are rendered stand-ins rather than photographs."""
         return (self.folder / RENDERED).is_file()
 
     def __len__(self) -> int:
@@ -176,11 +178,11 @@ class DataSet(ABC):
         return self._entries[number]
 
     def _named(self, name: str) -> str:
-        """Name of the set; stand-ins have one of their own."""
+        """Name of the set. Stand-ins have one of their own."""
         return f"{name}-rendered" if self.rendered else name
 
     def _labelled(self, data_set: str) -> Labelling:
-        """Whether all of its objects are labelled or some, by the patterns."""
+        """True if all of its objects are labelled or some, by the patterns."""
         return "full" if any(fnmatch(data_set, pattern) for pattern in self._full) else "part"
 
     def _camera(self, usual: Camera, scale: float, folder: Path | None = None) -> tuple[Camera, float]:
@@ -202,14 +204,14 @@ class DataSet(ABC):
 
 
 def existing_folder(folder: Path | str) -> Path:
-    """Its full path; raises FileError where there is none."""
+    """Its full path. Raises FileError if there is none."""
     if not Path(folder).is_dir():
         raise FileError(f"expected a folder of frames, but there is no folder {folder}")
     return Path(folder).resolve()
 
 
 def _require_files(entries: Iterable[Entry], mend: str) -> None:
-    """A download that was cut off is told at once."""
+    """Report an incomplete download at once."""
     lacking = [(entry, path) for entry in entries for path in entry.files if not path.is_file()]
     if lacking:
         entry, path = lacking[0]

@@ -23,15 +23,15 @@ Tell = Callable[[str, int, int | None], None]
 """Called with the archive's name, the bytes that are there, and the bytes of the whole where the server says it."""
 
 ATTEMPTS = 3
-"""How often a connection that is cut is taken up again before it is given up, with what has come kept."""
+"""Maximum number of attempts to continue a download after its connection is cut. The received part is kept."""
 BLOCK = 1 << 18
 TIMEOUT_S = 60
 
 
 def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
-    """Fetches a set into the folder `to`; returns the folder of the set.
+    """Fetch a set into the folder `to`, and return its folder.
 
-    Raises FileError where it cannot be fetched: what had come of an archive is then kept beside, to go on from, but for
+    Raises FileError if it cannot be fetched. The received part of an archive is kept, to continue from, except
     one with a wrong hash.
     """
     target = to / known.name
@@ -55,7 +55,7 @@ def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
 
 
 def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
-    """The archive, whole and verified; pooch looks after its hash and its name."""
+    """The archive, whole and verified. Pooch looks after its hash and its name."""
     pooch, partial = _pooch(), to / f"{archive.file_name}.part"
 
     def download(url: str, out: str, _: Any) -> None:
@@ -74,7 +74,7 @@ def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
 
 
 def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> None:
-    """Fills `partial` from where it ends; raises FileError."""
+    """Fill `partial` from where it ends. Raises FileError."""
     for attempt in range(1, ATTEMPTS + 1):
         try:
             if _append(url, partial, tell):
@@ -94,7 +94,7 @@ def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> bool:
-    """Asks for the rest; whether all came."""
+    """Ask for the rest. Returns True if all came."""
     start = partial.stat().st_size if partial.exists() else 0
     request = urllib.request.Request(url, headers={"Range": f"bytes={start}-"} if start else {})
     with urllib.request.urlopen(request, timeout=TIMEOUT_S) as answer:
@@ -113,7 +113,7 @@ def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _unpack(archives: list[tuple[Archive, Path]], to: Path, name: str) -> None:
-    """Unpacks beside the final place, and moves there at the end."""
+    """Unpack next to the final place, and move there at the end."""
     beside = to / f".{name}-unpacking"
     shutil.rmtree(beside, ignore_errors=True)
     try:

@@ -57,11 +57,11 @@ class FrameFolder(Entry):
         return "" if self.ignore_label == IGNORE_LABEL else f"ignore {self.ignore_label}"
 
     def read(self) -> Frame:
-        """The frame; raises FileError, FrameError or CameraError."""
+        """The frame. Raises FileError, FrameError or CameraError."""
         return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file)
 
     def read_truth(self) -> Truth | None:
-        """Its labels, None where it has none; raises FileError or FrameError."""
+        """Its labels, None if it has none. Raises FileError or FrameError."""
         if self.labelling == "none":
             return None
         labels = read_labels(self.folder / "label.png")
@@ -80,7 +80,7 @@ class FrameFolder(Entry):
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
         """Its camera if that has distortion: labels are drawn on the image as it is stored, a frame is undistorted.
 
-        None also where the camera cannot be read; `read` says so.
+        None also where the camera cannot be read. `read` says so.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)
@@ -97,7 +97,7 @@ class Folders(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether it or a folder up to two below has a rgb.png."""
+        """True if it or a folder up to two below has a rgb.png."""
         return next(_places(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -140,13 +140,13 @@ def _groups(root: Path) -> Mapping[str, str]:
 
 
 def _is_absent(root: Path, name: str) -> bool:
-    """Whether no frame has a name, though its set is there."""
+    """True if no frame has a name, though its set is there."""
     data_set, slash, _ = name.partition("/")
     return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
 
 
 def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], default: T) -> T:
-    """A field of what the JSON file at `path` told; raises FileError for a value of another type."""
+    """Return a field of the JSON file at `path`. Raises FileError for a value of another type."""
     value = told.get(name)
     if value is None:
         return default
@@ -157,5 +157,5 @@ def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], defaul
 
 
 def _mapping(path: Path) -> Mapping[str, Any]:
-    """What a JSON file holds, nothing where there is none."""
+    """Return the fields of a JSON file, none if it does not exist."""
     return read_mapping(path) if path.is_file() else {}

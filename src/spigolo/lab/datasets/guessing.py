@@ -47,9 +47,9 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 
 
 def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SETS) -> list[Entry]:
-    """The frames in these folders, by set and name; each folder as `guess` takes it.
+    """Return the frames in these folders, by set and name. `guess` finds the layout of each folder.
 
-    Raises FileError where a folder holds none, or where two frames share set and name.
+    Raises FileError if a folder holds none, or where two frames share set and name.
     """
     found: dict[tuple[str, str], Entry] = {}
     for folder in folders:

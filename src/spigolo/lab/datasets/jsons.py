@@ -11,7 +11,7 @@ from spigolo.errors import FileError
 
 
 def read_mapping(path: Path) -> Mapping[str, Any]:
-    """The fields of a JSON file; raises FileError."""
+    """The fields of a JSON file. Raises FileError."""
     try:
         values = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError, RecursionError) as error:

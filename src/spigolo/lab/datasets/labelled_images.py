@@ -19,7 +19,7 @@ SURFACES = ("table", "floor")
 
 @dataclass(frozen=True, slots=True)
 class LabelledImages(ImageEntry):
-    """A frame with a label image. background: labels that are no objects, beside 0."""
+    """A frame with a label image. background: labels other than 0 that are not objects."""
 
     labels: Path
     background: tuple[int, ...]
@@ -30,7 +30,7 @@ class LabelledImages(ImageEntry):
         return self.color, self.depth, self.labels
 
     def read_truth(self) -> Truth | None:
-        """Its labels; raises FileError or FrameError."""
+        """Its labels. Raises FileError or FrameError."""
         stored = read_labels(self.labels)
         labels = np.where(np.isin(stored, self.background), 0, stored)
         return Truth(labels, np.zeros(labels.shape, np.bool_))
@@ -49,7 +49,7 @@ class Osd(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether it has a folder of colour and one of annotation."""
+        """True if it has a folder of colour and one of annotation."""
         return (folder / "image_color").is_dir() and (folder / "annotation").is_dir()
 
     def _find(self) -> Iterator[Entry]:
@@ -75,7 +75,7 @@ class Ocid(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether a folder below is such a sequence."""
+        """True if a folder below is such a sequence."""
         return next(_sequences(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:

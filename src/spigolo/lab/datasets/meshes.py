@@ -18,7 +18,7 @@ MESHES = (".ply", ".obj", ".stl")
 
 @lru_cache(maxsize=64)
 def read_model(path: Path, unit_m: float = 1.0) -> Model:
-    """The mesh in a file, its name the file's; unit_m: metres per stored unit. Raises FileError."""
+    """The mesh in a file, its name the file's. unit_m: metres per stored unit. Raises FileError."""
     trimesh = _trimesh(path)
     try:
         mesh = trimesh.load_mesh(str(path), process=False)
@@ -29,21 +29,23 @@ def read_model(path: Path, unit_m: float = 1.0) -> Model:
     if not triangles.size:
         raise FileError(f"expected a triangle mesh in {path}, got one without triangles")
     if triangles.min() < 0 or triangles.max() >= len(vertices) or not np.isfinite(vertices).all():
-        raise FileError(f"expected a triangle mesh in {path}, got triangles whose corners are nowhere: it is damaged")
+        raise FileError(
+            f"expected a triangle mesh in {path}, got triangles with corners that do not exist: the file is damaged"
+        )
     coloured = mesh.visual.kind == "vertex"
     colors = np.asarray(mesh.visual.vertex_colors, np.uint8)[:, :3] if coloured else None
     return Model(path.stem, vertices * unit_m, triangles, colors)
 
 
 def write_model(path: Path, model: Model, unit_m: float = 1.0) -> None:
-    """Writes a model as binary .ply, in units of unit_m metres; raises FileError."""
+    """Write a model as binary .ply, in units of unit_m metres. Raises FileError."""
     trimesh = _trimesh(path)
     mesh = trimesh.Trimesh(model.vertices_m / unit_m, model.triangles, vertex_colors=model.colors, process=False)
     write_bytes(path, trimesh.exchange.ply.export_ply(mesh, vertex_normal=False))
 
 
 def find_model(folder: Path, name: str) -> Path | None:
-    """NAME.ply, .obj or .stl in the folder, or in NAME/ there, whatever its case; None where there is none."""
+    """NAME.ply, .obj or .stl in the folder, or in NAME/ there, whatever its case. None if there is none."""
     if not folder.is_dir():
         return None
     wanted = name.lower()

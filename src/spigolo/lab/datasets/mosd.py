@@ -1,6 +1,6 @@
 """mOSD, the Object Segmentation Database with labels mended near edges (Alexandrov), as labelled organised clouds.
 
-    mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label; 640 x 480
+    mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label, 640 x 480
 
 Points that were not measured, or cropped away with the floor and the walls, are NaN with label 0: ignored here. Labels
 1..9 = the table, 20..29 = parts of the first object, 30..39 of the second, and so on: here the table is 0 and parts are
@@ -34,7 +34,7 @@ class LabelledCloud(Entry):
         return (self.cloud,)
 
     def read(self) -> Frame:
-        """The frame; raises FileError or CameraError."""
+        """The frame. Raises FileError or CameraError."""
         points = read_pcd(self.cloud)
         if missing := {"x", "y", "z"} - set(points.dtype.names or ()):
             raise FileError(f"expected fields x, y, z in {self.cloud}: {', '.join(sorted(missing))} not found")
@@ -43,7 +43,7 @@ class LabelledCloud(Entry):
         return Frame(colors_of(points), points["z"].astype(np.float32), camera_of(points), self.name)
 
     def read_truth(self) -> Truth | None:
-        """Its objects; raises FileError."""
+        """Its objects. Raises FileError."""
         points = read_pcd(self.cloud)
         if "label" not in (points.dtype.names or ()):
             raise FileError(f"expected a field label in {self.cloud}, got {', '.join(points.dtype.names or ())}")
@@ -58,7 +58,7 @@ class Mosd(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether it or a folder learn or test in it has clouds with labels."""
+        """True if it or a folder learn or test in it has clouds with labels."""
         return any(b" label" in _beginning(path) for path in _clouds(folder)[:1])
 
     def _find(self) -> Iterator[Entry]:

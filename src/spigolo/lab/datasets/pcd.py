@@ -20,11 +20,11 @@ KINDS = {
 STEEPEST = 1e6
 """No pinhole camera sees farther aside, as a multiple of the depth."""
 MAX_MISFIT_PX = 0.5
-"""How far the pixels of an organised cloud may be from those of the pinhole camera that fits them."""
+"""Maximum distance between the pixels of an organised cloud and those of the pinhole camera that fits them."""
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:
-    """The points (H, W) of a cloud with its fields by name, H = 1 where it is not organised; raises FileError."""
+    """The points (H, W) of a cloud with its fields by name, H = 1 where it is not organised. Raises FileError."""
     try:
         header, body = _split(path.read_bytes())
         shape = int(header["HEIGHT"][0]), int(header["WIDTH"][0])
@@ -42,7 +42,7 @@ def colors_of(points: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
 
 
 def camera_of(points: npt.NDArray[Any]) -> Camera:
-    """The pinhole camera that saw an organised cloud (H, W), fitted to it; raises CameraError."""
+    """The pinhole camera that saw an organised cloud (H, W), fitted to it. Raises CameraError."""
     height, width = points.shape
     seen = np.isfinite(points["z"]) & (points["z"] > 0)
     y, x = np.nonzero(seen)
@@ -53,13 +53,13 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
     if not max(x_off, y_off) <= MAX_MISFIT_PX:
         raise CameraError(
             f"expected an organised cloud, a point for each of {width}x{height} pixels of a pinhole camera, got points"
-            f" {max(x_off, y_off):.1f} px beside them"
+            f" {max(x_off, y_off):.1f} px off"
         )
     return Camera(fx, fy, cx, cy, width, height)
 
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
-    """F and c of pixels = f slopes + c, and how far the worst is from it; infinitely far where there is no line."""
+    """Fit f and c of pixels = f slopes + c, and how far the worst is from it. Infinitely far where there is no line."""
     if not slopes.size or slopes.min() == slopes.max() or not np.abs(slopes).max() < STEEPEST:
         return 0.0, 0.0, np.inf
     f, c = np.polyfit(slopes, pixels, 1)

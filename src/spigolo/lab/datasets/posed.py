@@ -37,7 +37,7 @@ class PosedImage(ImageEntry):
         return tuple(path for path in (self.color, self.depth, self.poses, self.model) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """The visible masks of its objects, None without poses; raises FileError."""
+        """The visible masks of its objects, None without poses. Raises FileError."""
         if self.model is None:
             return None
         instances = self.read_instances()
@@ -46,6 +46,6 @@ class PosedImage(ImageEntry):
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Its objects with their poses; raises FileError."""
+        """Its objects with their poses. Raises FileError."""
         poses = () if self.poses is None else self.read_poses(self.poses)
         return tuple(Instance(label, self.object_name, pose) for label, pose in enumerate(poses, start=1))

@@ -8,8 +8,8 @@
     FOLDER/models/OBJECT.ply (or .obj, .stl, or in OBJECT/), metres
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
-BIN is A..L; the four shots of one position are near-identical. Only OBJECT is labelled, as 1: its visible mask is
-rendered. Frames without a pose have no labels. What the three numbers stand for is inferred from how many there are.
+BIN is A..L. The four shots of one position are near-identical. Only OBJECT is labelled, as 1: its visible mask is
+rendered. Frames without a pose have no labels. The meaning of the three numbers is inferred from their counts.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Rutgers(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether there is a file of such a name."""
+        """True if there is a file of such a name."""
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -66,7 +66,7 @@ class Rutgers(DataSet):
             )
 
     def _model(self, name: str) -> Path:
-        """Where the model of an object is, or would be expected."""
+        """Return the path of an object's model, or the path where it is expected."""
         return find_model(self.folder / "models", name) or self.folder / "models" / f"{name}.ply"
 
 
@@ -79,7 +79,7 @@ def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
 
 
 def read_pose(path: Path) -> list[Pose]:
-    """The one pose (4, 4) of the object in the camera, metres; raises FileError."""
+    """The one pose (4, 4) of the object in the camera, metres. Raises FileError."""
     yaml, pose = import_yaml(path, "datasets"), np.eye(4)
     try:
         values = parse_yaml(yaml, path.read_text(encoding="utf-8"))
@@ -95,7 +95,7 @@ def read_pose(path: Path) -> list[Pose]:
 
 
 def pose_to_yaml(pose: Pose) -> str:
-    """What `read_pose` reads."""
+    """Return a pose as text that `read_pose` reads."""
     translation, rotation = (", ".join(f"{v:.17g}" for v in part.ravel()) for part in (pose[:3, 3], pose[:3, :3]))
     return (
         f"%YAML:1.0\n{TRANSLATION}: [ {translation} ]\n"

@@ -1,6 +1,6 @@
-"""What a data set holds, once it is read: frames with labels, and, where the set has them, poses and models.
+"""Content of a data set once it is read: frames with labels and, if the set has them, poses and models.
 
-Letters used in shapes: H, W = image; V = vertices; T = triangles.
+Letters used in shapes: H, W = image, V = vertices, T = triangles.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Model:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Instance:
-    """One object in a frame. label: its value in `Sample.labels`; model: the name of its `Model`.
+    """One object in a frame. label: its value in `Sample.labels`. model: the name of its `Model`.
 
     pose (4, 4): from the model's axes to the camera's (X right, Y down, Z forward), metres.
     """

@@ -9,7 +9,7 @@
 
 Scene N shows object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk, the order of their publication.
 Images without a file of poses have no labels (some original poses are poor: the new annotation holds those repaired).
-Labels are places in that file plus 1; visible masks are rendered. The frames of a scene are near-identical.
+Labels are places in that file plus 1. Visible masks are rendered. The frames of a scene are near-identical.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Tejani(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether a scene has a folder RGB with such images."""
+        """True if a scene has a folder RGB with such images."""
         return bool(_scenes(folder))
 
     def _find(self) -> Iterator[Entry]:
@@ -69,14 +69,14 @@ class Tejani(DataSet):
         return next((path for path in places if path.is_file()), None)
 
     def _model(self, number: int, name: str) -> Path:
-        """Where the model is, or would be expected."""
+        """Return the path of the model, or the path where it is expected."""
         stems = (f"obj_{number:02d}", name)
         found = (find_model(self.folder / folder, stem) for folder in MODELS for stem in stems)
         return next((path for path in found if path), self.folder / MODELS[0] / f"obj_{number:02d}.ply")
 
 
 def read_poses(path: Path) -> list[Pose]:
-    """Poses (4, 4) of the instances; raises FileError."""
+    """Poses (4, 4) of the instances. Raises FileError."""
     try:
         count, *numbers = path.read_text(encoding="utf-8").replace(",", " ").split()
         poses = np.array(numbers, np.float64).reshape(int(count), 4, 4)
@@ -88,7 +88,7 @@ def read_poses(path: Path) -> list[Pose]:
 
 
 def poses_to_text(poses: Sequence[Pose]) -> str:
-    """What `read_poses` reads."""
+    """Return poses as text that `read_poses` reads."""
     rows = [",".join(f"{value:.17g}" for value in row) for pose in poses for row in pose]
     return "\n".join([str(len(poses)), *rows, ""])
 
@@ -102,7 +102,7 @@ def _is_scene(colors: Path) -> bool:
 
 
 def _object(scene: str) -> tuple[int, str]:
-    """Number from 1 and name of the object that a scene's folder shows, 0 where it names none."""
+    """Number from 1 and name of the object that a scene's folder shows, 0 if it names none."""
     known = [name.lower() for name in OBJECTS]
     digits = scene.removeprefix("scene_")
     number = int(digits) if digits.isdigit() else known.index(scene.lower()) + 1 if scene.lower() in known else 0

@@ -1,7 +1,7 @@
 """TUM RGB-D benchmark (Sturm et al. 2012), and whoever keeps its lists.
 
-    SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment; seconds, paths from SEQUENCE
-    SEQUENCE/depth.txt                the same; 16 bits, 5000 units to the metre, 0 = missing
+    SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
+    SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
     SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
 Times may also be milliseconds, microseconds or nanoseconds, as their size shows. Each colour image goes with the depth
@@ -29,7 +29,7 @@ UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
 """The same for gaps between the frames of a clock that starts at 0: no video has days between its frames."""
 MANY_ALONE = 0.5
-"""Share of colour images without depth from which on it is told."""
+"""Minimum share of colour images without depth that is reported."""
 
 Stamped = list[tuple[float, Path]]
 
@@ -41,7 +41,7 @@ class Tum(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether it or a folder in it has both lists."""
+        """True if it or a folder in it has both lists."""
         return bool(_sequences(folder))
 
     def _find(self) -> Iterator[Entry]:

@@ -6,8 +6,8 @@
     rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
     quickfind_mask_data/SCENE_K_N_mask.png                optional, beside rgbd-scenes or in it: a colour an object
 
-Labels are places in `MASK_COLORS` plus 1; strange colours are ignored. Frames without a mask have no labels. What is
-none of those 22 objects is not labelled: `part`. The frames of one sequence SCENE_K are near-identical.
+Labels are places in `MASK_COLORS` plus 1. Strange colours are ignored. Frames without a mask have no labels. Other
+things than those 22 objects are not labelled: `part`. The frames of one sequence SCENE_K are near-identical.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ MASK_COLORS = {
 
 @dataclass(frozen=True, slots=True)
 class UwFrame(ImageEntry):
-    """One frame of a sequence. mask and boxes: None where there is none."""
+    """One frame of a sequence. mask and boxes: None if there is none."""
 
     number: int
     mask: Path | None
@@ -54,16 +54,16 @@ class UwFrame(ImageEntry):
         return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Its hand-traced mask, None where it has none; raises FileError."""
+        """Its hand-traced mask, None if it has none. Raises FileError."""
         return None if self.mask is None else labels_of(read_color(self.mask))
 
     def read_boxes(self) -> tuple[ObjectBox, ...]:
-        """The boxes of its objects as the set has them, () where it has none; raises FileError."""
+        """The boxes of its objects as the set has them, () where it has none. Raises FileError."""
         return () if self.boxes is None else read_boxes(self.boxes, self.number)
 
 
 class UwScenes(DataSet):
-    """Frames of UW RGB-D Scenes v1. masks: folder of QuickFind's masks; if None, it is looked for."""
+    """Frames of UW RGB-D Scenes v1. masks: folder of QuickFind's masks. If None, it is looked for."""
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
 
@@ -73,7 +73,7 @@ class UwScenes(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether there are frames of a sequence in a folder of its name."""
+        """True if there are frames of a sequence in a folder of its name."""
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:

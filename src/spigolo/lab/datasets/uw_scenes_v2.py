@@ -26,7 +26,7 @@ class UwScenesV2(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Whether a scene has such images."""
+        """True if a scene has such images."""
         return any(folder.glob("imgs/scene_*/*-color.png"))
 
     def _find(self) -> Iterator[Entry]:

@@ -1,8 +1,8 @@
 """Visible masks of objects whose models and poses are known, as BOP makes them (bop_toolkit, visibility).
 
 A pixel belongs to an object where its model is drawn and is not more than 15 mm behind what was measured, both as
-distances from the camera's centre; where nothing was measured it counts as visible.
-Letters used in shapes: H, W = image; N = objects.
+distances from the camera's centre. If nothing was measured it counts as visible.
+Letters used in shapes: H, W = image, N = objects.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from spigolo.kernels.registration import FARTHEST_PX, NEAREST_M
 from spigolo.lab.datasets.sample import Instance, Model
 
 TOLERANCE_M = 0.015
-"""How far a model may lie behind the measured surface: bop_toolkit's delta."""
+"""Maximum distance of a model behind the measured surface: bop_toolkit's delta."""
 
 
 def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
-    """Depth (H, W) in metres of a model at a pose (4, 4), model to camera; 0 where it is not. No distortion."""
+    """Depth (H, W) in metres of a model at a pose (4, 4), model to camera. 0 if it is not. No distortion."""
     with np.errstate(over="ignore", invalid="ignore"):
         x, y, z = (model.vertices_m @ pose[:3, :3].T + pose[:3, 3]).T
         inverse = np.divide(1.0, z, out=np.zeros_like(z), where=z >= NEAREST_M)
@@ -35,7 +35,7 @@ def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) ->
 
 
 def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_m: float = TOLERANCE_M) -> Mask:
-    """Where (H, W) a drawn model is visible in the measured depth."""
+    """Return the pixels (H, W) in which a drawn model is visible in the measured depth."""
     behind = (drawn - measured) * ray_lengths(camera)
     return np.asarray((drawn > 0) & ((measured == 0) | (behind <= tolerance_m)))
 
@@ -47,7 +47,7 @@ def visible_labels(
     camera: Camera,
     tolerance_m: float = TOLERANCE_M,
 ) -> npt.NDArray[np.int32]:
-    """Labels (H, W) of the instances, models[n] being that of instances[n]; where several are visible the nearest."""
+    """Labels (H, W) of the instances, models[n] being that of instances[n]. If several are visible the nearest."""
     labels = np.zeros(measured.shape, np.int32)
     nearest = np.full(measured.shape, np.inf, np.float32)
     for instance, model in zip(instances, models, strict=True):

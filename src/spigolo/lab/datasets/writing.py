@@ -1,7 +1,7 @@
 """Rendered stand-ins in the layouts of real sets. `spigolo.lab.datasets` reads them as it reads the originals.
 
 Each file is written at once, what describes a scene after its frames. `rendered.json` in the folder says that no frame
-is a photograph; `camera.json` beside it holds the camera, where the layout has no place for it. The name of each
+is a photograph. `camera.json` next to it holds the camera, where the layout has no place for it. The name of each
 sample's frame is its place in the set: `rutgers_name`, `uw_scenes_name` and `tejani_name` make such names.
 """
 
@@ -31,26 +31,28 @@ from spigolo.lab.datasets.uw_scenes import MASK_COLORS, MASK_FOLDER, category_of
 
 
 def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int, shot: int) -> str:
-    """Of a frame: object, bin A..L, degree of clutter 0..2, camera position 0..2, shot 0..3."""
+    """Return the name of a frame from object, bin A..L, degree of clutter 0..2, camera position 0..2 and shot 0..3."""
     return f"{object_name}-{bin_letter}-{clutter}-{position}-{shot}"
 
 
 def uw_scenes_name(sequence: str, number: int) -> str:
-    """Of a frame: a sequence such as table_1 or kitchen_small_1, and a number from 1."""
+    """Return the name of a frame from a sequence, such as table_1 or kitchen_small_1, and a number from 1."""
     return f"{sequence}_{number}"
 
 
 def tejani_name(object_name: str, number: int) -> str:
-    """Of a frame: Coffee_Cup, Shampoo, Joystick, Camera, Juice or Milk, and a number from 0; raises FrameError."""
+    """Return the name of a frame from Coffee_Cup, Shampoo, Joystick, Camera, Juice or Milk, and a number from 0. Raises
+    FrameError.
+    """
     if object_name not in TEJANI_OBJECTS:
         raise FrameError(f"expected one of {', '.join(TEJANI_OBJECTS)}, got {object_name}")
     return f"scene_{TEJANI_OBJECTS.index(object_name) + 1:02d}/img_{number:03d}"
 
 
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Writes the layout of `Rutgers`: of each frame the one object that its name tells, with its pose.
+    """Write the layout of `Rutgers`: of each frame the one object that its name tells, with its pose.
 
-    about: what was rendered, in a sentence. Returns the number of frames; raises FileError or FrameError.
+    about: what was rendered, in a sentence. Returns the number of frames. Raises FileError or FrameError.
     """
     images = _Images(folder, about)
     for model in models:
@@ -66,9 +68,9 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
 
 
 def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
-    """Writes the layout of `UwScenes` with QuickFind's masks in it: of each frame the objects that have a colour there.
+    """Write the layout of `UwScenes` with QuickFind's masks in it: of each frame the objects that have a colour there.
 
-    Each sequence gets its boxes when all frames are written. Returns the number of frames; raises FileError or
+    Each sequence gets its boxes when all frames are written. Returns the number of frames. Raises FileError or
     FrameError.
     """
     images = _Images(folder, about)
@@ -86,9 +88,9 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
 
 
 def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Writes the layout of `Tejani`: of each frame the instances of its scene's object, with their poses.
+    """Write the layout of `Tejani`: of each frame the instances of its scene's object, with their poses.
 
-    Returns the number of frames; raises FileError or FrameError.
+    Returns the number of frames. Raises FileError or FrameError.
     """
     images = _Images(folder, about)
     for model in models:
@@ -104,10 +106,10 @@ def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model
 
 
 def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Writes the layout of `Bop`, with whole and visible masks; models are numbered from 1 in their order.
+    """Write the layout of `Bop`, with whole and visible masks. Models are numbered from 1 in their order.
 
     Frames named "SCENE/IMAGE", both numbers, get this place, others the next one of scene 1. Labels without an
-    instance are left out. Returns the number of frames; raises FileError or FrameError.
+    instance are left out. Returns the number of frames. Raises FileError or FrameError.
     """
     write_json(folder / RENDERED, {"about": about})
     write_description(folder, models, about)
@@ -134,7 +136,7 @@ class _Images:
         write_json(folder / RENDERED, {"about": about})
 
     def write(self, sample: Sample, color: str, depth: str) -> None:
-        """Writes both; the first time also camera.json."""
+        """Write both. The first time also camera.json."""
         camera = sample.frame.camera
         if camera is None or camera not in (self._camera, camera if self._camera is None else None):
             raise FrameError(f"expected one camera in all frames, got {camera} in {sample.frame.name}")

@@ -1,4 +1,4 @@
-"""How good is a segmentation: two label images in, numbers out.
+"""Scores of a segmentation: two label images in, numbers out.
 
 A label image is a 2-D array of whole numbers: 0 is background, every other value is one instance. In use::
 
@@ -6,11 +6,12 @@ A label image is a 2-D array of whole numbers: 0 is background, every other valu
     total = summarise([score, ...])                         # a data set
     print(total.overlap_f, total.found_iou_70)
 
-Rows are the scores of many methods on many frames, in a file (`Row`, `RowFile`, `read_rows`); `pool` puts those of one
-method together, `compare` sets two side by side, `folds` and `leave_one_set_out` split frames to choose and to score.
+Rows are the scores of many methods on many frames, in a file (`Row`, `RowFile`, `read_rows`). `pool` combines the rows
+of one method, and `compare` compares two methods. `folds` and `leave_one_set_out` split frames into those to choose by
+and those to score.
 
-Letters used in shapes: H, W = image; N = true objects; S = predicted segments.
-Needs the extra ``evaluation`` (scipy): ``pip install "spigolo[evaluation]"``.
+Letters used in shapes: H, W = image, N = true objects, S = predicted segments. Needs the extra ``evaluation`` (scipy):
+``pip install "spigolo[evaluation]"``.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What the measures accept, and the sentence that says so when something else comes.
+"""Checks of the input of the measures, with their messages.
 
 Letters used in shapes: H, W = image.
 """
@@ -53,7 +53,7 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
 
 
 def checked_radius(radius_px: float) -> float:
-    """The radius as a float; ValueError where it is negative or NaN."""
+    """The radius as a float. ValueError where it is negative or NaN."""
     if not radius_px >= 0:
         raise ValueError(f"expected radius_px to be 0 or more, got {radius_px}; mend: leave it out for the default")
     return float(radius_px)

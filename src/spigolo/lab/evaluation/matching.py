@@ -1,7 +1,7 @@
 """Who overlaps whom, who is paired with whom, and which boundary pixels meet.
 
 Everything here takes label images that were already checked (`spigolo.lab.evaluation.score_frame` does it).
-Letters used in shapes: H, W = image; N = true objects; S = predicted segments.
+Letters used in shapes: H, W = image, N = true objects, S = predicted segments.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ NEEDS_SCIPY = 'the measures need scipy, which is not installed; mend: pip instal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OverlapTable:
-    """Pixel counts of every (true object, predicted segment) couple; background is neither."""
+    """Pixel counts of every (true object, predicted segment) couple. Background is neither."""
 
     object_ids: NDArray[np.integer[Any]]
     """(N,) labels of the true objects, ascending."""
@@ -45,10 +45,10 @@ class OverlapTable:
     """(N, S) pixels that carry both labels."""
 
     object_px: Ints
-    """(N,) area of each true object; what no segment covers counts too."""
+    """(N,) area of each true object. Uncovered pixels count too."""
 
     segment_px: Ints
-    """(S,) area of each segment; what lies on no object counts too."""
+    """(S,) area of each segment. Pixels on no object count too."""
 
     def recall(self) -> Floats:
         """(N, S) share of the object that the segment covers."""
@@ -110,8 +110,8 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     Returns
     -------
     objects, segments
-        (min(N, S),) row and column numbers of the table. Where several pairings reach the same sum, the
-        one taken depends on the order of the labels; so, in such a tie, do the measures made from it.
+        (min(N, S),) row and column numbers of the table. If several pairings reach the same sum, the
+        one taken depends on the order of the labels. So, in such a tie, do the measures made from it.
 
     """
     try:
@@ -136,7 +136,7 @@ def boundary_map(labels: Labels) -> Mask:
 
 
 def boundary_hits(boundary: Mask, other: Mask, radius_px: float) -> int:
-    """How many pixels of `boundary` have a pixel of `other` at most `radius_px` away (Euclidean).
+    """Count the pixels of `boundary` that have a pixel of `other` at most `radius_px` away (Euclidean).
 
     A pixel of `other` may serve any number of pixels of `boundary`.
     """
@@ -144,7 +144,7 @@ def boundary_hits(boundary: Mask, other: Mask, radius_px: float) -> int:
 
 
 def _within(mask: Mask, radius_px: float) -> Mask:
-    """Where a pixel of the mask (H, W) is at most so far away."""
+    """Return the pixels (H, W) that are at most that far from the mask."""
     if radius_px > LARGE_PX:
         if not mask.any():
             return mask

@@ -1,6 +1,6 @@
 """The measures of one frame.
 
-Letters used in shapes: H, W = image; N = true objects; S = predicted segments.
+Letters used in shapes: H, W = image, N = true objects, S = predicted segments.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ GOOD_F = 0.75
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measures:
-    """What a score says first, whether it is that of a frame, of a row or of a data set."""
+    """Main figures of a score, for a frame, a row or a data set."""
 
     overlap_precision: float
     """Pixels shared within the pairs, over all predicted pixels."""
@@ -69,7 +69,7 @@ class FrameScore(Measures):
     """
 
     object_ids: NDArray[np.integer[Any]]
-    """(N,) labels of the true objects, ascending; the order of the arrays below."""
+    """(N,) labels of the true objects, ascending. The order of the arrays below."""
 
     n_segments: int
     """S, the number of predicted segments."""
@@ -108,9 +108,9 @@ def score_frame(
     truth, prediction
         (H, W) whole numbers, 0 = background, every other value one instance. The values need not agree.
     ignore
-        (H, W) boolean. Where set, both images become background before anything is counted.
+        (H, W) boolean. If set, both images become background before anything is counted.
     radius_px
-        Reach of the boundary matching [px]; by default 0.003 of the image diagonal, rounded up.
+        Reach of the boundary matching [px]. By default 0.003 of the image diagonal, rounded up.
 
     Raises
     ------
@@ -143,12 +143,12 @@ def score_frame(
 
 
 def _by_any_segment(holds: Mask) -> Mask:
-    """(N,) from (N, S): does it hold for any segment? Never without segments."""
+    """(N,) from (N, S): True if it holds for any segment. Never without segments."""
     return np.asarray(holds.any(axis=1), np.bool_)
 
 
 def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
-    """Precision, recall and F of counts; 1 when both sides are empty, 0 when one is."""
+    """Precision, recall and F of counts. 1 when both sides are empty, 0 when one is."""
     if all_pred == 0 and all_true == 0:
         return 1.0, 1.0, 1.0
     precision = hits_pred / all_pred if all_pred else 0.0

@@ -1,4 +1,4 @@
-"""Rows put together: the figures of a method on many frames, and of two methods beside each other.
+"""Rows put together: the figures of a method on many frames, and of two methods next to each other.
 
 Near-identical frames count once: a frame weighs 1 / (frames of its group), so that every group weighs the same in a
 mean, and its objects count once among all objects.
@@ -24,23 +24,23 @@ Figure = Callable[[RowScore], float]
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """Figures of one method on many frames; NaN where they mean nothing.
+    """Figures of one method on many frames. NaN if they mean nothing.
 
     Precision, F and false positives need frames on which every object is labelled: they are NaN if any frame is not.
     """
 
     n_frames: int
     n_groups: int
-    """Groups of near-identical frames; a frame unlike all others is one."""
+    """Groups of near-identical frames. A frame unlike all others is one."""
 
     n_failed: int
-    """Frames with an error; scored as if nothing had been found."""
+    """Frames with an error. Scored as if nothing had been found."""
 
     n_predicted: float
     """Mean number of predicted objects."""
 
     n_objects: float
-    """Labelled objects; not whole where the frames of a group differ in number."""
+    """Labelled objects. A fraction if the frames of a group have different numbers of objects."""
 
     overlap_precision: float
     overlap_recall: float
@@ -85,7 +85,7 @@ class Pooled:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """How much larger the figures of one method are than those of another, on the frames that both have.
+    """Differences between the figures of two methods, on the frames that both have.
 
     Intervals: bootstrap over the groups, paired. cpu_ratio: median over the frames of the ratio of CPU times.
     """
@@ -142,7 +142,7 @@ def pool(rows: Sequence[Row]) -> Pooled:
 
 
 def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
-    """How much larger the figures of `after` are than those of `before`; raises ValueError as `pool` does."""
+    """Compare two methods: the figures of `after` minus those of `before`. Raises ValueError as `pool` does."""
     _check(before)
     _check(after)
     old = {(row.data_set, row.frame): row for row in before}
@@ -186,7 +186,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 
 
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
-    """(G,) mean of a figure within each group, groups in the order of their first frame; `of` says the groups."""
+    """(G,) mean of a figure within each group, groups in the order of their first frame. `of` says the groups."""
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):
         assert row.score is not None
@@ -203,6 +203,6 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 
 
 def _share(rows: Sequence[Row], count: Figure) -> float:
-    """What is counted, per labelled object."""
+    """Return the share of labelled objects for a count."""
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

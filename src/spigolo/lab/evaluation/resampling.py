@@ -1,6 +1,6 @@
 """Intervals by resampling, and splits that keep what belongs together on one side.
 
-Letters used in shapes: G = groups of near-identical frames; K = frames.
+Letters used in shapes: G = groups of near-identical frames, K = frames.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LEVEL = 0.95
 
 
 class Estimate(NamedTuple):
-    """A figure with its 95 % interval; NaN for what is not known."""
+    """A figure with its 95 % interval. NaN for what is not known."""
 
     value: float
     low: float
@@ -33,7 +33,7 @@ UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
-    """Frames by number. inside: to choose by; outside: to score, and no frame like them is inside."""
+    """Frames by number. inside: to choose by. outside: to score, and no frame like them is inside."""
 
     name: str
     inside: Indices
@@ -68,9 +68,9 @@ def bootstrap(
 
 
 def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Split]:
-    """Splits K frames into `k` folds of about one size, each the outside of one split; a group is never divided.
+    """Split K frames into `k` folds of about one size, each the outside of one split. A group is never divided.
 
-    groups: (K,) the group of each frame. Raises ValueError where there are fewer groups than folds.
+    groups: (K,) the group of each frame. Raises ValueError if there are fewer groups than folds.
     """
     frames_of = _frames_of(groups)
     if not 2 <= k <= len(frames_of):
@@ -90,7 +90,7 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
 def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = None) -> list[Split]:
     """A split per data set, in the order of their names, with that set outside.
 
-    sets: (K,) the data set of each frame. groups: (K,) its group; frames of other sets that are like one outside are on
+    sets: (K,) the data set of each frame. groups: (K,) its group. Frames of other sets that are like one outside are on
     neither side. Raises ValueError with fewer than two sets.
     """
     names = sorted(set(sets))
@@ -120,7 +120,7 @@ def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, floa
 
     Honest for few trials and for shares near 0 or 1. Nothing is known without trials: (0, 1). Counts need not be whole:
     trials that are near-identical may weigh less.
-    Trials are taken as independent; objects of one frame are not quite.
+    Trials are taken as independent. Objects of one frame are not quite.
     """
     if not 0 <= hits <= n or not z >= 0:
         raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts")

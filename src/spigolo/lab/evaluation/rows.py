@@ -1,6 +1,6 @@
 """Rows: what one method made of one frame, a line of JSON each, in a file that an evaluation can go on with.
 
-Letters used in shapes: H, W = image; N = true objects.
+Letters used in shapes: H, W = image, N = true objects.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Labelling = Literal["full", "part", "none"]
 
 
 class Key(NamedTuple):
-    """What makes a row one of its kind: nothing is evaluated twice."""
+    """Key of a row. Two rows with one key are the same evaluation, so nothing is evaluated twice."""
 
     data_set: str
     frame: str
@@ -55,10 +55,10 @@ class RowScore(Measures):
     """(N,) the same with any region, rejected ones as well: what the rejection could have kept."""
 
     true_positives: int
-    """Labelled objects with IoU > 0.7; each is met by one predicted object alone."""
+    """Labelled objects with IoU > 0.7. Each is met by one predicted object alone."""
 
     false_positives: int
-    """Predicted objects that meet no labelled one so; wrong only where every object is labelled."""
+    """Predicted objects that meet no labelled one so. Wrong only where every object is labelled."""
 
     false_negatives: int
     """Labelled objects that are met by none."""
@@ -67,7 +67,7 @@ class RowScore(Measures):
     """Labelled objects that one predicted one covers by more than 70 %, whatever else it covers."""
 
     found_70_both: int
-    """Of these, the ones that such a predicted one lies on by more than 70 %."""
+    """Labelled objects among these that such a predicted object covers by more than 70 % of its own area."""
 
     pieces: int
     """Regions that hold 5 % of a labelled object or more, added up over the objects."""
@@ -77,7 +77,7 @@ class RowScore(Measures):
     less, as a share of it, added up over the objects."""
 
     covered: tuple[float, ...] = ()
-    """(N,) largest share of each labelled object that one predicted one covers; () in rows made without it."""
+    """(N,) largest share of each labelled object that one predicted one covers. () in rows made without it."""
 
     covered_by_regions: tuple[float, ...] = ()
     """(N,) the same by any region, rejected ones as well."""
@@ -88,7 +88,7 @@ class RowScore(Measures):
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What one method made of one frame."""
+    """Result of one method on one frame."""
 
     data_set: str
     frame: str
@@ -100,13 +100,13 @@ class Row:
     method: str
 
     preset: str
-    """Name of the parameters; `digest` tells their values apart."""
+    """Name of the parameters. `digest` tells their values apart."""
 
     digest: str
     parameters: dict[str, Any]
 
     version: str
-    """Of spigolo."""
+    """Version of spigolo."""
 
     machine: str
 
@@ -125,7 +125,7 @@ class Row:
     """None without labels. A method that failed is scored as if it had found nothing."""
 
     error: str | None = None
-    """What went wrong, in a sentence."""
+    """Error in one sentence, None after success."""
 
     content: str = ""
     """Checksum of the frame's files, "" where it was not kept: what tells frames of one name apart."""
@@ -143,9 +143,9 @@ def score_row(
     ignore: ArrayLike | None = None,
     names: Mapping[int, str] | None = None,
 ) -> RowScore:
-    """The score of a row from label images (H, W), 0 = background; see `score_frame`.
+    """The score of a row from label images (H, W), 0 = background. See `score_frame`.
 
-    regions: the partition that the objects were chosen from, as a label image without background; by default the
+    regions: the partition that the objects were chosen from, as a label image without background. By default the
     prediction itself. names: what the true objects are, by label.
     """
     score = score_frame(truth, prediction, ignore)
@@ -186,9 +186,9 @@ def row_to_json(row: Row) -> str:
 
 
 def read_rows(path: Path | str) -> list[Row]:
-    """The rows of a file; a last line without its end is what a crash left, and is dropped.
+    """The rows of a file. A last line without its end is what a crash left, and is dropped.
 
-    Raises FileError where the file cannot be read or a line is no row.
+    Raises FileError if the file cannot be read or a line is no row.
     """
     try:
         data = Path(path).read_bytes()
@@ -216,7 +216,7 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
 class RowFile:
     """A file of rows, open to append: `rows` are those that it holds, each new one is on the disk at once.
 
-    A half-written last line is cut off when the file is opened. Raises FileError where it cannot be opened or holds
+    A half-written last line is cut off when the file is opened. Raises FileError if it cannot be opened or holds
     something else.
     """
 
@@ -228,19 +228,19 @@ class RowFile:
         self._file = append_lines(self.path)
 
     def append(self, row: Row) -> None:
-        """Writes a row and keeps it."""
+        """Write a row and keep it."""
         self._file.write(row_to_json(row).encode() + b"\n")
         self._file.flush()
         self.rows.append(row)
 
     def rewrite(self, rows: Sequence[Row]) -> None:
-        """Puts these in place of all that it holds, at once."""
+        """Put these in place of all that it holds, at once."""
         self._file.close()
         write_bytes(self.path.resolve(), b"".join(row_to_json(row).encode() + b"\n" for row in rows))
         self.rows, self._file = list(rows), append_lines(self.path)
 
     def close(self) -> None:
-        """Closes the file."""
+        """Close the file."""
         self._file.close()
 
     def __enter__(self) -> RowFile:

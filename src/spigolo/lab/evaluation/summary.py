@@ -17,11 +17,11 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 class DatasetScore(Measures):
     """Measures of many frames: means over the frames, or shares of the objects of all frames together.
 
-    The means of the frames' F are not the harmonic means of the figures beside them.
+    The means of the frames' F are not the harmonic means of the figures next to them.
     """
 
     found_70_recall: float
-    """Share of all objects, NaN without objects. Merging raises it: read it beside `overlap_precision`."""
+    """Share of all objects, NaN without objects. Merging raises it: read it together with `overlap_precision`."""
 
     found_70_both: float
     """Share of all objects, NaN without objects."""
@@ -36,14 +36,14 @@ class DatasetScore(Measures):
     """Predicted segments of all frames over the objects of all frames (over 1 when there are none)."""
 
     n_frames: int
-    """How many frames were scored."""
+    """Number of scored frames."""
 
     n_objects: int
-    """How many true objects they hold together."""
+    """Number of true objects in all of them."""
 
 
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
-    """Put the scores of many frames together; every frame, or every object, weighs the same.
+    """Put the scores of many frames together. Every frame, or every object, weighs the same.
 
     Raises
     ------

@@ -43,7 +43,7 @@ def read_contenders(paths: Sequence[Path]) -> list[Contender]:
 def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
     """The contenders of rows by the file that they come from.
 
-    Files that hold different frames of one method add up; those that hold the same frames are contenders of their own,
+    Files that hold different frames of one method add up. Those that hold the same frames are contenders of their own,
     as before and after a change of the code.
     """
     held = {file: _by_method(rows) for file, rows in files.items()}
@@ -58,10 +58,10 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
 
 
 def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
-    """What the others are compared with: the contender of that label, digest, preset or method, or those of a file.
+    """Find the contenders that others are compared with: those of that label, digest, preset, method or file.
 
     Without a name the first one, or, where files hold the same frames, those of the first file. Raises ConfigError
-    where the name is of none, or of several that are not one file.
+    if the name is of none, or of several that are not one file.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]

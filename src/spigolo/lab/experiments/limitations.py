@@ -1,4 +1,4 @@
-"""What the figures of a report do not say, in sentences made from its rows."""
+"""Limitations of a report's figures, as sentences made from its rows."""
 
 from __future__ import annotations
 

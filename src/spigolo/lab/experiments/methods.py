@@ -1,4 +1,4 @@
-"""What is evaluated: methods by name, ours once for each preset."""
+"""Methods to evaluate, by name. Ours appears once for each preset."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method
 
 
 def remake(row: Row) -> Method | None:
-    """The method of a row with the row's parameters, None where it no longer exists with these."""
+    """The method of a row with the row's parameters, None if it no longer exists with these."""
     if row.method not in METHODS:
         return None
     try:

@@ -1,4 +1,4 @@
-"""The paper's Tables I to III, what it printed beside what rows say: its rule for an object that is found is that one
+"""The paper's Tables I to III, what it printed next to what rows say: its rule for an object that is found is that one
 segment covers more than 70 % of its pixels.
 """
 
@@ -45,7 +45,7 @@ class Tally:
         return _percent(self.in_regions, self.objects)
 
     def among(self, other: Tally) -> str:
-        """How many objects, where these are not those of the other."""
+        """Return the number of objects as text if it differs from that of the other tally."""
         return "" if self.objects == other.objects else f"of {self.objects}"
 
 
@@ -53,7 +53,7 @@ class Tally:
 class Measured:
     """One of the paper's tables on one data set. tallies: by contender, in their order, and place.
 
-    The first contender is the preset that the paper uses; beside: the method in parentheses, None where there is none.
+    The first contender is the preset that the paper uses. beside: the method in parentheses, None if there is none.
     """
 
     printed: Printed
@@ -64,15 +64,15 @@ class Measured:
 
     @property
     def title(self) -> str:
-        """Says plainly what is no photograph."""
+        """Say plainly what is no photograph."""
         on = f"rendered stand-in for {self.printed.about}" if self.rendered else self.printed.about
         return f"Table {self.printed.number}: {on}"
 
 
 def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple[str, Table]]:
-    """Writes index.html and report.md into the folder `out`; returns titles and tables of the sets that are there.
+    """Write index.html and report.md into the folder `out`. Returns titles and tables of the sets that are there.
 
-    Raises FileError where the rows hold none of the paper's sets, lack the preset that the paper uses on one, are of an
+    Raises FileError if the rows hold none of the paper's sets, lack the preset that the paper uses on one, are of an
     older version or cannot be written.
     """
     measured = measure(contenders)
@@ -87,7 +87,7 @@ def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple
 
 
 def measure(contenders: Sequence[Contender]) -> list[Measured]:
-    """What the rows say of each of the paper's sets that they hold; raises FileError as `write_paper_tables` does."""
+    """Measure each of the paper's sets that the rows hold. Raises FileError as `write_paper_tables` does."""
     sets = [(printed, rendered) for printed in TABLES for rendered in (False, True)]
     measured = [one for pair in sets if (one := _measure(contenders, *pair)) is not None]
     if not measured:
@@ -100,7 +100,7 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
 
 
 def paper_table(measured: Measured) -> Table:
-    """Printed and measured side by side; of one column of figures in lines, of several in columns."""
+    """Printed and measured side by side. For one column of figures in lines, of several in columns."""
     return _wide(measured) if len(measured.printed.columns) > 1 else _narrow(measured)
 
 
@@ -184,7 +184,7 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """The preset's figures, those of the method beside it in parentheses."""
+    """The preset's figures, those of the method next to it in parentheses."""
     tallies = _tallies(measured, line, label)
     besides = _tallies(measured, line, measured.beside) if measured.beside else [None] * len(tallies)
     for tally, other in zip(tallies, besides, strict=True):
@@ -192,7 +192,7 @@ def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
 
 
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
-    """Along a line; None for what the paper leaves out."""
+    """Along a line. None for what the paper leaves out."""
     places = [(line, column) for column in measured.printed.columns]
     return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]
 

@@ -1,4 +1,4 @@
-"""Pictures of the worst frames: what was predicted beside what is true."""
+"""Pictures of the worst frames: what was predicted next to what is true."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ Tell = Callable[[int, int], None]
 
 
 def goodness(row: Row) -> float:
-    """What frames are ranked by: overlap F where every object is labelled, overlap recall where some are."""
+    """Return the figure that ranks frames: overlap F if every object is labelled, overlap recall if some are."""
     assert row.score is not None
     return row.score.overlap_f if row.labelling == "full" else row.score.overlap_recall
 
 
 def worst_rows(rows: Sequence[Row]) -> list[Row]:
-    """The worst labelled frames, the worst first; of near-identical ones the worst alone. Failed ones are left out."""
+    """Return the labelled frames, the worst first. Near-identical and failed frames are left out."""
     scored = (row for row in rows if row.score is not None and row.error is None)
     chosen: dict[str, Row] = {}
     for row in sorted(scored, key=lambda row: (goodness(row), row.key)):
@@ -49,9 +49,9 @@ def worst_rows(rows: Sequence[Row]) -> list[Row]:
 def draw_worst(
     contender: Contender, folders: Mapping[tuple[str, str], Entry], out: Path, tell: Tell | None = None
 ) -> list[Picture]:
-    """Draws the worst frames of a contender into `out`/pictures, run anew with the parameters of the rows.
+    """Draw the worst frames of a contender into `out`/pictures, run anew with the parameters of the rows.
 
-    Frames that are not in `folders` are left out; so are all of them where the method cannot be made again.
+    Frames that are not in `folders` are left out. So are all of them where the method cannot be made again.
     """
     rows = [row for row in worst_rows(contender.rows) if (row.data_set, row.frame) in folders]
     method = remake(rows[0]) if rows else None
@@ -69,7 +69,7 @@ def _draw(number: int, row: Row, method: Method, folder: Entry, label: str, out:
     try:
         frame, truth = folder.read_both()
         result = method(frame)
-    except SpigoloError:  # what could be read then can no longer be: no picture
+    except SpigoloError:  # the files can no longer be read: no picture
         return []
     if truth is None or row.score is None:
         return []

@@ -1,4 +1,4 @@
-"""What the paper prints in its Tables I to III, and which object of which frame belongs into which cell."""
+"""Printed figures of the paper's Tables I to III, and the cell of each object of each frame."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Place = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One printed cell, in per cent. beside: what stands in parentheses; objects: how many there were, if printed."""
+    """One printed cell, in per cent. beside: what stands in parentheses. objects: how many there were, if printed."""
 
     found: str
     beside: str = ""
@@ -23,8 +23,8 @@ class Figure:
 class Printed:
     """One of the tables.
 
-    data_set: name of its reader's frames; preset: with the parameters of its section; beside: the method in
-    parentheses, "" for none; figures: no entry where the paper has "-"; place: the cell of an object by the names of
+    data_set: name of its reader's frames. preset: with the parameters of its section. beside: the method in
+    parentheses, "" for none. figures: no entry where the paper has "-". place: the cell of an object by the names of
     frame and object, whether or not the table has such a cell.
     """
 

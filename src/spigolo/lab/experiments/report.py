@@ -26,7 +26,7 @@ def write_report(
     against: str | None = None,
     tell: Tell | None = None,
 ) -> None:
-    """Writes index.html and report.md into the folder `out`, and pictures of the worst of `frames` beside them.
+    """Write index.html and report.md into the folder `out`, and pictures of the worst of `frames` next to them.
 
     against: what differences are to, as `find_references` takes it. tell: called with the number of pictures drawn and
     to draw, for each contender anew. Raises ConfigError for an unknown name, FileError where a file cannot be written.

@@ -29,7 +29,7 @@ FIGURES = (
     "in the regions", "false", "predicted per frame", "CPU time",
 )  # fmt: skip
 BRIEF = ("frames", "overlap F", "boundary F", "F@.75", FOUND, "CPU time")
-"""What fits a terminal."""
+"""Columns that fit a terminal."""
 
 
 def pooled_table(contenders: Sequence[Contender]) -> Table:
@@ -52,7 +52,7 @@ def set_table(contenders: Sequence[Contender]) -> Table:
 
 
 def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
-    """What the second of each pair has more than the first, over all sets together and for each."""
+    """Return the differences of each pair, second minus first, over all sets together and for each set."""
     every = [c for pair in pairs for c in pair]
     several = len({first.label for first, _ in pairs}) > 1
     rows = []

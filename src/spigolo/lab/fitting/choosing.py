@@ -21,7 +21,8 @@ class HeldOut:
 
 
 def goodness(rows: Sequence[Row]) -> float:
-    """What is fitted: the share of labelled objects with IoU > 0.7, plus mean overlap F where every object is labelled.
+    """Return the goal of fitting: the share of labelled objects with IoU > 0.7, plus mean overlap F if every object is
+    labelled.
 
     Near-identical frames count once together.
     """
@@ -40,12 +41,12 @@ def goodness(rows: Sequence[Row]) -> float:
 
 
 def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> Trial:
-    """The best by its rows, those with these numbers if given; of equally good ones the first."""
+    """The best by its rows, those with these numbers if given. Among equally good ones the first."""
     return max(trials, key=lambda trial: goodness(trial.rows if frames is None else [trial.rows[i] for i in frames]))
 
 
 def check_folds(groups: Sequence[str], count: int) -> None:
-    """Raises SpigoloError where there are too few groups, one of each labelled frame, for as many folds."""
+    """Raises SpigoloError if there are too few groups, one of each labelled frame, for as many folds."""
     distinct = len(set(groups))
     if not 2 <= count <= distinct:
         raise SpigoloError(
@@ -55,7 +56,7 @@ def check_folds(groups: Sequence[str], count: int) -> None:
 
 
 def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
-    """Every frame scored by the trial that is best on the other folds; near-identical frames share a fold.
+    """Every frame scored by the trial that is best on the other folds. Near-identical frames share a fold.
 
     with_start: the start may be chosen as well, which is honest only if it was not made on these frames. Raises
     SpigoloError where there are fewer distinct frames than folds.
@@ -68,7 +69,7 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
     """Every data set scored by the trial that is best on the others: what to expect of another camera or place.
 
-    The sets come in the order of their names. Raises SpigoloError where `set_splits` has none.
+    The sets come in the order of their names. Raises SpigoloError if `set_splits` has none.
     """
     splits = set_splits(search)
     if not splits:
@@ -80,7 +81,7 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
 
 
 def set_splits(search: Search) -> list[Split]:
-    """One for each data set; none where there is one set alone, or nothing but frames like its own beside it."""
+    """One for each data set. None if there is one set alone, or nothing but frames like its own next to it."""
     places = search.subject.places
     if len({place.data_set for place in places}) < 2:
         return []

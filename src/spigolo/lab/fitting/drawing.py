@@ -19,7 +19,7 @@ DIGITS = 4
 
 
 def draw(space: Space, count: int, seed: int) -> list[Setting]:
-    """`count` settings; the same seed begins with the same ones. Raises SpigoloError where optuna is not installed."""
+    """`count` settings. The same seed begins with the same ones. Raises SpigoloError if optuna is not installed."""
     try:
         import optuna
     except ModuleNotFoundError:

@@ -1,4 +1,4 @@
-"""What a search came to: the report, and the fitted preset as TOML."""
+"""Results of a search: the report, and the fitted preset as TOML."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from spigolo.methods import Method, Toscana2016
 
 
 def fitted(search: Search, start: Method) -> Method:
-    """The method with the best setting over all frames; a preset is named after the one that it starts from."""
+    """The method with the best setting over all frames. A preset is named after the one that it starts from."""
     method = apply(best_trial(search.trials).setting, start)
     return method.replace(name=f"{start.preset}_FITTED") if isinstance(method, Toscana2016) else method
 
@@ -28,9 +28,9 @@ def score_table(search: Search, held: HeldOut) -> Table:
 
 
 def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
-    """Writes the parameters as TOML and report.md, and says where they are. Raises FileError where it cannot.
+    """Write the parameters as TOML and report.md, and say where they are. Raises FileError if it cannot.
 
-    The TOML of `toscana2016` is a preset that every command takes; that of another method holds its fields.
+    The TOML of `toscana2016` is a preset that every command takes. That of another method holds its fields.
     """
     method = fitted(search, start)
     preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"

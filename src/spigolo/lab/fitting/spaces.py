@@ -1,7 +1,7 @@
-"""What is fitted: which parameters of a method, and between which values.
+"""Search spaces: the parameters of a method that are fitted, and their ranges.
 
 A space maps dotted names of parameters to ranges, choices and switches. A switch turns on a stage that the preset
-leaves out; while it is off, what is drawn for that stage is left out as well.
+leaves out. While it is off, what is drawn for that stage is left out as well.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Setting = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Any number from low to high, whole where both are; log: as many small as large ones."""
+    """Any number from low to high, whole where both are. log: as many small as large ones."""
 
     low: float
     high: float
@@ -85,7 +85,7 @@ ADDED: Space = {
     CONTOURS: Switch(),
     JOINING: Switch({"vessel": {}, "cap": {}, "smooth": {}, "enclosed": 0.85}, needs=SUPPORT),
 }
-"""What the paper has not; drawn only where the preset leaves it out."""
+"""Parameters of our additions. Drawn only where the preset leaves it out."""
 
 DEPTH: Space = {
     "depth.smoothing.max_radius_px": Range(4, 8),
@@ -152,7 +152,7 @@ OTHERS: Mapping[str, Space] = {
 
 
 def space_of(method: Method) -> Space:
-    """What is fitted of a method, from the parameters that it has now.
+    """Return the search space of a method, around the parameters that it has now.
 
     Raises ConfigError for a configuration with two cost functions, and for a method that is not known here.
     """
@@ -204,7 +204,7 @@ def _has(config: Config, place: str) -> bool:
 
 
 def complete(drawn: Setting, space: Space) -> Setting:
-    """What was drawn, on or off for each switch, as a setting: switches become stages, those that are off None."""
+    """Return a drawn setting with its switches replaced by stages. Stages that are switched off are None."""
     off = {name for name, way in space.items() if isinstance(way, Switch) and not drawn[name]}
     off |= {name for name, way in space.items() if isinstance(way, Switch) and way.needs in off}
     stages = {name: None if name in off else dict(way.on) for name, way in space.items() if isinstance(way, Switch)}
@@ -215,5 +215,5 @@ def complete(drawn: Setting, space: Space) -> Setting:
 
 
 def apply(setting: Setting, method: Method) -> Method:
-    """The method with a setting; raises ConfigError for one that it cannot have."""
+    """The method with a setting. Raises ConfigError for one that it cannot have."""
     return method.replace(**setting) if setting else method

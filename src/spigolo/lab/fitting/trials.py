@@ -1,6 +1,6 @@
 """Trials: settings and what they made of each frame, in a file that a search can go on with.
 
-The first line says of what the trials are, and names the frames; each further line is a trial with a list of numbers
+The first line says of what the trials are, and names the frames. Each further line is a trial with a list of numbers
 per frame, in the order of the frames: `SHARES` in thousandths, `COUNTS`, the best IoU of each object with a predicted
 one and with any region in thousandths, and the CPU time in milliseconds (null after an error).
 """
@@ -25,7 +25,7 @@ SHARES = ("overlap_precision", "overlap_recall", "boundary_precision", "boundary
 COUNTS = ("n_segments", "true_positives", "found_70_recall", "found_70_both", "pieces")
 
 GZIP = b"\x1f\x8b"
-"""What a packed file begins with."""
+"""First bytes of a packed file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +41,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """What is searched: a method from the parameters that it starts with, on some frames."""
+    """Subject of a search: a method with the parameters it starts from, and some frames."""
 
     method: str
     preset: str
@@ -74,9 +74,9 @@ class Search:
 
 
 def read_search(path: Path | str) -> Search:
-    """The trials of a file, packed by gzip or not; a last line without its end is what a crash left, and is dropped.
+    """The trials of a file, packed by gzip or not. A last line without its end is what a crash left, and is dropped.
 
-    Raises FileError where the file cannot be read or holds something else.
+    Raises FileError if the file cannot be read or holds something else.
     """
     try:
         data = Path(path).read_bytes()
@@ -101,7 +101,7 @@ def read_search(path: Path | str) -> Search:
 class TrialFile:
     """A file of trials of one subject, open to append: each new one is on the disk at once.
 
-    Raises FileError where it holds trials of another subject.
+    Raises FileError if it holds trials of another subject.
     """
 
     trials: list[Trial]
@@ -124,7 +124,7 @@ class TrialFile:
             self._write(asdict(subject))
 
     def append(self, trial: Trial) -> None:
-        """Writes a trial, and keeps it as it reads back."""
+        """Write a trial, and keep it as it reads back."""
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)
         self.trials.append(_unpack_trial(packed, self._subject, trial.number))

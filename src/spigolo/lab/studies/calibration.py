@@ -1,9 +1,9 @@
-"""How often an object is right, by its score: the calibration table of docs/score.md.
+"""Calibration of the score: the share of right objects by score, as in docs/score.md.
 
     python -m spigolo.lab.studies.calibration [--preset OBJECTS]
 
 An object counts as right with IoU above 0.7 against a labelled object. Frames on which every object is labelled
-(osd-mosd, osd-full, hand-uoc); objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
+(osd-mosd, osd-full, hand-uoc). Objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ IGNORE = 255
 
 
 def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
-    """IoU with the labelled object that fits best, ignored pixels left out; NaN where most of the mask is ignored."""
+    """IoU with the labelled object that fits best, ignored pixels left out. NaN where most of the mask is ignored."""
     seen = mask & (label != IGNORE)
     if np.count_nonzero(seen) < 0.5 * np.count_nonzero(mask):
         return float("nan")

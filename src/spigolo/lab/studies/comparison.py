@@ -41,14 +41,14 @@ LOG = Path("docs/data")
 SETS = ("osd-mosd", "hand-uoc")
 """Every object of them is labelled."""
 SEED, FOLDS, EVERY = 0, 5, 5
-"""Draws and folds; every fifth frame is timed and drawn."""
+"""Draws and folds. Every fifth frame is timed and drawn."""
 DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (11, 11))
 OFF: dict[str, dict[str, Any]] = {
     "rao2010": {"levels_per_m": 0},
     "abramov2012": {"step_m": None},
     "mishra2012": {"depth": False},
 }
-"""What leaves depth out of the regions; the rules of what is an object still read it."""
+"""Settings that ignore depth when regions are made. The rules of what is an object still read it."""
 
 
 def frames() -> list[Entry]:

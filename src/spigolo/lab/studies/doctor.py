@@ -1,6 +1,6 @@
-"""How often the doctor finds what is wrong with a frame, and how often it complains about a good one.
+"""Detection rates of the doctor on spoilt frames, and its false warnings on good ones.
 
-Every frame is spoilt in each of the ways in SPOILT; near-identical frames count once. Depth and colour that are shifted
+Every frame is spoilt in each of the ways in SPOILT. Near-identical frames count once. Depth and colour that are shifted
 or mirrored are looked for in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the
 good frame.
 
@@ -39,7 +39,7 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Depth moved by (dx, dy) pixels; what comes in from outside is missing."""
+    """Depth moved by (dx, dy) pixels. Depth that comes in from outside is missing."""
     height, width = frame.depth.shape
     moved = np.zeros_like(frame.depth)
     moved[max(dy, 0) : height + min(dy, 0), max(dx, 0) : width + min(dx, 0)] = frame.depth[
@@ -60,7 +60,7 @@ def zoom(frame: Frame, factor: float) -> Frame:
 
 
 def whole_pixels(frame: Frame) -> Frame:
-    """Depth of a stereo camera, 50 mm wide, that measures disparity in whole pixels; stored in millimetres."""
+    """Depth of a stereo camera, 50 mm wide, that measures disparity in whole pixels. Stored in millimetres."""
     assert frame.camera is not None
     focal, baseline_m = frame.camera.fx, 0.05
     disparity = np.rint(focal * baseline_m / np.where(frame.depth > 0, frame.depth, np.inf))
@@ -77,7 +77,7 @@ def along_rays(frame: Frame) -> Frame:
 
 
 def not_registered(frame: Frame) -> Frame:
-    """Depth as the depth camera of a RealSense D435 would see it, 15 mm beside the colour camera."""
+    """Depth as the depth camera of a RealSense D435 would see it, 15 mm next to the colour camera."""
     camera = frame.camera
     assert camera is not None
     ratio = 384 / 615 if camera.width * 3 < camera.height * 5 else 640 / 922.5
@@ -156,13 +156,13 @@ def main() -> None:
 
 
 def measure(folder: Path) -> None:
-    """Prints what is found and what is complained about without cause; what is missed goes to stderr."""
+    """Print the found faults and the false warnings. Missed faults go to stderr."""
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}
     seconds = []
     names = distinct(folder)
     for name in names:
-        warnings.simplefilter("ignore", UserWarning)  # of what the frames hold, and of what is spoilt
+        warnings.simplefilter("ignore", UserWarning)  # for the frames as they are, and for the spoilt ones
         frame = read_frame(folder / name / "rgb.png", folder / name / "depth.png", folder / name / "camera.json")
         start = time.perf_counter()
         for finding in diagnose(frame).findings:

@@ -19,7 +19,7 @@ PLACES = [(family, seed) for seed in range(17) for family in FAMILIES][:50]
 
 
 def finds(frame: sp.Frame, box: np.ndarray, config: sp.Config) -> bool:
-    """Whether an object has an IoU above 0.7 with the box."""
+    """True if an object has an IoU above 0.7 with the box."""
     masks = [o.mask for o in sp.segment(frame, config)]
     return max((np.sum(m & box) / np.sum(m | box) for m in masks), default=0.0) > 0.7
 

@@ -1,6 +1,6 @@
-"""How far `spigolo fit` gets from TABLE towards OBJECTS on frames left out: `python -m spigolo.lab.studies.fit`.
+"""Test of `spigolo fit` from TABLE on held-out frames: `python -m spigolo.lab.studies.fit`.
 
-For each seed the frames of `osd-mosd` are cut in two halves at random; settings drawn with that seed are chosen on one
+For each seed the frames of `osd-mosd` are cut in two halves at random. Settings drawn with that seed are chosen on one
 half and scored on the other, both ways. Frames: SPIGOLO_DATA, or ../shared/data. Trials are kept in --out.
 """
 

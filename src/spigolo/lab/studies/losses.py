@@ -1,7 +1,7 @@
 """Counts the fates of labelled objects with a preset: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
-By kind: covered by a returned object by more than 70 %, as the paper's tables count; one region with its surroundings;
-split; rejected otherwise. Then the depth that exact masks lack and the rules of the preset that they break. With
+By kind: covered by a returned object by more than 70 %, as the paper's tables count. One region with its surroundings.
+Split. Rejected otherwise. Then the depth that exact masks lack and the rules of the preset that they break. With
 `--gammas` also what each threshold makes of every second frame: objects of which a region has an IoU above 0.7.
 """
 
@@ -66,7 +66,7 @@ def main() -> None:
 
 
 def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple[str, int]:
-    """What became of an object (H, W), and the region that covers most of it."""
+    """Return the fate of an object (H, W), and the region that covers most of it."""
     area = mask.sum()
     returned = np.bincount(labels[mask])[1:]
     counts = np.bincount(regions[mask])
@@ -85,7 +85,7 @@ def best_iou(mask: npt.NDArray[np.bool_], regions: Labels) -> float:
 
 
 def breaks_a_rule(mask: npt.NDArray[np.bool_], trace: sp.Trace) -> bool:
-    """Whether the exact mask, were it a region, would be rejected."""
+    """True if the exact mask, were it a region, would be rejected."""
     judged = select_objects(Regions(mask.astype(np.int32), 2), trace.segmentation.scene)
     return any(region.region == 1 for region in judged.rejected)
 

@@ -1,4 +1,4 @@
-"""What OBJECTS is worth on frames that had no say in its numbers, and what each of its ingredients brings.
+"""Scores of OBJECTS on held-out frames, and the effect of each of its ingredients.
 
     python -m spigolo.lab.studies.objects_preset search --trials 48 --out DIR
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
@@ -95,7 +95,7 @@ def ablation(out: Path, jobs: int) -> None:
 
 
 def figures(rows: Sequence[Row], sets: Sequence[str]) -> str:
-    """Return overlap F, boundary F and the labelled objects found of some sets; the last alone if others lie there."""
+    """Return overlap F, boundary F and the labelled objects found of some sets. The last alone if others lie there."""
     pooled = pool([row for row in rows if row.data_set in sets and row.frame not in LITTLE_WORTH])
     found = f"{pooled.true_positives / pooled.n_objects:.0%}".replace("%", " %")
     if np.isnan(pooled.overlap_f.value):

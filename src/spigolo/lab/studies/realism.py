@@ -1,4 +1,4 @@
-"""Figures of rendered families beside those of real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
+"""Figures of rendered families next to those of real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
 
 FRAMES is a folder of sets as SET/FRAME/ with rgb.png, depth.png and camera.json. Frames of one scene count once. With
 `--slant` it also prints the noise by how fast the disparity changes, with `--presets` how many objects each preset
@@ -101,7 +101,7 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
 
 
 def noise_by_slant(frame: sp.Frame) -> list[float]:
-    """The median in each band of change; NaN in one with fewer than 400 windows, and without a camera."""
+    """The median in each band of change. NaN in one with fewer than 400 windows, and without a camera."""
     planes = fit_local_planes(frame.depth)
     focal_px = frame.camera.fx if frame.camera else float("nan")
     there = planes.whole & (frame.depth > NEAR_M) & (frame.depth < FAR_M)

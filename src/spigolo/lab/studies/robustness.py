@@ -1,8 +1,8 @@
-"""What presets make of real frames that are changed as another camera or room would change them.
+"""Scores of presets on real frames that are changed as another camera or room would change them.
 
 `python -m spigolo.lab.studies.robustness`, a few minutes: overlap F where all objects are labelled, and the share of
 labelled objects with a segment of IoU above 0.7, of hand-uoc and of the five sets of single objects and clutter.
-`--shelves 24`: of so many rendered shelves in place of them, in which two thirds of the depth are missing; the rules
+`--shelves 24`: of so many rendered shelves in place of them, in which two thirds of the depth are missing. The rules
 were made while looking at those of seeds 413 and 977. Frames: SPIGOLO_DATA, or ../shared/data.
 """
 

@@ -1,6 +1,7 @@
-"""How long scoring a frame takes beside segmenting it: `python -m spigolo.lab.studies.scoring FRAMES --presets TABLE`.
+"""Time to score a frame, compared with the time to segment it: `python -m spigolo.lab.studies.scoring FRAMES --presets
+TABLE`.
 
-CPU time with one thread; each frame is segmented and scored in turn, once to warm up and then in rounds. Ratios are
+CPU time with one thread. Each frame is segmented and scored in turn, once to warm up and then in rounds. Ratios are
 taken within each round.
 """
 

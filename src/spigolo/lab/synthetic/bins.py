@@ -29,10 +29,10 @@ PRODUCTS = (
     "soda_can_3",
 )  # fmt: skip
 VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
-"""Where the camera is: turned to the side and pitched down, degrees."""
+"""Views of the camera: turned to the side and pitched down, degrees."""
 _WALL_M, _BOARD_M = 0.006, 0.02
 _LIPS_M = 0.035, 0.05
-"""How tall the lips are at least and at most."""
+"""Minimum and maximum height of the lips."""
 
 
 def shelf_stage(name: str, rng: Rng) -> Stage:
@@ -86,7 +86,7 @@ def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m:
 
 
 def _in_sight(thing: SceneObject, view: View, width_m: float, tall_m: float) -> bool:
-    """Whether all of it is seen through the opening of the bin, between its walls, its lip and the one above."""
+    """True if all of it is seen through the opening of the bin, between its walls, its lip and the one above."""
     rays = world_points(thing) - view.position_m
     x, _, z = (view.position_m + rays * (-view.position_m[1] / rays[:, 1])[:, None]).T
     low_m, high_m = _lip_middle_m(0.0) + _LIPS_M[1] / 2, _lip_middle_m(tall_m + _BOARD_M) - _LIPS_M[1] / 2
@@ -120,7 +120,7 @@ def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]
 
 
 def _printed(cardboard: Image, rng: Rng) -> Image:
-    """What is left of the cartons that the walls were cut from: words, marks, tape."""
+    """Return the printed parts of the cartons that the walls were cut from: words, marks, tape."""
     image = np.asarray(cv2.resize(cardboard, (1024, 1024)), np.uint8)
     for _ in range(int(rng.integers(3, 9))):
         x, y = (int(at) for at in rng.integers(60, 964, 2))

@@ -1,6 +1,6 @@
 """The bundled demo scene: household objects on a table, built from code and rendered with MuJoCo.
 
-World axes: x to the right, y away from the robot, z up; the table top is z = 0. Lengths are in metres.
+World axes: x to the right, y away from the robot, z up. The table top is z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -36,12 +36,12 @@ _LIGHTING = Lighting(
     lamp_rgb=0.85 * np.array([1.0, 0.95, 0.87]),
     sky_rgb=1.05 * np.array([0.93, 0.98, 1.08]),
 )
-_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels; more would make the PNG a great deal larger
+_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels: more would make the PNG much larger
 
 
 @dataclass(frozen=True)
 class RenderedScene:
-    """What MuJoCo renders: rgb (H, W, 3) 8 bit, depth_m (H, W) along the optical axis, label (H, W) 0..N."""
+    """Images that MuJoCo renders: rgb (H, W, 3) 8 bit, depth_m (H, W) along the optical axis, label (H, W) 0..N."""
 
     rgb: npt.NDArray[np.uint8]
     depth_m: npt.NDArray[np.float32]
@@ -158,7 +158,7 @@ def _ball_parts() -> tuple[Part, ...]:
 
 
 def _flashlight_parts() -> tuple[Part, ...]:
-    """A flashlight 15 cm long, tail at z = 0; it lies on its barrel, the head is as wide as the barrel."""
+    """A flashlight 15 cm long, tail at z = 0. It lies on its barrel, the head is as wide as the barrel."""
     profile = [
         line((0.0, 0.0), (0.0155, 0.0)),
         arc((0.0155, 0.002), 0.002, -90, 0, 5),

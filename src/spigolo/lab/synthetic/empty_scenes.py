@@ -1,6 +1,6 @@
 """Frames without any object: table-tops, bins and shelves in seeded variety, as an RGB-D camera would record them.
 
-World axes: x to the right, y away from the camera, z up; what objects would stand on is z = 0. Lengths are in metres.
+World axes: x to the right, y away from the camera, z up. Objects would stand at z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _SHADOW_PX = 1024
 
 @dataclass(frozen=True)
 class _Scene:
-    """What is there, seen from where in which light; exposure: how bright the picture is, noise in levels of 255."""
+    """Content, view and light of a scene. exposure: how bright the picture is, noise in levels of 255."""
 
     parts: tuple[Part, ...]
     view: View
@@ -62,7 +62,7 @@ def _render(family: str, seed: int, put: Callable[[View], SceneObject | None]) -
 
 
 def _box(family: str, seed: int, view: View) -> SceneObject:
-    """In the middle of the view; on a shelf 12 cm behind its front."""
+    """In the middle of the view. On a shelf 12 cm behind its front."""
     rng = np.random.default_rng([99, seed])
     outline, _ = rounded_rectangle((0.09, 0.07), 0.003, 3)
     at = view.look_at_m[0], 0.12 if family == "shelf" else view.look_at_m[1], 0.0
@@ -149,7 +149,7 @@ def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generato
 
 
 def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
-    """Three by three compartments, each with bottom, back, walls, ceiling and front lip; little light gets in."""
+    """Three by three compartments, each with bottom, back, walls, ceiling and front lip. Little light gets in."""
     width_m, height_m, deep_m = rng.uniform(0.24, 0.42), rng.uniform(0.2, 0.34), rng.uniform(0.28, 0.48)
     board_m, divider_m, lip_m = rng.uniform(0.004, 0.022), rng.uniform(0.003, 0.015), rng.uniform(0.012, 0.05)
     boards, walls, back = (surface(k, rng) for k in (kind, shelf_kind(rng), shelf_kind(rng)))
@@ -177,4 +177,4 @@ def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 FAMILIES: Mapping[str, Callable[[np.random.Generator, str], _Scene]] = {"table": _table, "bin": _bin, "shelf": _shelf}
-"""How each family is made, by name."""
+"""Makers of each family, by name."""

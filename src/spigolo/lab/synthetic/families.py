@@ -1,7 +1,7 @@
 """Three families of rendered scenes, after the three data sets of the paper, with exact masks and poses.
 
-`shelf`: products in a bin seen from the front, as the Rutgers APC set; `table`: table-tops with several categories,
-as RGB-D Scenes; `multi`: three instances of one object among clutter, as the set of Tejani et al.
+`shelf`: products in a bin seen from the front, as the Rutgers APC set. `table`: table-tops with several categories,
+as RGB-D Scenes. `multi`: three instances of one object among clutter, as the set of Tejani et al.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_IOU = 0.98
-"""How well the mask that a reader draws at an object's pose agrees with the exact one, at least."""
+"""Minimum IoU between the mask that a reader draws at an object's pose and the exact one."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """scenes: their names, which frames take in turn; objects: names of what may be labelled in them.
+    """scenes: their names, which frames take in turn. objects: names of what may be labelled in them.
 
-    fully_labelled: whether everything that stands there is labelled; first_alone: whether the data set that it stands
+    fully_labelled: whether everything that stands there is labelled. first_alone: whether the data set that it stands
     in for labels one object a frame, the first.
     """
 
@@ -64,7 +64,7 @@ FAMILIES: Mapping[str, Family] = {
 def render_family(family: str, number: int, seed: int = 0) -> Sample:
     """One frame of a family, of `FAMILIES`, and its truth: frame.name is its scene and the number in it, from 1.
 
-    number: counts the frames of a seed from 0; the scenes have their turns. Equal numbers and seeds give equal
+    number: counts the frames of a seed from 0. The scenes have their turns. Equal numbers and seeds give equal
     frames. Raises ConfigError for a family that is not known.
     """
     return record_family(family, number, seed).sample
@@ -86,9 +86,9 @@ def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]
 
 
 def is_told_by_poses(family: str, sample: Sample) -> bool:
-    """Whether any object is in view, and readers that draw masks at the poses get the exact ones, or nearly so.
+    """True if any object is in view, and readers that draw masks at the poses get the exact ones, or nearly so.
 
-    Where something hides an object and returns no depth they cannot tell.
+    If something hides an object and returns no depth they cannot tell.
     """
     ious = drawn_iou(family, sample, sample.frame.depth)
     return bool(ious.size and ious.min() >= LEAST_IOU)
@@ -97,7 +97,7 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
     """Intersection over union (N,) of each exact mask of a family's frame with that which a reader draws at the pose.
 
-    measured: depth (H, W) in metres by which it is judged what is visible. Where the set labels the first object alone,
+    measured: depth (H, W) in metres by which it is judged what is visible. If the set labels the first object alone,
     that one counts as it is drawn without the others, if that is worse.
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)

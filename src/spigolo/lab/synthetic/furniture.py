@@ -1,4 +1,4 @@
-"""What stands about in rooms and on desks and is no object to grasp: screens, chairs, cartons, posters, paper.
+"""Furniture of rooms and desks that is not an object to grasp: screens, chairs, cartons, posters, paper.
 
 World axes: x to the right, y away from the camera, z up. Lengths are in metres.
 """
@@ -41,7 +41,7 @@ def screen(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
 
 
 def chair(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """Seat and back, covered in cloth; `at_m` is the middle of the seat."""
+    """Seat and back, covered in cloth. `at_m` is the middle of the seat."""
     back = prism(rounded_rectangle((0.44, 0.48), 0.09)[0], -0.03, 0.03)
     upright = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     seat = prism(rounded_rectangle((0.46, 0.44), 0.08)[0], -0.04, 0.04)

@@ -23,7 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rest:
-    """A way to rest: how far the object's own z leans over after a turn about it; no turn is as good as any."""
+    """A way to rest: how far the object's own z leans over after a turn about it. No turn is as good as any."""
 
     tilt_deg: float = 0.0
     roll_deg: float | None = None
@@ -70,7 +70,7 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
     "pouch": (packages.pouch, (Rest(90.0, 90.0),)),
     "glue": (turned.glue_bottle, (Rest(0.0, 0.0), Rest(90.0, 90.0))),
 }
-"""How each kind is made, and how it rests."""
+"""Makers and rests of each kind."""
 FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
 """Those on which other things stay, some only when they lie."""
 

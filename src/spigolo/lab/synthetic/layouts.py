@@ -35,11 +35,11 @@ _BINS = "ABCDEFGHIJKL"
 def write_family(
     family: str, count: int, seed: int, folder: Path, layout: str = "folders", tell: Tell | None = None
 ) -> int:
-    """Renders frames 0..count-1 of a family and seed and writes them.
+    """Render frames 0..count-1 of a family and seed and writes them.
 
     layout: "folders" for `Folders`, "bop" for `Bop`, "original" for the set that the family stands in for: `Rutgers`
     (each frame counts for the first of its objects), `UwScenes` or `Tejani`. tell: called after each frame with how
-    many there are. Returns their number; raises ConfigError, FileError or FrameError.
+    many there are. Returns their number. Raises ConfigError, FileError or FrameError.
     """
     if layout not in LAYOUTS:
         raise ConfigError(f"unknown layout {layout!r}: expected one of {', '.join(LAYOUTS)}")
@@ -67,7 +67,7 @@ LAYOUTS = ("folders", "bop", "original")
 
 
 def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, data_set: str, about: str) -> int:
-    """Writes the layout of `Folders`, set `data_set`; info.json also has names and poses. Returns how many."""
+    """Write the layout of `Folders`, set `data_set`. Info.json also has names and poses. Returns how many."""
     count = 0
     write_json(folder / RENDERED, {"about": about})
     for _, sample in samples:

@@ -43,7 +43,7 @@ class Mesh:
 
 
 def arc(centre: tuple[float, float], radius_m: float, start_deg: float, stop_deg: float, count: int) -> FloatArray:
-    """Points (count, 2) of a circular arc in a lathe's (r, z) plane; 0 degrees is +r, 90 is +z."""
+    """Points (count, 2) of a circular arc in a lathe's (r, z) plane. 0 degrees is +r, 90 is +z."""
     angle = np.radians(np.linspace(start_deg, stop_deg, count))
     return np.column_stack([centre[0] + radius_m * np.cos(angle), centre[1] + radius_m * np.sin(angle)])
 
@@ -57,7 +57,7 @@ def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     """Turn a profile about z.
 
     sections: smooth stretches of the profile, each (K, 2) of (r, z) in metres, with a sharp edge between one and
-    the next; the solid is on the left hand of who walks along it. around: number of facets round the axis.
+    the next. The solid is on the left hand of who walks along it. around: number of facets round the axis.
     In the texture u goes once round the axis, v from 1 at the lowest point to 0 at the highest.
     """
     lowest, highest = min(p[:, 1].min() for p in sections), max(p[:, 1].max() for p in sections)
@@ -148,7 +148,7 @@ def rounded_rectangle(
 
 
 def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float | None = None) -> Mesh:
-    """An upright prism over a convex outline (N, 2); `texture_m`: width of the texture, else that of the outline."""
+    """An upright prism over a convex outline (N, 2). `texture_m`: width of the texture, else that of the outline."""
     corner = outline_m.min(axis=0)
     extent = np.ptp(outline_m, axis=0).max() if texture_m is None else texture_m
     flat_uv = (outline_m - corner) / extent * [1, -1] + [0, 1]
@@ -242,7 +242,7 @@ def joined(parts: Sequence[Mesh]) -> Mesh:
 
 
 def _grid_mesh(vertices: FloatArray, normals: FloatArray, uv: FloatArray) -> Mesh:
-    """Triangles over a (rows, columns) grid; those of no area, at a lathe's poles, are left out."""
+    """Triangles over a (rows, columns) grid. Those of no area, at a lathe's poles, are left out."""
     rows, columns = vertices.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]

@@ -133,7 +133,7 @@ def cap(rng: np.random.Generator) -> Parts:
 
 
 def _peak(side_m: float, front_m: float, lift_m: float) -> Mesh:
-    """Upper (lifted) or lower face of a cap's peak, towards -y; in front both meet."""
+    """Upper (lifted) or lower face of a cap's peak, towards -y. In front both meet."""
     out, phi = np.meshgrid(np.linspace(1, 0, 12), np.linspace(-2.55, -0.6, 40), indexing="ij")
     middle = np.maximum(np.sin((phi + 2.55) / 1.95 * np.pi), 0.02) ** 0.7
     reach = 0.068 * out * middle

@@ -1,4 +1,4 @@
-"""Where objects stand, lie and are piled up, so that none goes through another.
+"""Placing of objects that stand, lie or are piled up, so that none goes through another.
 
 On one level it is enough that the shadows which objects would throw straight down do not meet.
 """
@@ -28,7 +28,7 @@ _TRIES = 40
 
 
 def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_m: Spot) -> SceneObject:
-    """The product at a spot (x, y) in metres, let down until it touches z = 0; roll where the rest leaves it open."""
+    """The product at a spot (x, y) in metres, let down until it touches z = 0. Roll where the rest leaves it open."""
     roll_deg = roll_deg if rest.roll_deg is None else rest.roll_deg
     hung = SceneObject(product.name, (*spot_m, 0.0), yaw_deg, product.parts, rest.tilt_deg, roll_deg)
     lowest_m = float((product.points_m @ hung.rotation[2]).min())
@@ -36,7 +36,7 @@ def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_
 
 
 def height_m(product: Product, rest: Rest) -> float:
-    """How tall the product is in that rest."""
+    """Return the height of the product in that rest."""
     return float(np.ptp(product.points_m @ settled(product, rest, 0.0, 0.0, (0.0, 0.0)).rotation[2]))
 
 
@@ -56,7 +56,7 @@ class Plot:
         self.taken = [(thing, _grown(footprint, gap_m)) for thing, footprint in self.taken]
 
     def take(self, thing: SceneObject) -> bool:
-        """Whether the thing fits; if so its place is taken."""
+        """True if the thing fits. If so its place is taken."""
         footprint = _footprint(thing)
         if not (self._is_free(footprint) and self.allows(thing)):
             return False
@@ -71,7 +71,7 @@ class Plot:
         rng: np.random.Generator,
         touching: bool = False,
     ) -> SceneObject | None:
-        """The product in one of these rests, somewhere that `spot` proposes (x, y); None where there is no room.
+        """The product in one of these rests, somewhere that `spot` proposes (x, y). None if there is no room.
 
         touching: it is then pushed against what stands nearest.
         """
@@ -86,7 +86,7 @@ class Plot:
         return None
 
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
-        """The product on the flat top of something that is there; None where it does not fit or would meet others."""
+        """The product on the flat top of something that is there. None if it does not fit or would meet others."""
         points = world_points(below)
         top_m = float(points[:, 2].max())
         face = _hull(points[points[:, 2] > top_m - _LEVEL_M, :2])
@@ -142,7 +142,7 @@ def _hull(points_m: FloatArray) -> Outline:
 
 
 def _apart(a: Outline, b: Outline) -> bool:
-    """Whether a line along an edge of one of two convex polygons divides them."""
+    """True if a line along an edge of one of two convex polygons divides them."""
     for corners in (a, b):
         edges = np.roll(corners, -1, axis=0) - corners
         across = np.stack([edges[:, 1], -edges[:, 0]])

@@ -1,4 +1,4 @@
-"""Seeded print of invented packaging: fronts, sides and wraps; (H, W, 3), RGB, 8 bit."""
+"""Seeded print of invented packaging: fronts, sides and wraps. (H, W, 3), RGB, 8 bit."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ Palette = tuple[Colour, Colour, Colour, Colour]
 
 _BRANDS = ("SOLA", "VINTA", "ORBIT", "MONDO", "KIKO", "PRIMA", "LUMEN", "TERRA", "ZEST", "ALBA", "NOVA", "FINCH")
 _HUES = (0.0, 0.01, 0.99, 0.03, 0.08, 0.12, 0.14, 0.3, 0.38, 0.5, 0.57, 0.6, 0.62, 0.66, 0.78, 0.93)
-"""What is printed most: reds, yellows and blues."""
+"""Hues that are printed most: reds, yellows and blues."""
 _GOODS = ("original", "extra fine", "family size", "no. 64", "classic", "fresh", "natural", "12 pieces", "light")
 
 
 def palette(rng: np.random.Generator, dark: float = 0.35) -> Palette:
-    """Colours that go together; `dark`: how often the ground is a deep one."""
+    """Colours that go together. `dark`: how often the ground is a deep one."""
     hue = _HUES[int(rng.integers(len(_HUES)))] + rng.normal(0, 0.015)
     kind = rng.uniform()
     if kind < 0.25:
@@ -89,7 +89,7 @@ def carton(size_m: tuple[float, float, float], rng: np.random.Generator, colours
 
 
 def wrap(rng: np.random.Generator, colours: Palette | None = None) -> Image:
-    """What goes round a can, a cup or a bottle: the same front twice."""
+    """Return the wrap of a can, a cup or a bottle: the same front twice."""
     colours = colours or palette(rng)
     front = cover((640, 512), colours, rng)
     front[:24] = front[-24:] = colours[1]

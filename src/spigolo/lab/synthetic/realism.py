@@ -33,7 +33,7 @@ class Realism:
     """missing: share of pixels without depth. edges: share of pixels on Canny edges. brightness: median grey, 0..255.
 
     noise_*: depth noise in millimetres, the median rms residual to planes in 7x7 windows, in bands of distance whose
-    limits are `BANDS_M`; NaN where a frame shows next to nothing.
+    limits are `BANDS_M`. NaN if a frame shows next to nothing.
     """
 
     missing: float
@@ -64,7 +64,7 @@ def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
 
 
 def quartiles(figures: Sequence[Realism]) -> Mapping[str, tuple[float, float, float]]:
-    """First quartile, median and third quartile of each figure over frames; NaN where no frame has it."""
+    """First quartile, median and third quartile of each figure over frames. NaN if no frame has it."""
     values = np.array([astuple(one) for one in figures], np.float64)
     answers = {}
     for field, column in zip(fields(Realism), values.T, strict=True):

@@ -1,4 +1,4 @@
-"""What MuJoCo draws of a scene: ideal depth, and colour under soft light."""
+"""Rendering of a scene by MuJoCo: ideal depth, and colour under soft light."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def render_geoms(model: Any) -> npt.NDArray[np.int32]:
 def render_light(model: Any, lighting: Lighting) -> FloatArray:
     """Linear light (H, W, 3), anti-aliased, of a model for supersampling.
 
-    MuJoCo's own shadows are hard; the mean of many renderings, each with the one light elsewhere, has the
+    MuJoCo's own shadows are hard. The mean of many renderings, each with the one light elsewhere, has the
     penumbras of a broad lamp and the soft contact shadows of a room's light.
     """
     height, width = _size(model)
@@ -88,7 +88,7 @@ def render_light(model: Any, lighting: Lighting) -> FloatArray:
 
 @dataclass(frozen=True)
 class Rendering:
-    """light: linear (H, W, 3); lamp_light: that of the second lighting; depth_m (H, W); geoms (H, W), -1 the void."""
+    """light: linear (H, W, 3). lamp_light: that of the second lighting. depth_m (H, W). Geoms (H, W), -1 the void."""
 
     light: FloatArray
     lamp_light: FloatArray
@@ -155,7 +155,7 @@ def _geoms(renderer: Any, data: Any) -> npt.NDArray[np.int32]:
 
 
 def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
-    """Sets the scene with each of the lights in turn and gives its weight."""
+    """Set the scene with each of the lights in turn and gives its weight."""
     aim_m = np.array(lighting.aim_m)
     for position_m, colour in lighting.points():
         model.light_pos[0] = position_m

@@ -1,4 +1,4 @@
-"""What rendered scenes are set in: floors, walls, and the light of a room or an aisle.
+"""Surroundings of rendered scenes: floors, walls, and the light of a room or an aisle.
 
 World axes: x to the right, y away from the camera, z up. Lengths are in metres.
 """

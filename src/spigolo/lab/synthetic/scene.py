@@ -62,7 +62,7 @@ class SceneObject:
 
 @dataclass(frozen=True)
 class View:
-    """Where the camera is: that far from a point on its optical axis, pitched down, turned to the left (yaw).
+    """View of the camera: distance from a point on its optical axis, pitch down, turn to the left (yaw).
 
     camera: its intrinsics, without distortion.
     """
@@ -76,7 +76,7 @@ class View:
 
     @property
     def position_m(self) -> FloatArray:
-        """Where it stands."""
+        """Return the position of the camera."""
         pitch, yaw = np.radians([self.pitch_deg, self.yaw_deg])
         back = np.array([np.sin(yaw) * np.cos(pitch), -np.cos(yaw) * np.cos(pitch), np.sin(pitch)])
         return np.array(self.look_at_m) + self.distance_m * back
@@ -91,7 +91,7 @@ class View:
 
     @property
     def world_to_camera(self) -> FloatArray:
-        """(4, 4), to X right, Y down, Z forward; metres."""
+        """(4, 4), to X right, Y down, Z forward. Metres."""
         right, up = self.axes
         matrix = np.eye(4)
         matrix[:3, :3] = right, -up, np.cross(up, right)
@@ -100,7 +100,7 @@ class View:
 
 
 def load_mujoco() -> Any:
-    """The renderer; raises FileError where it is missing. Without a screen it draws by EGL."""
+    """The renderer. Raises FileError if it is missing. Without a screen it draws by EGL."""
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         os.environ.setdefault("MUJOCO_GL", "egl")
     try:

@@ -1,6 +1,6 @@
-"""A scene with objects, and what an RGB-D camera records of it beside the exact truth.
+"""A scene with objects, and what an RGB-D camera records of it next to the exact truth.
 
-World axes: x to the right, y away from the camera, z up; what objects stand on is z = 0. Lengths are in metres.
+World axes: x to the right, y away from the camera, z up. Objects stand at z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = ["Recording", "Stage", "record"]
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_VISIBLE_PX = 150
-"""Of an object with fewer pixels in view nobody would draw a mask: it is background."""
+"""Minimum number of visible pixels of an object. Smaller ones become background, because nobody would draw a mask."""
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0
 _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
@@ -32,11 +32,11 @@ _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
 
 @dataclass(frozen=True)
 class Stage:
-    """objects: what is labelled, 1..N; surroundings and bystanders: what is not.
+    """objects: what is labelled, 1..N. Surroundings and bystanders: what is not.
 
-    grey: what the exposure makes of the median of the picture, of 255; noise_levels: of colour, of 255; blur_px: of
-    lens and demosaicing, one standard deviation; sharpening: what the camera does about it; contrast: exponent;
-    saturation: share of the colours' own.
+    grey: what the exposure makes of the median of the picture, of 255. noise_levels: of colour, of 255. blur_px: of
+    lens and demosaicing, one standard deviation. sharpening: what the camera does about it. contrast: exponent.
+    Saturation: share of the colours' own.
     """
 
     objects: tuple[SceneObject, ...]
@@ -55,7 +55,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Recording:
-    """What the camera recorded, with its truth, and the depth (H, W) in metres that a perfect one would have."""
+    """A recording of the camera, with its truth, and the depth (H, W) in metres that a perfect camera would record."""
 
     sample: Sample
     ideal_m: npt.NDArray[np.float32]

@@ -1,6 +1,6 @@
 """A numpy-only model of a structured-light depth camera (in the manner of the first Kinect).
 
-The camera finds depth by triangulation: a projector beside it throws a pattern, and each pixel's disparity
+The camera finds depth by triangulation: a projector next to it throws a pattern, and each pixel's disparity
 ``d = fx * baseline / Z`` says how far off the surface is. The faults of such a camera follow from that, and
 the model has them in the same order: the projector's shadows, surfaces that send no usable pattern back,
 noise and quantisation of the disparity.
@@ -29,10 +29,10 @@ _TURNED_AWAY = 0.95
 
 @dataclass(frozen=True)
 class StructuredLight:
-    """What the depth camera is like.
+    """Model of the depth camera.
 
-    Brightness is the mean of red, green and blue on a scale of 0 to 1. slant_noise_px: what a disparity that changes
-    by a pixel from one pixel to the next adds to `noise_px`. edge_jitter_px: how far the outlines in depth stray from
+    Brightness is the mean of red, green and blue on a scale of 0 to 1. slant_noise_px: what a disparity that changes by
+    a pixel from one pixel to the next adds to `noise_px`. edge_jitter_px: how far the outlines in depth stray from
     those in colour, one standard deviation. patch_px: how large are the patches in which what is barely measured comes
     and goes. margin_px: what the depth camera does not see of the colour image, at its top, right, bottom and left.
     """
@@ -56,7 +56,7 @@ class StructuredLight:
     def at_noise_level(self, level: float) -> StructuredLight:
         """The same camera with the noise that real ones have, by whose residuals to planes it was set.
 
-        level: 1 = a usual first Kinect; cameras differ by half to twice that. Finer ones also have finer steps.
+        level: 1 = a usual first Kinect. Cameras differ by half to twice that. Finer ones also have finer steps.
         """
         return replace(
             self,
@@ -77,8 +77,8 @@ def simulate_structured_light(
 ) -> npt.NDArray[np.float32]:
     """Turn ideal depth into what a structured-light camera would measure.
 
-    depth_m: ideal distance along the optical axis, (H, W), metres; 0 or non-finite where there is none.
-    rgb: colour image, (H, W, 3), 8 bit. fx_px: focal length in pixels; the principal point is taken to be the
+    depth_m: ideal distance along the optical axis, (H, W), metres. 0 or non-finite where there is none.
+    rgb: colour image, (H, W, 3), 8 bit. fx_px: focal length in pixels. The principal point is taken to be the
     centre of the image. rng: source of all the randomness. sensor: the default is like the first Kinect. gloss:
     (H, W), 0 = matt, 1 = a mirror, which is measured only where it faces the camera.
     Returns measured depth, (H, W), metres, 0 where missing.
@@ -124,9 +124,9 @@ def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatA
 
 
 def projector_shadow(disparity_px: FloatArray) -> BoolArray:
-    """Pixels that the camera sees and the projector does not, from (H, W) disparities; 0 = nothing there.
+    """Pixels that the camera sees and the projector does not, from (H, W) disparities. 0 = nothing there.
 
-    Camera column u with disparity d is lit by projector column u - d. Of all the pixels of a row that share a
+    Camera column u with disparity d is lit by projector column u - d. Among all the pixels of a row that share a
     projector column only the nearest, of the greatest disparity, is lit.
     """
     height, width = disparity_px.shape
@@ -146,7 +146,7 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
 
 
 def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
-    """How much disparity a pixel's own surface gains within two projector columns, (H, W).
+    """Return the disparity that a pixel's own surface gains within two projector columns, (H, W).
 
     A surface that turns away from the projector has many pixels in a column: its nearer ones cast no shadow on the
     others, until it turns its back on the projector (a gain of one a pixel).
@@ -226,14 +226,14 @@ def _strayed(
     down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
     rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)
     columns = np.clip(np.arange(lost.shape[1]) + across, 0, lost.shape[1] - 1)
-    # Of the disparity only what strays across an outline: within a surface that would be noise of another kind.
+    # Only disparity that strays across an outline counts: within a surface it would be noise of another kind.
     strayed_px = disparity_px[rows, columns]
     jumps = np.abs(strayed_px - disparity_px) > 1.0
     return np.where(jumps, strayed_px, disparity_px), lost[rows, columns]
 
 
 def _outside(shape: tuple[int, ...], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """What the depth camera does not see of the colour image."""
+    """Return the part of the colour image that the depth camera does not see."""
     height, width = shape
     top, right, bottom, left = (px or -shape[0] for px in sensor.margin_px)
     down, across = np.arange(height)[:, None] + raggedness, np.arange(width) + raggedness
@@ -255,7 +255,7 @@ def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: Structu
     one_away[:-1] |= near_jump[1:]
     one_away[:, 1:] |= near_jump[:, :-1]
     one_away[:, :-1] |= near_jump[:, 1:]
-    # Thresholds on Gaussian noise; a pixel further out is lost a good deal more seldom.
+    # Thresholds on Gaussian noise. A pixel further out is lost a good deal more seldom.
     ragged_near = rim_noise > 1.6 - 3.2 * sensor.rim_loss
     ragged_far = rim_noise > 2.4 - 3.2 * sensor.rim_loss
     rim: BoolArray = (near_jump & ragged_near) | (one_away & ragged_far)

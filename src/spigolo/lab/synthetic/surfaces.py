@@ -112,10 +112,10 @@ SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {
     "print": _print,
     "terrazzo": _terrazzo,
 }
-"""What objects stand on, by name."""
+"""Surfaces that objects stand on, by name."""
 
 ROOM_SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {"paint": _paint, "carpet": _carpet}
-"""What is quieter, and what is coarser: walls and floors."""
+"""Surfaces of walls and floors, some quieter and some coarser."""
 
 
 def _flower(image: Image, centre: tuple[int, int], radius_px: int, ink: Colour, rng: np.random.Generator) -> None:
@@ -151,7 +151,7 @@ def _woven(colours: FloatArray, rng: np.random.Generator) -> Image:
 
 
 def _mottle(rng: np.random.Generator) -> FloatArray:
-    """What no surface is without, (H, W, 1): in the fine and in the large."""
+    """Return the mottling of a surface, (H, W, 1), fine and coarse."""
     size = (_SIZE_PX, _SIZE_PX)
     return (1.5 * smooth_noise(size, (200, 200), rng) + 1.5 * smooth_noise(size, (6, 6), rng))[..., None]
 

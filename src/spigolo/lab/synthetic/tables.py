@@ -35,7 +35,7 @@ TABLES = {
 """The objects of each scene, named as in RGB-D Scenes."""
 
 INSTANCES = ("Milk", "Coffee_Cup", "Shampoo", "Camera")
-"""Whose instances the scenes of that name show."""
+"""Objects in several instances in the scenes of that name."""
 CLUTTER = (
     "box_1",
     "box_2",
@@ -49,7 +49,9 @@ CLUTTER = (
     "pouch_1",
 )
 _CLEAR_M = TOLERANCE_M + 0.001
-"""What has no label keeps so far from the instances: nearer before one it would hide nothing, by the rule of masks."""
+"""Minimum distance of unlabelled things from the instances. Nearer in front of one, they would hide nothing by the rule
+of masks.
+"""
 
 
 def table_stage(scene: str, rng: Rng) -> Stage:
@@ -80,7 +82,7 @@ def table_stage(scene: str, rng: Rng) -> Stage:
 
 
 def multi_stage(name: str, rng: Rng) -> Stage:
-    """Three instances of one object, standing or lying, and other things close about them; in every second a pile."""
+    """Three instances of one object, standing or lying, and other things close about them. In every second a pile."""
     size_m = rng.uniform(0.9, 1.3), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
     plot = Plot(top)
@@ -103,7 +105,7 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 
 
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
-    """In two frames of five a fine camera of short reach, near and rather from above; else one like the Kinect."""
+    """In two frames of five a fine camera of short reach, near and rather from above. Else one like the Kinect."""
     sensor = _sensor(rng, (0.65, 1.7))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)
     if rng.uniform() < 0.4:
@@ -143,7 +145,7 @@ def _strewn(
 ) -> list[SceneObject]:
     """Those of them that find room about the middle.
 
-    lying, touching: shares of those that do not stand and are pushed against others; flat: what can lie flat does.
+    lying, touching: shares of those that do not stand and are pushed against others. flat: what can lie flat does.
     """
 
     def spot() -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Procedural textures of the demo scene: wood, plaster and invented packaging; (H, W, 3), RGB, 8 bit."""
+"""Procedural textures of the demo scene: wood, plaster and invented packaging. (H, W, 3), RGB, 8 bit."""
 
 from __future__ import annotations
 
@@ -214,7 +214,7 @@ def mug_glaze() -> Image:
 
 
 def write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, int], colour: Colour) -> None:
-    """Write text about its centre; pen_px is the width of the text and that of its strokes."""
+    """Write text about its centre. pen_px is the width of the text and that of its strokes."""
     (unit_width, unit_height), _ = cv2.getTextSize(text, _ROUND_FONT, 1.0, 1)
     scale = pen_px[0] / unit_width
     x, y = centre[0] - pen_px[0] / 2, centre[1] + scale * unit_height / 2

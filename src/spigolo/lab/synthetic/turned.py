@@ -112,7 +112,7 @@ def flashlight(rng: np.random.Generator) -> Parts:
 
 FLASHLIGHT_TILT_DEG = 90 - float(np.degrees(np.arcsin((0.021 - 0.014) / (0.85 * 0.17))))
 CUP_TILT_DEG = 90 - float(np.degrees(np.arcsin((0.0445 - 0.029) / 0.108)))
-"""How far the axis leans over when it lies: on head and tail, on rim and foot."""
+"""Lean of the axis of a lying cup, which rests on rim and foot."""
 
 
 def shampoo(rng: np.random.Generator) -> Parts:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import importlib
 import logging
-import pickle
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 from itertools import islice
 from statistics import median
 from typing import Any, Generic, TypeVar
@@ -75,14 +73,16 @@ class _ClusterRun(Generic[T, R]):
     """One run over the items, in groups. The items of a group that kills its workers run again, one by one."""
 
     def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:
-        self.client, self.group = client, group
-        self.packed = importlib.import_module("cloudpickle").dumps(do)
+        self.client, self.do, self.group = client, do, group
+        self.work: Any = None
         self.items = iter(items)
         self.again: deque[T] = deque()
         self.in_flight: dict[Any, list[T]] = {}
         self.item_s: deque[float] = deque(maxlen=RECENT)
 
     def outcomes(self, distributed: Any) -> Iterator[tuple[T, R | Lost]]:
+        # a task of its own: each worker keeps one copy, and Dask makes it again if its worker is lost
+        self.work = self.client.submit(_itself, self.do, pure=False)
         queue = distributed.as_completed(self._submit(), loop=self.client.loop)
         for future in queue:
             yield from self._collect(future)
@@ -94,7 +94,7 @@ class _ClusterRun(Generic[T, R]):
         window = IN_FLIGHT * max(sum(self.client.nthreads().values()), 1)
         futures = []
         while len(self.in_flight) < window and (group := self._next_group()):
-            future = self.client.submit(_work, self.packed, group, pure=False)
+            future = self.client.submit(_work, self.work, group, pure=False)
             self.in_flight[future] = group
             futures.append(future)
         return futures
@@ -121,18 +121,15 @@ class _ClusterRun(Generic[T, R]):
         future.release()
 
 
-def _work(packed: bytes, group: list[Any]) -> tuple[list[Any], float]:
+def _itself(do: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    return do
+
+
+def _work(do: Callable[[Any], Any], group: list[Any]) -> tuple[list[Any], float]:
     """Return the outcomes of a group, and the time that they took, in seconds."""
     cv2.setNumThreads(1)
-    do, start = _unpacked(packed), time.perf_counter()
+    start = time.perf_counter()
     return [_outcome(do, item) for item in group], time.perf_counter() - start
-
-
-@lru_cache(maxsize=4)
-def _unpacked(packed: bytes) -> Callable[[Any], Any]:
-    """Return the work, the same one for all groups: what it keeps between items stays warm."""
-    do: Callable[[Any], Any] = pickle.loads(packed)  # sent by the scheduler, which is trusted
-    return do
 
 
 def _outcome(do: Callable[[Any], Any], item: Any) -> Any:

@@ -1,4 +1,4 @@
-"""What something is measured on: the machine, its load, the versions of what is installed."""
+"""Description of the measuring machine: processor, load, versions of the installed packages."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from spigolo.batch.engine import cores
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """cores: those this process may use. load: of the last minute, 0 = idle; None where the system does not say."""
+    """cores: those this process may use. load: of the last minute, 0 = idle. None if the system does not say."""
 
     cpu: str
     cores: int

@@ -33,7 +33,7 @@ class Attempt:
     frames: tuple[Entry, ...]
 
     def __call__(self) -> Trial:
-        """Runs it."""
+        """Run it."""
         work = Worker([self.method])
         tasks = (Task(frame, self.method.name, self.method.digest) for frame in self.frames)
         return Trial(self.number, self.setting, tuple(work(task) for task in tasks))
@@ -80,10 +80,10 @@ def search(
 
 
 def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Those with labels; raises FileError where there are none."""
+    """Those with labels. Raises FileError if there are none."""
     labelled = tuple(frame for frame in frames if frame.labelling != "none")
     if not labelled:
-        raise FileError(f"expected labelled frames, got {len(frames)} without labels: draw those of some")
+        raise FileError(f"expected labelled frames, got {len(frames)} without labels: label about twenty of them")
     return labelled
 
 
@@ -93,7 +93,10 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 
 
 def _check(trial: Trial) -> None:
-    """Without a score of every frame trials cannot be compared; what fails with the start is the frame's fault."""
+    """Refuse a trial without a score of every frame, because it cannot be compared.
+
+    If a frame fails with the start, the frame is at fault.
+    """
     at_start = trial.number == 0
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)
     if unread is not None:

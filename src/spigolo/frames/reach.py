@@ -47,7 +47,7 @@ def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
 
 
 def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32]) -> OutOfReach | None:
-    """Set depth that no camera measured to 0 in `metres` (H, W), and return what it was. None if there is none.
+    """Set implausible depth to 0 in `metres` (H, W). Return a description of it, None if nothing was implausible.
 
     stored (H, W): the same as it was given.
     """

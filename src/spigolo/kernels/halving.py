@@ -7,7 +7,7 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def halve_depth(depth, out):
-    """Fill each pixel with the lower median of the valid depths in its block of two by two. 0 where there are none.
+    """Fill each pixel with the lower median of the valid depths in its block of two by two. 0 without any.
 
     Unlike a mean, it is a measured depth: no point lies between an object and the surface behind it.
     depth (H, W) float32 metres, 0 = missing; out (ceil(H / 2), ceil(W / 2)) float32.

@@ -51,7 +51,7 @@ def is_step(z_here, z_there, step, step_per_m):
 def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalty, dy, dx, out):
     """J of every pair of one plane.
 
-    distance (H, W) float32 of the colours of a pair, +inf where there is none. depth (H, W) metres, 0 = missing. mean,
+    distance (H, W) float32 of the colours of a pair, +inf without a pair. depth (H, W) metres, 0 = missing. mean,
     repulsion: as `color_interaction` has them. Depth that differs by more than step (m) and step_per_m (1/m) times its
     square repels by `penalty`. out (H, W) float32.
     """

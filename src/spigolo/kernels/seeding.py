@@ -65,6 +65,25 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
                     sums[1] += (z > low) & (z < high)
 
 
+@inlined
+def mark_borders(labels, layer):
+    """Set the layer of the pixels that touch another label to 1, and return their numbers y * width + x."""
+    height, width = labels.shape
+    queue, size = np.empty(labels.size, np.int64), 0
+    for y in range(height):
+        for x in range(width):
+            here = labels[y, x]
+            different = x + 1 < width and labels[y, x + 1] != here
+            different |= y + 1 < height and labels[y + 1, x] != here
+            different |= x > 0 and labels[y, x - 1] != here
+            different |= y > 0 and labels[y - 1, x] != here
+            if different:
+                layer[y, x] = 1
+                queue[size] = y * width + x
+                size += 1
+    return queue[:size]
+
+
 @kernel
 def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
     """Number the pixels next to a border in layers: 1 touches another label, 2 touches layer 1, and so on.
@@ -76,25 +95,8 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
     height, width = labels.shape
     layer[:] = UNREACHED
     inner[:] = 0
-    count = 0
-    for y in range(height):
-        for x in range(width):
-            here = labels[y, x]
-            different = x + 1 < width and labels[y, x + 1] != here
-            different |= y + 1 < height and labels[y + 1, x] != here
-            different |= x > 0 and labels[y, x - 1] != here
-            different |= y > 0 and labels[y - 1, x] != here
-            if different:
-                layer[y, x] = 1
-                count += 1
-    queue = np.empty(count, np.int64)
-    size = 0
-    for y in range(height):
-        for x in range(width):
-            if layer[y, x] == 1:
-                queue[size] = y * width + x
-                size += 1
-    number = 1
+    queue = mark_borders(labels, layer)
+    size, number = queue.size, 1
     while size > 0:
         following = np.empty(8 * size, np.int64)
         found = 0

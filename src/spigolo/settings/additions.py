@@ -341,7 +341,7 @@ class Additions(Settings):
     """Let lengths in pixels grow with the image, so that twice the resolution shows the same edges, twice as wide."""
     resolution: Literal["full", "half"] = "full"
     """Size at which the frame is partitioned. `half` takes half the width and height, and draws the outlines of objects
-    again at full size. A frame of 1280x720 then takes a third of the time. Things of a few pixels are lost."""
+    again at full size. A frame of 1280x720 then takes less than half of the time. Things of a few pixels are lost."""
 
     @model_validator(mode="after")
     def _has_support(self) -> Additions:

@@ -45,7 +45,7 @@ def write_model(path: Path, model: Model, unit_m: float = 1.0) -> None:
 
 
 def find_model(folder: Path, name: str) -> Path | None:
-    """NAME.ply, .obj or .stl in the folder, or in NAME/ there, whatever its case. None if there is none."""
+    """Return the path of NAME.ply, .obj or .stl in the folder or in NAME/, in any case. None without such a file."""
     if not folder.is_dir():
         return None
     wanted = name.lower()

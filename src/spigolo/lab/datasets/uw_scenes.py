@@ -42,7 +42,7 @@ MASK_COLORS = {
 
 @dataclass(frozen=True, slots=True)
 class UwFrame(ImageEntry):
-    """One frame of a sequence. mask and boxes: None if there is none."""
+    """One frame of a sequence. mask, boxes: None if the sequence has no such file."""
 
     number: int
     mask: Path | None

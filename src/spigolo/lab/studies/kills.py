@@ -36,27 +36,16 @@ SETTLING_S = 0.05
 """Random delay before a kill, so that it does not always follow the end of a write."""
 
 
-@dataclass(frozen=True, slots=True)
-class Logged:
+@dataclass(frozen=True, kw_only=True)
+class Logged(FrameFiles):
     """A job that writes down each time it is read: its name and the process."""
 
-    inner: FrameFiles
     log: Path
-
-    @property
-    def name(self) -> str:
-        return self.inner.name
-
-    def stamp(self) -> str:
-        return self.inner.stamp()
-
-    def fingerprint(self) -> str:
-        return self.inner.fingerprint()
 
     def read(self) -> sp.Frame:
         with self.log.open("ab", buffering=0) as file:
             file.write(f"{self.name} {os.getpid()}\n".encode())
-        return self.inner.read()
+        return super().read()
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,11 +81,10 @@ def write_frames(folder: Path, count: int) -> None:
 def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
     """Run over the frames in this process, which the study may kill."""
     names = sorted(path.stem for path in (source / "rgb").iterdir())
-    files = (
-        FrameFiles(n, source / "rgb" / f"{n}.png", source / "depth" / f"{n}.png", source / "camera.json") for n in names
-    )
+    camera = source / "camera.json"
+    jobs = [Logged(n, source / "rgb" / f"{n}.png", source / "depth" / f"{n}.png", camera, log=log) for n in names]
     try:
-        run_batch([Logged(file, log) for file in files], sp.OBJECTS, out, engine)
+        run_batch(jobs, sp.OBJECTS, out, engine)
     except SpigoloError as error:
         print(error, file=sys.stderr)
         return 2

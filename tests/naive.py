@@ -532,6 +532,15 @@ def grow_seeds(
     return labels
 
 
+def follow_seeds(before: Array, after: Array, source_of: Array, regions: Array) -> tuple[Array, list[int]]:
+    """Regions with those of the seeds where labels differ, and the area of each region."""
+    out = regions.copy()
+    for y, x in pixels(before):
+        if before[y, x] != after[y, x]:
+            out[y, x] = regions[divmod(int(source_of[y * before.shape[1] + x]), before.shape[1])]
+    return out, [int(np.count_nonzero(out == k)) for k in range(int(regions.max()) + 1)]
+
+
 # --- sorting --------------------------------------------------------------------------------------------------
 
 

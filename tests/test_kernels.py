@@ -1088,6 +1088,17 @@ def test_grow_seeds(seed: int, memory: float, carry: float) -> None:
     np.testing.assert_array_equal(out.reshape(-1)[where], labels.reshape(-1)[source[where]])
 
 
+def test_follow_seeds(rng: np.random.Generator) -> None:
+    before, after = (rng.integers(0, 3, (9, 11), np.int32) for _ in range(2))
+    regions = rng.integers(0, 6, before.shape, np.int32)
+    source = rng.integers(0, before.size, before.size, np.int32)
+    out, areas = np.empty_like(regions), np.zeros(6, np.int64)
+    seeding.follow_seeds(before, after, source, regions, out, areas)
+    twin, twin_areas = naive.follow_seeds(before, after, source, regions)
+    np.testing.assert_array_equal(out, twin)
+    assert areas.tolist() == twin_areas
+
+
 # --- all of them ----------------------------------------------------------------------------------------------
 
 

@@ -13,6 +13,8 @@ CLOSE, ROUNDING = 0.99, 1e-6
 metre.
 """
 MAY_STEP, MAY_CREASE = 1, 2
+WORD = 8
+"""Marks of a row are looked at eight at a time, as most are 0."""
 
 
 @kernel
@@ -108,6 +110,12 @@ def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosi
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 
 
+@inlined
+def is_hole(depth, y, x, v, u):
+    """True if neither a pixel nor its samples at (v, u) before and after it have depth."""
+    return depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0
+
+
 @kernel
 def mark_contours(
     depth,
@@ -134,20 +142,23 @@ def mark_contours(
     margin = max(step_px, crease_px)
     least = least_hollow(camera, depth.shape, crease_px, crease_high_deg)
     cosines = cosine_limits(crease_low_deg, crease_high_deg)
-    maybe = np.empty(max(width - 2 * margin, 0), np.uint8)
+    inner = max(width - 2 * margin, 0)
+    room = np.zeros((inner + WORD - 1) // WORD * WORD, np.uint8)
+    maybe, words = room[:inner], room.view(np.uint64)
     for y in range(margin, height - margin):
         for n_y, n_x in ((0, 1), (1, 0), (1, 1), (-1, 1)):
             step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe)
             hollow_row(filled, y, n_y, n_x, crease_px, least, f32(noise_per_m), margin, maybe)
             v, u = step_px * n_y, step_px * n_x
-            for k in range(maybe.size):
-                x = margin + k
-                if maybe[k] == 0 or (depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0):
-                    continue
-                if maybe[k] & MAY_STEP and steps[y, x] == 0:
-                    before, here, after = filled[y - v, x - u], filled[y, x], filled[y + v, x + u]
-                    steps[y, x] = is_step(float(before), float(here), float(after), step_m, step_per_m)
-                if maybe[k] & MAY_CREASE and creases[y, x] == 0:
-                    creases[y, x] = is_crease(
-                        filled, y, x, n_y, n_x, crease_px, camera, crease_low_deg, crease_high_deg, cosines
-                    )
+            for word in range(words.size):
+                for k in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
+                    x = margin + k
+                    if room[k] == 0 or is_hole(depth, y, x, v, u):
+                        continue
+                    if room[k] & MAY_STEP and steps[y, x] == 0:
+                        before, here, after = filled[y - v, x - u], filled[y, x], filled[y + v, x + u]
+                        steps[y, x] = is_step(float(before), float(here), float(after), step_m, step_per_m)
+                    if room[k] & MAY_CREASE and creases[y, x] == 0:
+                        creases[y, x] = is_crease(
+                            filled, y, x, n_y, n_x, crease_px, camera, crease_low_deg, crease_high_deg, cosines
+                        )

@@ -14,6 +14,8 @@ OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
 """Flags of an open pixel: those at the left and right image border have a neighbour less."""
 LEVELS = 2048
 """Number of weights that are told apart, in steps of one grey level; larger ones count as the last."""
+WORD = 8
+"""Flags of a row are looked at eight at a time, as most are 0."""
 MARGIN = f32(0.01)
 """Rounding errors of a weight are smaller, in grey levels."""
 
@@ -38,31 +40,48 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
     sums (2,) int64 = profiles, pixels on ramps; zero before.
     """
     height, width = labels.shape
-    flat, ends = depth.reshape(-1), max(reach_px // 3, 1)
+    flat = depth.reshape(-1)
+    flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
+    words = flags.view(np.uint64)
     for y in range(height):
-        for x in range(width):
-            here = labels[y, x]
-            if here == labels[y, min(x + 1, width - 1)] and here == labels[min(y + 1, height - 1), x]:
-                continue
-            for axis in range(2):
-                v, u = (y, x + 1) if axis == 0 else (y + 1, x)
-                if v >= height or u >= width or labels[v, u] == here:
+        flag_differences(labels[y], labels[min(y + 1, height - 1)], flags)
+        for word in range(words.size):
+            for x in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
+                if not flags[x]:
                     continue
-                place, length = (x, width) if axis == 0 else (y, height)
-                if place + 1 < reach_px or place + 1 + reach_px > length:
-                    continue
-                step = 1 if axis == 0 else width
-                first = y * width + x - (reach_px - 1) * step
-                last = first + (2 * reach_px - 1) * step
-                a, b = outermost(flat, first, step, ends), outermost(flat, last, -step, ends)
-                near, far = min(a, b), max(a, b)
-                if near == f32(0.0) or far - near <= max(step_m, step_share * near):
-                    continue
-                low, high = near + LOW_PART * (far - near), near + HIGH_PART * (far - near)
-                sums[0] += 1
-                for k in range(ends, 2 * reach_px - ends):
-                    z = flat[first + k * step]
-                    sums[1] += (z > low) & (z < high)
+                if x + 1 < width and labels[y, x + 1] != labels[y, x]:
+                    count_profile(flat, y * width + x, 1, x, width, reach_px, step_m, step_share, sums)
+                if y + 1 < height and labels[y + 1, x] != labels[y, x]:
+                    count_profile(flat, y * width + x, width, y, height, reach_px, step_m, step_share, sums)
+
+
+@inlined
+def flag_differences(row, other, flags):
+    """Flag the pixels of a row that differ from the next one or from that of the other row. flags: uint8."""
+    for x in range(row.size - 1):
+        flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
+    flags[row.size - 1] = row[-1] != other[-1]
+
+
+@inlined
+def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, sums):
+    """Count one profile of `count_ramps`, from pixel p to its neighbour p + step. flat (H * W,): the depth.
+
+    place and length: position of p along its row or column, and the length of that.
+    """
+    if place + 1 < reach_px or place + 1 + reach_px > length:
+        return
+    ends, first = max(reach_px // 3, 1), p - (reach_px - 1) * step
+    last = first + (2 * reach_px - 1) * step
+    a, b = outermost(flat, first, step, ends), outermost(flat, last, -step, ends)
+    near, far = min(a, b), max(a, b)
+    if near == f32(0.0) or far - near <= max(step_m, step_share * near):
+        return
+    low, high = near + LOW_PART * (far - near), near + HIGH_PART * (far - near)
+    sums[0] += 1
+    for k in range(ends, 2 * reach_px - ends):
+        z = flat[first + k * step]
+        sums[1] += (z > low) & (z < high)
 
 
 @inlined
@@ -70,17 +89,22 @@ def mark_borders(labels, layer):
     """Set the layer of the pixels that touch another label to 1, and return their numbers y * width + x."""
     height, width = labels.shape
     queue, size = np.empty(labels.size, np.int64), 0
+    flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
+    words = flags.view(np.uint64)
     for y in range(height):
-        for x in range(width):
-            here = labels[y, x]
-            different = x + 1 < width and labels[y, x + 1] != here
-            different |= y + 1 < height and labels[y + 1, x] != here
-            different |= x > 0 and labels[y, x - 1] != here
-            different |= y > 0 and labels[y - 1, x] != here
-            if different:
-                layer[y, x] = 1
-                queue[size] = y * width + x
-                size += 1
+        row, above, below = labels[y], labels[max(y - 1, 0)], labels[min(y + 1, height - 1)]
+        for x in range(1, width - 1):
+            beside = (row[x] != row[x - 1]) | (row[x] != row[x + 1])
+            flags[x] = beside | (row[x] != above[x]) | (row[x] != below[x])
+        for x in (0, width - 1):
+            beside = (row[x] != row[max(x - 1, 0)]) | (row[x] != row[min(x + 1, width - 1)])
+            flags[x] = beside | (row[x] != above[x]) | (row[x] != below[x])
+        for word in range(words.size):
+            for x in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
+                if flags[x]:
+                    layer[y, x] = 1
+                    queue[size] = y * width + x
+                    size += 1
     return queue[:size]
 
 
@@ -271,3 +295,18 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             bucket = min(int(before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight)), LEVELS - 1)
             size = offer(bucket, q, p, size, least, head, tail, edges)
             level = min(level, bucket)
+
+
+@kernel
+def follow_seeds(before, after, source_of, regions, out, areas):
+    """Give each pixel whose label changed the region of its seed, and count the pixels of each region.
+
+    before and after: labels (H, W) int32. source_of (H * W,) int32 as `grow_seeds` fills it. regions and out: region
+    numbers (H, W) int32. areas (R,) int64, zero before.
+    """
+    width, flat = before.shape[1], regions.reshape(-1)
+    for y in range(before.shape[0]):
+        for x in range(width):
+            here = regions[y, x] if after[y, x] == before[y, x] else flat[source_of[y * width + x]]
+            out[y, x] = here
+            areas[here] += 1

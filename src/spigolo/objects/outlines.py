@@ -12,6 +12,7 @@ from spigolo.additions.refinement import Claimed, place_outlines, refine_labels
 from spigolo.clock import stage
 from spigolo.frames.frame import Frame
 from spigolo.frames.roi import Roi
+from spigolo.kernels import seeding as kernel
 from spigolo.objects.facts import RegionFacts, remeasure
 from spigolo.objects.scene import Scene, find_above, find_inside
 from spigolo.objects.segmentation import Segmentation, assemble
@@ -31,9 +32,8 @@ def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
     """
     if config.refinement is None or not result.objects:
         return result
-    before, frame = _object_labels(result, result.regions), result.frame
-    claimed = refine_labels(before, frame.color, frame.depth, config.refinement)
-    return _redrawn(result, result.scene, result.regions, before, claimed)
+    claimed = refine_labels(result.labels, result.frame.color, result.frame.depth, config.refinement)
+    return _redrawn(result, result.scene, result.regions, result.labels, claimed)
 
 
 @stage("enlarging")
@@ -45,7 +45,7 @@ def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None 
     regions = Regions(_doubled(result.regions.labels, frame.shape), result.regions.count)
     scene = _enlarged_scene(result.scene, frame, config, roi)
     ours = scene.additions
-    before = _object_labels(result, regions)
+    before = _doubled(result.labels, frame.shape)
     claimed = place_outlines(before, frame.color, frame.depth, (ours and ours.refinement) or Refinement())
     return _redrawn(result, scene, regions, before, claimed)
 
@@ -75,14 +75,6 @@ def _doubled(values: npt.NDArray[Value], shape: tuple[int, int]) -> npt.NDArray[
     return np.ascontiguousarray(values.repeat(2, axis=0).repeat(2, axis=1)[: shape[0], : shape[1]])
 
 
-def _object_labels(result: Segmentation, regions: Regions) -> npt.NDArray[np.int32]:
-    """Return the labels (H, W) of the objects of an answer in regions of the same numbers."""
-    label_of = np.zeros(regions.count, np.int32)
-    for o in result:
-        label_of[o.region] = o.label
-    return regions.spread(label_of)
-
-
 def _redrawn(
     result: Segmentation, scene: Scene, regions: Regions, before: npt.NDArray[np.int32], claimed: Claimed
 ) -> Segmentation:
@@ -90,13 +82,14 @@ def _redrawn(
 
     before: (H, W), labels of the objects before they were claimed.
     """
-    moved = np.flatnonzero(claimed.labels != before)
-    labels = regions.labels.copy()
-    labels.reshape(-1)[moved] = regions.labels.reshape(-1)[claimed.source_of[moved]]
-    kept = np.flatnonzero(np.bincount(labels.reshape(-1), minlength=regions.count))
-    number = np.full(regions.count, -1, np.int32)
-    number[kept] = np.arange(kept.size)
-    redrawn = Regions(Regions(labels, regions.count).spread(number), kept.size)
+    labels, areas = np.empty_like(regions.labels), np.zeros(regions.count, np.int64)
+    kernel.follow_seeds(before, claimed.labels, claimed.source_of, regions.labels, labels, areas)
+    kept = np.flatnonzero(areas)
+    redrawn = Regions(labels, regions.count)
+    if kept.size < regions.count:
+        number = np.full(regions.count, -1, np.int32)
+        number[kept] = np.arange(kept.size)
+        redrawn = Regions(redrawn.spread(number), kept.size)
     facts: list[RegionFacts] = sorted((*result.objects, *result.rejected), key=lambda f: f.region)
     verdicts = result.verdicts()
     measured = remeasure([facts[k] for k in kept], redrawn, scene.frame, scene.depth)

@@ -76,8 +76,6 @@ class Segmentation:
     """The objects, best score first."""
     rejected: tuple[RejectedRegion, ...]
     """All other regions, each with its reason."""
-    support: Mask | None
-    """Background pixels (H, W) on the support plane. None if there is no plane."""
     left_out: tuple[str, ...]
     """Results that need intrinsics and were left out."""
     preset: str
@@ -102,6 +100,11 @@ class Segmentation:
     def frame(self) -> Frame:
         """The frame that was segmented."""
         return self.scene.frame
+
+    @property
+    def support(self) -> Mask | None:
+        """Background pixels (H, W) on the support plane, a new array each time. None if there is no plane."""
+        return self.scene.on_support(self.labels)
 
     def overlay(self) -> Color:
         """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered.
@@ -237,7 +240,6 @@ def assemble(
         labels=labels,
         objects=objects,
         rejected=rejected,
-        support=scene.on_support(labels),
         left_out=scene.all_left_out(),
         preset=scene.preset,
         digest=scene.digest,

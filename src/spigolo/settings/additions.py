@@ -380,8 +380,8 @@ class Additions(Settings):
     refinement: Refinement | None = None
     """Refine the outlines of objects by colour where depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0
-    """Depth difference per squared distance that eq. 9 treats as zero, 1/m. Quantised depth would otherwise separate
-    equal depths within one large region.
+    """Depth difference per squared distance that eq. 9 treats as zero, 1/m. Steps of quantised depth would otherwise
+    remain as borders inside large regions.
     """
     line_px: Offset_px = 1
     """Width of the lines of E_F before they are blurred, px. 1 is eq. 20."""

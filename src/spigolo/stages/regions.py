@@ -113,7 +113,7 @@ class SortedEdges:
             if count >= 0:
                 break
             high = self._make_room(low, high)
-        if least == BOTH and low > 0:  # small regions must still be absorbed
+        if least == BOTH and low > 0:  # not in absorb_small, whose regions are never final
             count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
 

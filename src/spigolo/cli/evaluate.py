@@ -1,4 +1,4 @@
-"""The verbs of experiments: evaluate writes rows, report makes a page of them."""
+"""Verbs for experiments: `evaluate` writes rows, `losses` counts lost objects, `report` makes a page of rows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from spigolo.lab.experiments import Contender
 
 FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Data sets in which every object is labelled."""
+"""Patterns of data sets in which every object is labelled."""
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
@@ -55,7 +55,7 @@ def evaluate(
     jobs
         Number of worker processes. Default: this process alone.
     scheduler
-        Dask cluster that does the work instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
+        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
         for a new one of `--jobs` processes on this machine.
     out
         File of rows. New rows are appended.
@@ -195,7 +195,7 @@ def _report_paper(contenders: list[Contender], out: Path) -> int:
 
 
 def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
-    """Raise ConfigError for fields of a preset if no method has one."""
+    """Raise ConfigError for preset fields as flags if no method has a preset."""
     if flags and "toscana2016" not in methods:
         raise ConfigError(
             f"expected --{next(iter(flags)).replace('_', '-')} with toscana2016, whose presets have it, got"

@@ -1,4 +1,4 @@
-"""The verb ros: the ROS 2 node."""
+"""Verb `ros`, which runs the ROS 2 node."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def ros(
     unnamed, flags = split_flags(words[:at])
     own = {name: value for name, value in flags.items() if name in Options.model_fields}
     fields = {name: value for name, value in flags.items() if name not in own}
-    configure(preset, fields, ros)  # refuses what is wrong before the node starts
+    configure(preset, fields, ros)  # reports errors before the node starts
     find_kinds()
     given = {name: value_of_text(value) for name, value in flags.items()}
     topics = {"color": color, "depth": depth, "camera_info": camera_info}

@@ -202,7 +202,7 @@ def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[s
                 headless.add((topic, number))
             else:
                 stamps[topic].append((stamp, number))
-    except Exception as error:  # a damaged file raises what its parsing meets
+    except Exception as error:  # damaged files may raise any exception
         return stamps, frozenset(headless), _told(error)
     return stamps, frozenset(headless), ""
 
@@ -224,7 +224,7 @@ def _open(path: Path) -> Any:
         usual = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
         reader = reading.AnyReader([path], default_typestore=usual)
         reader.open()
-    except Exception as error:  # a damaged file raises what its parsing meets
+    except Exception as error:  # damaged files may raise any exception
         raise FileError(f"{path}: not a readable ROS bag ({_told(error)})") from None
     return reader
 

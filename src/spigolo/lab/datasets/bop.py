@@ -7,10 +7,10 @@
         scene_gt.json                             {"IMAGE": [{"obj_id", "cam_R_m2c": [9], "cam_t_m2c": [3, mm]}]}
         rgb/000000.png (or gray/, .jpg, .tif)     8 bits
         depth/000000.png (or .tif)                16 bits, 0 = missing
-        mask_visib/000000_000000.png              image, then place in the list of scene_gt; 0 and 255
+        mask_visib/000000_000000.png              image, then position in the list of scene_gt; 0 and 255
 
-Labels are places in the list plus 1. Without mask_visib it is rendered from models and poses.
-Sets differ in whether every object is labelled: `part`, unless `full` names the set. The frames of one scene are
+Labels are positions in the list plus 1. Without mask_visib, masks are rendered from models and poses.
+Only some sets label every object. A set counts as `part` unless `full` names it. The frames of one scene are
 near-identical.
 """
 

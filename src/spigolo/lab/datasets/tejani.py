@@ -2,14 +2,14 @@
 
     FOLDER/test/scene_01/RGB/img_000.png                  8 bits; also scene_01/ right in FOLDER, or the object's name
     FOLDER/test/scene_01/Depth/img_000.png                16 bits, millimetres, 0 = missing
-    FOLDER/annotation_new_models/scene_01/poses0.txt      number of instances, then for each four lines of four numbers,
+    FOLDER/annotation_new_models/scene_01/poses0.txt      number of instances, then for each 4 lines of 4 numbers,
                                                           divided by blanks or commas: model to camera, metres
     FOLDER/models/obj_01.ply                              metres; also by name, as Coffee_Cup.ply
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
 Scene N shows object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk, the order of their publication.
-Images without a file of poses have no labels (some original poses are poor: the new annotation holds those repaired).
-Labels are places in that file plus 1. Visible masks are rendered. The frames of a scene are near-identical.
+Images without a file of poses have no labels (the new annotation has repaired poses where the original ones are poor).
+Labels are positions in the file of poses plus 1. Visible masks are rendered. The frames of a scene are near-identical.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The time that each stage takes: `stopwatch` measures what `stage` names.
+"""Time of each stage: `stopwatch` measures the functions that are marked by `stage`.
 
 with sp.clock.stopwatch() as times:
 sp.segment(frame)

@@ -36,7 +36,7 @@ def evaluate(
 ) -> int:
     """Run methods on labelled frames and write one row of scores and times for each.
 
-    An interrupted run continues: rows that the file holds already are not computed again. `spigolo report` makes a page
+    An interrupted run continues: rows already in the file are not computed again. `spigolo report` makes a page
     of the rows. Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
 
     Parameters
@@ -51,9 +51,9 @@ def evaluate(
     presets
         Presets of toscana2016, by name or as TOML files.
     full
-        Patterns of data sets in which every object is labelled. Precision means something only for these.
+        Patterns of data sets in which every object is labelled. Precision has a meaning only for these.
     jobs
-        Number of worker processes. Default: this process alone.
+        Number of worker processes. Default: only this process.
     scheduler
         Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
         for a new one of `--jobs` processes on this machine.
@@ -170,7 +170,7 @@ def report(
         if frames or against is not None:
             raise ConfigError("expected --paper without --frames and --against, got both: leave those out")
         return _report_paper(contenders, out)
-    find_references(contenders, against)  # before anything is drawn
+    find_references(contenders, against)  # report a wrong name before drawing
     folders = find_labelled_frames(frames) if frames else []
     with progress() as bar:
         task = bar.add_task("drawing", total=None)

@@ -13,7 +13,7 @@ def ros(
     camera_info: str | None = None,
     preset: str = "OBJECTS",
 ) -> int:
-    """Run the ROS 2 node: segment what a camera publishes.
+    """Run the ROS 2 node, which segments the images that a camera publishes.
 
     Example: `spigolo ros --color /camera/camera/color/image_raw --depth
     /camera/camera/aligned_depth_to_color/image_raw --camera-info /camera/camera/color/camera_info`.

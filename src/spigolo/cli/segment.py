@@ -51,7 +51,7 @@ def segment(
     inputs
         Colour image and depth image of one size, several such pairs, or folders. A folder holds rgb.png and depth.png,
         subfolders with these, or the folders rgb/ and depth/ with equally named files. A ROS bag (.bag, .db3, .mcap),
-        a camera (realsense:) or a data set (dataset:FOLDER) serves as well. Any field of the preset is a flag too:
+        a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the preset is also a flag:
         `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
         Intrinsics: a file (JSON, YAML, a 3x3 matrix as .txt, .npy or .mat, COLMAP's cameras.txt), four numbers

@@ -26,7 +26,7 @@ def tune(
     browser: bool = True,
     out: Path = Path(),
 ) -> int:
-    """Tune the parameters by looking: a page with a slider for each, the masks and the cloud.
+    """Open a page with a slider for each parameter, the masks and the point cloud, to tune a preset interactively.
 
     Needs `pip install "spigolo[tune]"`. Example: `spigolo tune recordings/ --camera kinect-v1`. Ctrl-C ends it.
 
@@ -43,7 +43,7 @@ def tune(
     port
         Port of the page. If it is taken, the next free one is used.
     host
-        Address to listen on. The default is this machine alone. The page has no password.
+        Address to listen on. Default: only this machine. The page has no password.
     browser
         Open the page in a browser.
     out

@@ -26,7 +26,7 @@ def sample_border(labels, y, x, v, u, reach):
     """Return the samples `reach` pixels to both sides of a border between (y, x) and its right or lower neighbour (v,
     u).
 
-    Both are given by row and column. A flag tells if both lie in the image and in the two regions of the border.
+    Both are given by row and column. A flag is True if both lie in the image and in the two regions of the border.
     """
     dy, dx = v - y, u - x
     y_a, x_a, y_b, x_b = y - dy * (reach - 1), x - dx * (reach - 1), y + dy * reach, x + dx * reach

@@ -1,4 +1,4 @@
-"""All parameters of the method: those of the paper, and our additions."""
+"""All parameters of the method: the paper's parameters, and our additions."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ BASES: dict[str, Config] = {}
 
 def base_preset(name: object) -> Config:
     """Return the preset that the line `base` of a file names. Raises ConfigError, which lists the names."""
-    importlib.import_module("spigolo.settings.presets")  # which is above this module, and fills BASES
+    importlib.import_module("spigolo.settings.presets")  # it imports this module, and fills BASES
     if str(name).upper() not in BASES:
         raise ConfigError(f"unknown preset {str(name)!r} as base: expected one of {', '.join(BASES)}")
     return BASES[str(name).upper()]

@@ -81,7 +81,7 @@ class OpenNICamera(LiveSource):
         """Return the open device. Raises FileError."""
         try:
             return self._sdk.Device(self._uri.encode() or None)
-        except Exception as error:  # the binding has an error of its own for each module
+        except Exception as error:  # each module of the binding has its own exception
             found = [one.decode() for one in self._sdk.Device.enumerate_uris()]
             raise FileError(
                 f"{self.name} does not open ({_told(error)}). Connected: {', '.join(found) or 'none'}"
@@ -206,7 +206,7 @@ def _initialised() -> Any:
             raw.load_dll(name)  # the binding looks for libOpenNI2.so, and Debian installs libOpenNI2.so.0
             sdk.loaded_dll_directory = name
         sdk.initialize()
-    except Exception as error:  # the binding has an error of its own for each module
+    except Exception as error:  # each module of the binding has its own exception
         raise FileError(f"OpenNI2 cannot be loaded ({_told(error)}): {LIBRARY}") from None
     return sdk
 

@@ -57,7 +57,7 @@ class RealSenseCamera(_RealSense, LiveSource):
     def __init__(self, serial: str, options: Options) -> None:
         super().__init__(f"realsense:{serial}", options)
         self._rs, self._serial = _sdk(), serial
-        _filters(self._rs, options.filters)  # a wrong name is told before the camera starts
+        _filters(self._rs, options.filters)  # reports a wrong name before the camera starts
         if options.device is None:
             self._check_connected()
         if options.camera is None:
@@ -109,7 +109,7 @@ class RealSenseRecording(_RealSense):
         if not path.is_file():
             raise FileError(f"expected a recording, but there is no {path}")
         self._rs, self._path = _sdk(), path
-        _filters(self._rs, options.filters)  # a wrong name is told before the camera starts
+        _filters(self._rs, options.filters)  # reports a wrong name before the camera starts
         if options.camera is None:
             self.intrinsics = "the recording"
 

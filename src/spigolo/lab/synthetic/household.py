@@ -23,7 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rest:
-    """Pose in which an object rests: the lean of its z axis after a turn about that axis. turn None: any turn."""
+    """Pose in which an object rests: the lean of its z axis after a turn about that axis. roll_deg None: any turn."""
 
     tilt_deg: float = 0.0
     roll_deg: float | None = None

@@ -58,7 +58,7 @@ def realism(frame: Frame) -> Realism:
 def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
     """Return the noise of each distance band, mm. Planes are fitted to inverse depth.
 
-    Its noise is the depth noise divided by the squared depth.
+    The noise of inverse depth is the noise of depth divided by the squared depth.
     """
     planes = fit_local_planes(depth)
     residual_mm = 1000 * planes.residual[planes.whole] * depth[planes.whole].astype(np.float64) ** 2

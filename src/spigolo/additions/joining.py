@@ -1,7 +1,7 @@
 """Joining of the parts of one object (our addition, not in the paper).
 
-The partition separates parts of an object at three kinds of places: where the object's own depth changes by a step,
-between the wall and the inside of a cup, and where noise looks like a contour. Four rules join regions above the
+The partition separates parts of an object in three cases: at a step in the object's own depth, between the wall and
+the inside of a cup, and at noise that looks like a contour. Four rules join regions above the
 support plane. They compare both sides of the common border. The parameters are in `Joining`.
 
 - vessel: the front region is convex, the region behind it is hollow, and both have the same top height. They are the

@@ -25,7 +25,7 @@ def ros(
     ----------
     words
         Any parameter of the node as a flag, such as `--queue 5`, `--continuous false`, `--reliable false` or
-        `--partition.gamma 0.004`. What follows `--ros-args` goes to ROS.
+        `--partition.gamma 0.004`. Arguments after `--ros-args` go to ROS.
     color
         Topic of the colour image. Default: `color`, which may be remapped.
     depth

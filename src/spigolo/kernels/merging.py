@@ -1,4 +1,4 @@
-"""Kernels that merge pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004; eqs. 2, 3).
+"""Kernels that merge pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004, eqs. 2, 3).
 
 A packed edge has 64 bits: 32 of its float32 weight, 30 of its pixel, and 2 of its plane. The record of a root has 64
 bits too: the size of its region, then the bits of its merge bound. docs/performance.md explains the rounds.

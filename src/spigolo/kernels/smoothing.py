@@ -1,4 +1,4 @@
-"""Kernels for depth-dependent smoothing (Holzer et al. 2012; eqs. 5-8)."""
+"""Kernels for depth-dependent smoothing (Holzer et al. 2012, eqs. 5-8)."""
 
 from __future__ import annotations
 

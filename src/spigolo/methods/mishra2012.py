@@ -73,7 +73,7 @@ class Mishra2012(Baseline[SimpleConfig]):
     config: SimpleConfig = field(default_factory=SimpleConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the rest of the frame and every simple object. Where two overlap, the one with the higher contour
+        """Return the rest of the frame and every simple object. If two overlap, the one with the higher contour
         share gets the pixels.
         """
         config = self.config.at_size(frame.shape)

@@ -91,7 +91,7 @@ class BopImage(Entry):
         return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
 
     def _stored_labels(self) -> npt.NDArray[np.int32]:
-        """Return labels from stored masks. Where masks overlap, the later object counts."""
+        """Return labels from stored masks. If masks overlap, the later object gets the pixels."""
         labels = None
         for label, path in enumerate(self._masks, start=1):
             mask = read_labels(path)

@@ -112,7 +112,7 @@ def score_frame(
     truth, prediction
         (H, W) integers, 0 = background, every other value one instance. The values need not agree.
     ignore
-        (H, W) boolean. Where it is True, both images become background before anything is counted.
+        (H, W) boolean. Pixels with True become background in both images before anything is counted.
     radius_px
         Reach of the boundary matching [px]. By default 0.003 of the image diagonal, rounded up.
 

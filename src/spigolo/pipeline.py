@@ -36,7 +36,7 @@ class Trace:
     config: Config
     """Parameters as given."""
     plane: Plane | None
-    """Support plane (ours). None without one."""
+    """Support plane (ours), or None if no plane was found."""
     weighing: Weighing
     """Cost function and gamma of this frame."""
     edges: EdgeMaps | None

@@ -220,9 +220,10 @@ def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
 def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], sparse: bool, config: Support) -> bool:
     """Return True if almost no points are visible through the plane, where the plane surrounds them on three sides.
 
-    A table hides the floor. The front edges of a shelf lie in one plane too, but surround points behind it. cells (N,
-    2): position of each sample point in a coarse grid. A cell belongs to the plane if most of its points do. sparse:
-    True for a frame without most of its depth.
+    A table hides the floor. The front edges of a shelf lie in one plane too, but surround points behind it.
+
+    cells (N, 2): position of each sample point in a coarse grid. A cell belongs to the plane if most of its points do.
+    sparse: True for a frame without most of its depth.
     """
     on, below = _on(plane, sample, config), plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
     surrounded = _surrounded(on, cells)

@@ -120,7 +120,7 @@ class _LocalRun(Generic[T, R]):
             self._stop()
 
     def _fill(self) -> bool:
-        """Submit items. Return True if any are in flight."""
+        """Submit waiting items up to the limit. Return True if any items are in flight."""
         while len(self.in_flight) < IN_FLIGHT * self.workers:
             item = self.again.popleft() if self.again else next(self.items, None)
             if item is None:

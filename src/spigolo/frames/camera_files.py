@@ -82,7 +82,7 @@ def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]
 
 
 def camera_in(folder: Path) -> Path | None:
-    """Return the camera file of a folder. None without one."""
+    """Return the camera file of a folder, or None without a camera file."""
     return next((folder / name for name in NAMES if (folder / name).is_file()), None)
 
 

@@ -104,7 +104,7 @@ def _camera_and_fields(
 
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
-    """Return the validated depth_scale of a camera's fields. None without one. Raises CameraError."""
+    """Return the validated depth_scale of a camera's fields, or None without a depth_scale. Raises CameraError."""
     is_file = isinstance(camera, str | os.PathLike)
     try:
         scale = None if fields is None else scale_from_mapping(fields)

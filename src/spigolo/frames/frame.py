@@ -30,11 +30,12 @@ Mask = npt.NDArray[np.bool_]
 class Frame:
     """Colour image with its registered depth. A frame owns contiguous copies of both.
 
+    Depth is missing if it is 0, NaN, infinite, negative or masked. The largest value of an integer type and depth
+    beyond the reach of cameras (50 m) are missing too. Images of a camera with distortion are undistorted here, once.
+
     color: (H, W, 3) uint8 RGB. depth: (H, W), floating-point metres, or integers with `depth_scale` metres per unit.
-    `depth_scale` may also be a field of a camera mapping. Depth is missing if it is 0, NaN, infinite, negative or
-    masked. The largest value of an integer type and depth beyond the reach of cameras (50 m) are missing too. camera:
-    any form that `as_camera` takes, or None without intrinsics. Images of a camera with distortion are undistorted
-    here, once. Raises FrameError if the images do not fit together or have more than `max_pixels`. Raises CameraError
+    `depth_scale` may also be a field of a camera mapping. camera: any form that `as_camera` takes, or None without
+    intrinsics. Raises FrameError if the images do not fit together or have more than `max_pixels`. Raises CameraError
     for an impossible camera.
     """
 
@@ -104,7 +105,7 @@ class Frame:
 
 
 def _own_scale(camera: CameraLike) -> float | None:
-    """Return the validated depth_scale of a camera's fields. None without one. Raises CameraError."""
+    """Return the validated depth_scale of a camera's fields, or None without a depth_scale. Raises CameraError."""
     plain = camera is None or isinstance(camera, Camera | str)
     fields = None if plain else fields_of(camera)
     scale = None if fields is None else scale_from_mapping(fields)

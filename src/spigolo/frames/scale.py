@@ -24,7 +24,7 @@ SIMILAR = (
 
 
 def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
-    """Return the depth_scale of a camera file's fields in metres per unit. None without one. Raises CameraError.
+    """Return the depth_scale of a camera file's fields in metres per unit, or None. Raises CameraError.
 
     BOP gives millimetres per unit next to cam_K. Open3D gives units per metre next to intrinsic_matrix. So do GraspNet
     (factor_depth) and ORB-SLAM (DepthMapFactor).

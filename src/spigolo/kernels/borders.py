@@ -38,11 +38,18 @@ def sample_border(labels, y, x, v, u, reach):
 def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
     """Sum over the border between every two numbered regions, from samples `reach` pixels to both sides of it.
 
+    A pair of pixels counts only if both samples lie in the image and in the two regions of the border. Lengths are
+    clipped.
+
     labels (H, W) int32. number (R,) int32: 0..S-1, or -1 for a region that is left out. depth, boundary (H, W). sums
-    (S, S, 6) float64, initially zero. Values at [a, b]: number of 4-neighbour pairs on the border, number of pairs with
-    depth on both sides and between, |difference of depth| (m), distance of b behind a (m), depth of the border behind
-    the chord of both samples (m), larger boundary value of each pair. Lengths are clipped. A pair counts only if both
-    samples lie in the image and in the two regions of the border.
+    (S, S, 6) float64, initially zero. Its values at [a, b] are:
+
+    - number of 4-neighbour pairs on the border
+    - number of pairs with depth on both sides and between
+    - |difference of depth| (m)
+    - distance of b behind a (m)
+    - depth of the border behind the chord of both samples (m)
+    - larger boundary value of each pair
     """
     height, width = labels.shape
     for y in range(height):

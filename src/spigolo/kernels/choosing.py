@@ -22,10 +22,11 @@ BLOCK = 4096
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
     """Pack the edges with low <= weight < high between two regions of which at least `least` ends have a flag.
 
-    Edges keep their numeric order. Without `detours`, the last edge of each triangle or square is skipped. weights (P,
-    H W) float32. width: length of a row. parent (H W,): root of every pixel. flags (H W,) uint8, 0 or 1. offsets (P,)
-    int64. out: buffer with room for one more edge than there are. Returns the number of edges, or -1 if out is too
-    small.
+    Edges keep their numeric order. Without `detours`, the last edge of each triangle or square is skipped.
+
+    weights (P, H W) float32. width: length of a row. parent (H W,): root of every pixel. flags (H W,) uint8, 0 or 1.
+    offsets (P,) int64. out: buffer with room for one more edge than there are. Returns the number of edges, or -1 if
+    out is too small.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)

@@ -121,8 +121,9 @@ def ask_ahead(edges, k, offsets, parent, records):
 def plant(weights, width, gamma, parent, records, flags):
     """Make regions of the pixels that are connected by straight edges of weight 0. They may still merge.
 
-    Such an edge is never refused (eq. 3), so their order does not matter. weights (P, H W) float32. parent (H W,)
-    uint32, root of each pixel. records (H W,) uint64. flags (H W,) uint8.
+    Such an edge is never refused (eq. 3), so the order of these edges does not matter.
+
+    weights (P, H W) float32. parent (H W,) uint32, root of each pixel. records (H W,) uint64. flags (H W,) uint8.
     """
     right, down = weights[0], weights[1]
     for pixel in range(np.uint64(parent.size)):
@@ -152,9 +153,10 @@ def hang_below_first(parent, a, b):
 def merge(edges, offsets, gamma, stop, parent, records):
     """Eqs. 2, 3. Merge regions over sorted packed edges (K,). With `stop`, end at the first edge that is refused.
 
-    Returns the number of edges that were processed. offsets (P,) uint64 from a pixel to its neighbour, modulo 2^64.
     I(R) of eq. 2 is the weight of the last merge. As edges are sorted, it is the largest weight in the minimum spanning
     tree of R.
+
+    offsets (P,) uint64: from a pixel to its neighbour, modulo 2^64. Returns the number of edges that were processed.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:

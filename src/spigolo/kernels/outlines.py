@@ -10,7 +10,9 @@ SUMS = 6
 
 @inlined
 def first_measured(depth, y, x, dy, dx, most):
-    """Return the first pixel with depth from (y, x) along (dy, dx), at most `most` pixels away. Row -1 without one."""
+    """Return the first pixel with depth from (y, x) along (dy, dx), at most `most` pixels away. The row is -1 if there
+    is none.
+    """
     height, width = depth.shape
     for _ in range(most + 1):
         if y < 0 or x < 0 or y >= height or x >= width:
@@ -42,14 +44,19 @@ def sum_outlines(
 ):
     """Count the steps of depth and of height across the outline of each region.
 
-    labels (H, W) int32. depth (H, W) float32 metres. The height above the support is (slope_x[x] + slope_y[y] + slope)
-    * depth + offset. The inner sample lies `near` pixels inside the outline. If the region is thinner or lacks depth
-    there, it lies on the outline. The outer sample is the first pixel with depth from `near` to `near` + `shadow`
-    pixels outside, as a shadow lies on the background. The region's own slope is measured up to `deep` pixels inside.
+    The height above the support is (slope_x[x] + slope_y[y] + slope) * depth + offset. The inner sample lies `near`
+    pixels inside the outline. If the region is thinner or lacks depth there, it lies on the outline. The outer sample
+    is the first pixel with depth from `near` to `near` + `shadow` pixels outside, as a shadow lies on the background.
+    The region's own slope is measured up to `deep` pixels inside.
 
-    sums (R, 6) float64, initially zero. Columns: pairs of 4-neighbours across the outline. Pairs with both samples.
-    Pairs where the outside is farther by step_m + step_share * depth + slope. Pairs where it is nearer by that step.
-    Pairs where the height changes by max(ledge_m, ledge_per_m * depth^2). Sides of pixels on the image border.
+    labels (H, W) int32. depth (H, W) float32 metres. sums (R, 6) float64, initially zero. Its columns are:
+
+    - pairs of 4-neighbours across the outline
+    - pairs with both samples
+    - pairs where the outside is farther by step_m + step_share * depth + slope
+    - pairs where the outside is nearer by that step
+    - pairs where the height changes by max(ledge_m, ledge_per_m * depth^2)
+    - sides of pixels on the image border
     """
     height, width = labels.shape
     for y in range(height):

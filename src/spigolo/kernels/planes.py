@@ -57,10 +57,12 @@ def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
 def sum_normals(labels, depth, wanted, camera, reach, sums):
     """Sum the surface normals of each region, and the directions of its lines of sight.
 
+    Slopes are measured over `reach` pixels to both sides, within one region. Normals point away from the camera, as
+    lines of sight do.
+
     labels (H, W) int32. depth (H, W) float32 metres. wanted (R,) uint8: regions with 0 are skipped. camera (4,)
-    float64: fx, fy, cx, cy. Slopes are measured over `reach` pixels to both sides, within one region. sums (R, 7)
-    float64, initially zero: number of pixels with a normal, sum of normals X, Y, Z, and sum of unit vectors along the
-    lines of sight X, Y, Z. Normals point away from the camera, as lines of sight do.
+    float64: fx, fy, cx, cy. sums (R, 7) float64, initially zero. Columns: number of pixels with a normal, sum of
+    normals X, Y, Z, sum of unit vectors along the lines of sight X, Y, Z.
     """
     fx, fy, cx, cy = camera
     for y in range(reach, labels.shape[0] - reach):

@@ -21,11 +21,12 @@ def line_through(n, s, ss, d, sd):
 def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, out):
     """Fit lines to the disparity on both sides of every edge pixel, along its normal.
 
+    Pixels within `radius` count. Pixels nearer than `strip` to the edge line have the weight `weak`. A side requires at
+    least the weight `least`.
+
     edges (H, W) uint8. direction (H, W) uint8: index into normals (K, 2) float64, unit vectors (n_y, n_x). disparity
-    (H, W) float32, 0 if missing. Pixels within `radius` count. Pixels nearer than `strip` to the edge line have the
-    weight `weak`. A side requires at least the weight `least`. out (H, W, 4) float32: disparity at the edge and its
-    slope per pixel, first on the side that the normal points to, then on the other side. All values are 0 if a side has
-    too little weight.
+    (H, W) float32, 0 if missing. out (H, W, 4) float32: disparity at the edge and its slope per pixel, first on the
+    side that the normal points to, then on the other side. All values are 0 if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -99,10 +100,12 @@ def go_around(radial, angular, low, high, total, reached, origin):
 def closed_path(radial, angular, least, most, best):
     """Find the cheapest closed path around the origin of a polar map, with one radius in least..most on every ray.
 
+    Cheapest paths need not cross each other, so a path through a start divides the problem into two smaller ones. A
+    start is skipped if even the cheapest way to reach it costs more than the best path.
+
     radial (T, R): cost of crossing ray t between radii k - 1 and k. angular (T, R): cost of passing radius k between
     rays t and t + 1, where the last and the first ray are neighbours. Both are float32 and not negative. best (T,)
-    int32. Returns the cost. Cheapest paths need not cross each other, so a path through a start divides the problem
-    into two smaller ones. A start is skipped if even the cheapest way to reach it costs more than the best path.
+    int32. Returns the cost.
     """
     rays, radii = radial.shape
     paths = np.empty((radii + 2, rays), np.int32)

@@ -115,9 +115,10 @@ def sweep(spins, planes, values, temperature, seed, number):
     """Run one Metropolis sweep. Every pixel is offered the best other spin, in four groups of pixels.
 
     A change of energy dE <= 0 is always accepted, and else with probability exp(-dE / temperature). A group has every
-    second pixel of every second row. Its pixels are not neighbours, so their order does not matter. spins (H, W) int32
-    are changed in place. planes (4, H, W) float32. values: spins are 0..values-1. seed, number: seed and number of the
-    sweep, which determine the random bits. Returns the number of spins that changed.
+    second pixel of every second row. Its pixels are not neighbours, so their order does not matter.
+
+    spins (H, W) int32: changed in place. planes (4, H, W) float32. values: spins are 0..values-1. seed, number: seed
+    and number of the sweep, which determine the random bits. Returns the number of spins that changed.
     """
     height, width = spins.shape
     spin, force = np.empty(NEIGHBOURS, np.int32), np.empty(NEIGHBOURS, np.float32)

@@ -33,7 +33,7 @@ class Grows:
     always: bool = False
 
     def times(self, length: float, factor: float) -> float:
-        """Return the length in an image `factor` times larger. A whole number stays whole, and either 0 or at
+        """Return the length in an image `factor` times larger. An integer stays an integer, which is either 0 or at
         least 1.
         """
         if isinstance(length, float):

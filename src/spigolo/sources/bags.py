@@ -42,7 +42,7 @@ class Content:
     headless: frozenset[tuple[str, int]]
     """Topic and number of each message that is too short for a stamp."""
     info: Any
-    """First readable CameraInfo. None without one."""
+    """First readable CameraInfo message, or None."""
     cut: str
     """Reason why reading stopped before the end of the file. Empty if it did not stop."""
 
@@ -169,7 +169,7 @@ class _Decoder:
             raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
 
     def first(self, connections: Sequence[Any]) -> Any:
-        """Return the first readable message of some connections. None without one."""
+        """Return the first readable message of some connections, or None."""
         with suppress(Exception):  # the first pass reports errors in the file
             for connection, _, data in self._reader.messages(connections=connections) if connections else ():
                 with suppress(FrameError):

@@ -25,7 +25,7 @@ class Topics:
     depth: str
     """Topic of the depth images."""
     info: str | None
-    """Topic of the CameraInfo. None without one."""
+    """Topic of the CameraInfo, or None."""
 
 
 def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:

@@ -54,7 +54,7 @@ class UwFrame(ImageEntry):
         return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Return the hand-traced mask. None without one. Raises FileError."""
+        """Return the hand-traced mask, or None if the frame has no mask. Raises FileError."""
         return None if self.mask is None else labels_of(read_color(self.mask))
 
     def read_boxes(self) -> tuple[ObjectBox, ...]:

@@ -1,6 +1,6 @@
 """Scores of a segmentation, computed from two label images.
 
-A label image is a 2-D array of whole numbers: 0 is background, every other value is one instance. In use::
+A label image is a 2-D array of integers: 0 is background, every other value is one instance. In use::
 
     score = score_frame(truth, prediction, ignore=unsure)   # one frame
     total = summarise([score, ...])                         # a data set

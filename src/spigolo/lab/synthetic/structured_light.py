@@ -79,8 +79,10 @@ def simulate_structured_light(
 
     depth_m: ideal distance along the optical axis, (H, W), metres. 0 or non-finite without a surface. rgb: colour
     image, (H, W, 3), 8 bit. fx_px: focal length in pixels. The principal point is the centre of the image. rng: source
-    of all random numbers. sensor: by default similar to the first Kinect. gloss: (H, W), 0 = matt, 1 = a mirror, which
-    is measured only if it faces the camera. Returns measured depth, (H, W), metres, 0 where missing.
+    of all random numbers. sensor: by default similar to the first Kinect. gloss: (H, W), 0 = matt, 1 = a mirror. A
+    mirror is measured only if it faces the camera.
+
+    Returns measured depth, (H, W), metres, 0 where missing.
     """
     sensor = sensor or StructuredLight()
     ideal = np.asarray(depth_m, dtype=np.float64)

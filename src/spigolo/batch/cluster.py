@@ -37,8 +37,10 @@ def dask_cluster(address: str, group: int | None = None) -> Engine:
     """Return an engine that uses the workers of a Dask scheduler. address: `tcp://HOST:PORT`.
 
     Workers need the same version of spigolo, and the input files under the same paths. Dask repeats the work of a lost
-    worker. group: number of items in a task. None: as many as take about one second. Raises SpigoloError without the
-    extra `cluster` or without a scheduler at that address.
+    worker.
+
+    group: number of items in a task. None: as many as take about one second. Raises SpigoloError without the extra
+    `cluster` or without a scheduler at that address.
     """
     distributed = _distributed()
 
@@ -52,8 +54,9 @@ def dask_cluster(address: str, group: int | None = None) -> Engine:
 def dask_local(workers: int = 1, group: int | None = None) -> Engine:
     """Return an engine that starts a Dask cluster on this machine for the duration of the run.
 
-    Each worker process has one thread. Workers and dashboard listen on the loopback interface. group: as for
-    `dask_cluster`. Raises SpigoloError without the extra `cluster` or for less than one worker.
+    Each worker process has one thread. Workers and dashboard listen on the loopback interface.
+
+    group: as for `dask_cluster`. Raises SpigoloError without the extra `cluster` or for less than one worker.
     """
     distributed = _distributed()
     if workers < 1:

@@ -60,6 +60,7 @@ def run_batch(
     """Segment the frames of jobs. Write labels/FRAME.png, objects/FRAME.json and one table into a folder.
 
     Frames in the folder's manifest with the same inputs, preset and version are kept. Failed frames are tried again.
+
     table: "parquet" or "coco". tell: called after each frame. Raises FileError if nothing can be written or another run
     owns the folder.
     """

@@ -51,8 +51,10 @@ def coco(results: Iterable[Segmentation], path: PathLike) -> None:
 def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -> None:
     """Write the results of BOP's 2-D instance segmentation as JSON, with uncompressed run-length masks.
 
-    Scene and image numbers come from the frame's name, "SCENE/IMAGE". category_id: category of all objects. `time` is
-    -1, which means not measured. Raises FrameError for another form of name.
+    Scene and image numbers come from the frame's name, "SCENE/IMAGE".
+
+    category_id: category of all objects. `time` is -1, which means not measured. Raises FrameError for another form of
+    name.
     """
     records = []
     for result in results:

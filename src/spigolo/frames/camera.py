@@ -116,9 +116,10 @@ class Camera:
         """Return the nominal colour intrinsics of a well-known camera whose depth is registered to colour, or a guess.
 
         Nominal values differ from those of a single camera by one or two per cent. They are good for a first look, but
-        calibrate the camera for 3-D. A guess is a horizontal field of view such as "60deg" (`from_fov`). width, height:
-        size of the images. The default is the camera's own size, and 640x480 for a guess. Intrinsics are scaled to
-        another size of the same aspect ratio. Raises CameraError, which lists the names.
+        calibrate the camera for 3-D. A guess is a horizontal field of view such as "60deg" (`from_fov`).
+
+        width, height: size of the images. The default is the camera's own size, and 640x480 for a guess. Intrinsics are
+        scaled to another size of the same aspect ratio. Raises CameraError, which lists the names.
         """
         if angle := FIELD_OF_VIEW.fullmatch(name.strip().lower()):
             return cls.from_fov(width or 640, height or 480, horizontal_deg=float(angle[1]))

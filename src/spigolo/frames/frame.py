@@ -120,8 +120,9 @@ def depth_in_metres(
     """Return depth in metres, the number of negative pixels, and a description of the values out of reach.
 
     The result is a copy (H, W), 0 = missing. Missing values are NaN, infinite, nearer than NEAREST_M, beyond the reach
-    of cameras, or the largest value of an integer type. depth (H, W): floating-point metres, or integers with
-    depth_scale metres per unit. Raises FrameError.
+    of cameras, or the largest value of an integer type.
+
+    depth (H, W): floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
     """
     _check_depth(depth, depth_scale)
     with np.errstate(over="ignore"):  # values beyond float32 become infinite, which is missing

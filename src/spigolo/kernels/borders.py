@@ -109,8 +109,10 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
 def collect_pairs(labels, boundary, pairs, strength):
     """Collect every pair of 4-neighbours in different regions: pairs (K,) int64, strength (K,) of the stronger pixel.
 
-    A pair is stored as lower * 2^32 + higher region. labels (H, W) int32. boundary (H, W). Returns the number of pairs.
-    If the array is too short, pairs are only counted.
+    A pair is stored as lower * 2^32 + higher region.
+
+    labels (H, W) int32. boundary (H, W). Returns the number of pairs. If the array is too short, pairs are only
+    counted.
     """
     height, width = labels.shape
     count = 0

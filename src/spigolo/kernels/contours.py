@@ -128,7 +128,9 @@ def mark_contours(
     A step bends by at least max(step_m, step_per_m d^2) over step_px. A crease is a contact by the signed angle of eqs.
     14-19 over crease_px, and its tip lies behind the chord by at least noise_per_m d^2. Both are marked only if the
     pixel or one of its two samples at step_px is valid in depth (H, W). Samples come from filled, which is depth with
-    filled shadows, in metres. camera (fx, fy, cx, cy). steps, creases (H, W) uint8, initially zero.
+    filled shadows, in metres.
+
+    camera (fx, fy, cx, cy). steps, creases (H, W) uint8, initially zero.
     """
     height, width = depth.shape
     margin = max(step_px, crease_px)

@@ -9,8 +9,9 @@ from spigolo.kernels._jit import kernel
 def halve_depth(depth, out):
     """Set each pixel to the lower median of the valid depths in its block of 2x2 pixels, or to 0 if there are none.
 
-    Unlike a mean, the median is a measured depth. A mean could lie between an object and the surface behind it. depth
-    (H, W) float32 metres, 0 = missing. out (ceil(H / 2), ceil(W / 2)) float32.
+    Unlike a mean, the median is a measured depth. A mean could lie between an object and the surface behind it.
+
+    depth (H, W) float32 metres, 0 = missing. out (ceil(H / 2), ceil(W / 2)) float32.
     """
     height, width = depth.shape
     for y in range(out.shape[0]):

@@ -133,8 +133,9 @@ def splat_depth(depth, P, step_m, step_share, out):
 
     Four neighbouring pixels on one surface form a quad between their projections. If they are not on one surface, each
     valid pixel draws only its own quarter of the quad. A surface then ends half a pixel beyond its last pixel. Nothing
-    is drawn across a depth step of more than max(step_m, step_share Z). depth (h, w) metres. P (3, 4), with (u Z, v Z,
-    Z) = P (x z, y z, z, 1). out (H, W) metres, initially zero.
+    is drawn across a depth step of more than max(step_m, step_share Z).
+
+    depth (h, w) metres. P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, initially zero.
     """
     height, width = depth.shape
     above, here = np.zeros((width, 3)), np.zeros((width, 3))

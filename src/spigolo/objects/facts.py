@@ -233,8 +233,10 @@ def region_score(
     """Return the score (R,) of each region as an object, in [0, 1].
 
     The score is contour x (1 - exp(-measured / 0.98 %)) x share above the support plane. The last factor is 1 without a
-    plane. measured: the region's measured pixels as a share of the image. Large surfaces with a closed contour above
-    the support are more often whole objects.
+    plane.
+
+    measured: the region's measured pixels as a share of the image. Large surfaces with a closed contour above the
+    support are more often whole objects.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

@@ -100,8 +100,9 @@ class SortedEdges:
     ) -> tuple[npt.NDArray[np.uint64], float]:
         """Return the packed edges with at least `least` flagged ends and weights from `low` to below `high`, sorted.
 
-        If the buffer is too small for all of them, stop below a smaller weight, which is returned too. detours: True to
-        include the last edge of each triangle or square.
+        If the buffer is too small for all of them, stop below a smaller weight, which is returned too.
+
+        detours: True to include the last edge of each triangle or square.
         """
         width = self.offsets[1]
         while True:

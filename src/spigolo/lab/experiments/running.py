@@ -98,9 +98,10 @@ def evaluate(
     """Run every method on every frame and append one row each to the file `out`. Existing rows are kept.
 
     Groups and labelling of existing rows are updated from the frames. Frames that were repaired after an error are run
-    again, and so are tasks whose worker died. One run at a time owns the file. jobs: worker processes. engine: used
-    instead of worker processes. Returns the rows of these methods on these frames, old and new. Raises SpigoloError if
-    the measures cannot run, FileError for a file with another content.
+    again, and so are tasks whose worker died. One run at a time owns the file.
+
+    jobs: worker processes. engine: used instead of worker processes. Returns the rows of these methods on these frames,
+    old and new. Raises SpigoloError if the measures cannot run, FileError for a file with another content.
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)

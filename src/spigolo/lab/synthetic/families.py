@@ -64,8 +64,10 @@ FAMILIES: Mapping[str, Family] = {
 def render_family(family: str, number: int, seed: int = 0) -> Sample:
     """Return one frame of a family in `FAMILIES` with its ground truth.
 
-    frame.name is the name of its scene and its number in the scene, from 1. number: index of the frame, from 0. The
-    scenes alternate. Equal numbers and seeds give equal frames. Raises ConfigError for an unknown family.
+    frame.name is the name of its scene and its number in the scene, from 1.
+
+    number: index of the frame, from 0. The scenes alternate. Equal numbers and seeds give equal frames. Raises
+    ConfigError for an unknown family.
     """
     return record_family(family, number, seed).sample
 

@@ -30,10 +30,12 @@ _TURNED_AWAY = 0.95
 class StructuredLight:
     """Parameters of the depth camera model.
 
-    Brightness is the mean of red, green and blue on a scale of 0 to 1. slant_noise_px: addition to `noise_px` for a
-    disparity gradient of one pixel per pixel. edge_jitter_px: standard deviation between outlines in depth and in
-    colour. patch_px: size of the patches in which barely measurable depth comes and goes. margin_px: part of the colour
-    image that the depth camera does not see, at its top, right, bottom and left.
+    Brightness is the mean of red, green and blue on a scale of 0 to 1.
+
+    slant_noise_px: addition to `noise_px` for a disparity gradient of one pixel per pixel. edge_jitter_px: standard
+    deviation between outlines in depth and in colour. patch_px: size of the patches in which barely measurable depth
+    comes and goes. margin_px: part of the colour image that the depth camera does not see, at its top, right, bottom
+    and left.
     """
 
     baseline_m: float = 0.075

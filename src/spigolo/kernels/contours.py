@@ -63,8 +63,8 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     crease_high_deg.
 
     The sides of a crease are at least crease_px d / f long. Its tip lies behind the chord by their length times
-    cos(angle / 2). Along a slanted ray the distance is longer by the ray's length. With this bound, most pixels need no
-    angle.
+    cos(angle / 2). Along a slanted ray the distance is longer by the ray's length. With this bound, the angle is
+    computed for few pixels only.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -125,10 +125,10 @@ def mark_contours(
 ):
     """Mark depth steps and concave creases in the four directions of the grid.
 
-    A step bends by at least max(step_m, step_per_m d^2) over step_px. A crease is a contact by the signed angle of eqs.
-    14-19 over crease_px, and its tip lies behind the chord by at least noise_per_m d^2. Both are marked only if the
-    pixel or one of its two samples at step_px is valid in depth (H, W). Samples come from filled, which is depth with
-    filled shadows, in metres.
+    At a step, depth bends by at least max(step_m, step_per_m d^2) over step_px. A crease is a contact by the signed
+    angle of eqs. 14-19 over crease_px, and its tip lies behind the chord by at least noise_per_m d^2. Both are marked
+    only if the pixel or one of its two samples at step_px is valid in depth (H, W). Samples come from filled, which is
+    depth with filled shadows, in metres.
 
     camera (fx, fy, cx, cy). steps, creases (H, W) uint8, initially zero.
     """

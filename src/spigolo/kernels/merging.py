@@ -156,7 +156,8 @@ def merge(edges, offsets, gamma, stop, parent, records):
     I(R) of eq. 2 is the weight of the last merge. As edges are sorted, it is the largest weight in the minimum spanning
     tree of R.
 
-    offsets (P,) uint64: from a pixel to its neighbour, modulo 2^64. Returns the number of edges that were processed.
+    offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64. Returns the number of edges that
+    were processed.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:

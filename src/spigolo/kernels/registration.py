@@ -11,7 +11,7 @@ NEAREST_M = 0.01
 FARTHEST_PX = 1e9
 """Maximum distance in pixels of a point from the image. It keeps loops over pixels short."""
 ROUNDING = 1e-6
-"""Margin beyond the edges of a triangle within which it covers a pixel centre, as a share of its height."""
+"""Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
 """Minimum of twice the area of a triangle that is drawn, px^2."""
 

@@ -11,7 +11,7 @@ from spigolo.sources.options import Options
 IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO_TYPE = "sensor_msgs/msg/CameraInfo"
 REGISTERED = ("aligned_depth_to_color", "depth_to_rgb", "depth_registered", "registered", "aligned")
-"""Parts of the names of depth topics that are registered to colour, in order of preference."""
+"""Parts of topic names that mark depth as registered to colour, in order of preference."""
 COLOR_WORDS = ("color", "colour", "rgb")
 NOT_COLOR = ("depth", "infra", "/ir", "mask", "label", "overlay", "confidence", "left", "right", "fisheye", "disparity")
 

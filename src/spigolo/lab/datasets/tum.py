@@ -29,7 +29,7 @@ UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
 """Minimum gap between frames of a clock that starts at 0, and the unit that it then has, s.
 
-No video has days between its frames.
+Larger units would give days between frames.
 """
 MANY_ALONE = 0.5
 """Minimum share of colour images without depth that is reported."""

@@ -1,6 +1,6 @@
 """Procedural triangle meshes with texture coordinates for rendered scenes.
 
-Lengths are in metres, z is up, and faces are anticlockwise when seen from outside.
+Lengths are in metres and z is up. The corners of a face are anticlockwise when seen from outside.
 """
 
 from __future__ import annotations

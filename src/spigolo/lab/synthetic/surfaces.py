@@ -20,7 +20,7 @@ _WORDS = ("fresh", "No. 7", "coffee", "daily", "2 + 1", "lemon", "market", "gard
 
 
 def surface(kind: str, rng: np.random.Generator) -> Image:
-    """Return a texture of a kind in `SURFACES` or `ROOM_SURFACES`, in random colours."""
+    """Return a texture in random colours. kind: a key of `SURFACES` or `ROOM_SURFACES`."""
     return {**SURFACES, **ROOM_SURFACES}[kind](rng)
 
 

@@ -10,7 +10,7 @@ The method is that of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation
 
 Conventions: H, W = image rows and columns, R = regions. Colour is RGB. Depth is float32 metres, 0 = missing. Camera
 axes: X right, Y down, Z forward. Image points are (y, x). Names end with their unit: _m, _px, _deg, _ns. Importing this
-package loads neither numba, OpenCV nor pydantic. They are loaded on the first use of a name.
+package loads neither numba, OpenCV nor pydantic. These packages are loaded on the first use of a name.
 """
 
 from __future__ import annotations

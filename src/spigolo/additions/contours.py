@@ -80,8 +80,8 @@ def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours
 def measure_noise(depth: DepthMap, reach_px: int) -> float:
     """Return the deviation of depth (H, W) from the chord of its neighbours `reach_px` away, per squared depth, 1/m.
 
-    It is the median over the frame. Most pixels lie on smooth surfaces, where a deviation is noise. 0 without enough
-    depth.
+    The result is the median over the frame. Most pixels lie on smooth surfaces, where a deviation is noise. 0 without
+    enough depth.
     """
     rows = depth[::NOISE_ROWS]
     before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]

@@ -1,15 +1,17 @@
 """Joining of the parts of one object (our addition, not in the paper).
 
-The partition separates parts of an object in three cases: at a step in the object's own depth, between the wall and
-the inside of a cup, and at noise that looks like a contour. Four rules join regions above the
-support plane. They compare both sides of the common border. The parameters are in `Joining`.
+The partition separates parts of an object in three cases: at a step in the object's own depth, between the wall and the
+inside of a cup, and at noise that looks like a contour. Four rules join regions above the support plane. The rules
+compare both sides of the common border. The parameters are in `Joining`.
 
-- vessel: the front region is convex, the region behind it is hollow, and both have the same top height. They are the
-  wall and the inside of a cup.
-- cap: there is almost no gap and no valley, one region is above the other, both have the same top height, and together
-  they fill one outline. They are a lid with its box, or a filled cup.
-- smooth: there is almost no gap, and the border is not a valley. They are parts of one surface that noise separated.
-- enclosed: a region on the plane, or without depth, is surrounded by an object. It is the bottom of a bowl.
+- vessel: the front region is convex, the region behind it is hollow, and both have the same top height. Such
+  regions are the wall and the inside of a cup.
+- cap: there is almost no gap and no valley, one region is above the other, both have the same top height, and
+  together they fill one outline. Such regions are a lid and its box, or a filled cup.
+- smooth: there is almost no gap, and the border is not a valley. Such regions are parts of one surface that
+  noise separated.
+- enclosed: a region on the plane, or without depth, is surrounded by an object. An example is the bottom of a
+  bowl.
 """
 
 from __future__ import annotations

@@ -24,8 +24,8 @@ class Job(Protocol):
         ...
 
     def stamp(self) -> str:
-        """Return a text that changes if the inputs may have changed. It must be cheap, without reading file
-        contents.
+        """Return a text that changes if the inputs may have changed. This must be fast, without reading the contents of
+        files.
         """
         ...
 

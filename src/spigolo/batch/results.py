@@ -46,7 +46,7 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Function that segments the frame of a job. It never raises, as a failure is an outcome too."""
+    """Function that segments the frame of a job. The function never raises, as a failure is an outcome too."""
 
     config: Config
     """Parameters of the segmentation."""

@@ -26,8 +26,8 @@ MAX_SKEW = 1e-3
 MAX_ASPECT_CHANGE = 0.01
 """Maximum relative difference of two equal aspect ratios. 848x480 counts as 16:9."""
 LEAST_FOCAL_SHARE = 0.05
-"""Minimum focal length as a share of the image width. It is a field of view of 169 degrees, more than any pinhole
-image.
+"""Minimum focal length as a share of the image width. The value means a field of view of 169 degrees, which no pinhole
+image has.
 """
 LEAST_WIDTH = 16
 """Minimum width in pixels of images whose field of view is checked. Smaller images are crops."""
@@ -115,8 +115,8 @@ class Camera:
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
         """Return the nominal colour intrinsics of a well-known camera whose depth is registered to colour, or a guess.
 
-        Nominal values differ from those of a single camera by one or two per cent. They are good for a first look, but
-        calibrate the camera for 3-D. A guess is a horizontal field of view such as "60deg" (`from_fov`).
+        Nominal values differ from those of a single camera by one or two per cent. Use nominal values for a first look,
+        and calibrate the camera for 3-D. A guess is a horizontal field of view such as "60deg" (`from_fov`).
 
         width, height: size of the images. The default is the camera's own size, and 640x480 for a guess. Intrinsics are
         scaled to another size of the same aspect ratio. Raises CameraError, which lists the names.

@@ -17,7 +17,7 @@ OPENCV_MODELS = (
 """Names of models whose coefficients `cv2.undistort` takes."""
 INVERSE = "inverse_brown_conrady"
 POLYNOMIALS = (INVERSE, "modified_brown_conrady")
-"""Names of models that OpenCV does not have. They are accepted if all coefficients are 0."""
+"""Names of models that OpenCV does not have. Such models are accepted if all coefficients are 0."""
 NO_PINHOLE = (
     "equi", "fish", "kannala", "kb4", "kb8", "omni", "mei", "unified", "sphere", "spherical", "eucm", "ucm", "ftheta",
     "f_theta", "fov", "atan", "ocam", "scaramuzza", "panoram", "cylind", "stereographic", "orthographic", "division",

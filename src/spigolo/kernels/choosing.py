@@ -1,8 +1,8 @@
 """Selection of the edges to sort. Edges that cannot join anything are left out. See docs/performance.md.
 
-Three kinds of edges cannot join anything. First, edges inside one region. Second, edges at a final region. They are
-recognised by the region's bound before they are collected, and by the region's own lightest edge afterwards. Third,
-detours, which are edges whose ends are already connected by lighter edges.
+Three kinds of edges cannot join anything. First, edges inside one region. Second, edges at a final region. These edges
+are recognised by the region's bound before edges are collected, and by the region's own lightest edge afterwards.
+Third, detours, which are edges whose ends are already connected by lighter edges.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ COS2, COS4, COS6, COS8 = f32(-0.54831135), f32(0.05010745), f32(-0.0018310980), 
 SIN1, SIN3, SIN5, SIN7 = f32(1.0471975), f32(-0.19139575), f32(0.010489378), f32(-0.00026577872)
 """Coefficients of cos(t pi / 3) - 1 and sin(t pi / 3) on [-1, 1] in powers of t. The error is below 4e-8.
 
-They interpolate at Chebyshev nodes.
+The polynomials interpolate at Chebyshev nodes.
 """
 
 

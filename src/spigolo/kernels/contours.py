@@ -62,9 +62,9 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     """Return a lower bound of a crease's distance behind its chord, as a share of its depth. Creases have at most
     crease_high_deg.
 
-    The sides of a crease are at least crease_px d / f long. Its tip lies behind the chord by their length times
-    cos(angle / 2). Along a slanted ray the distance is longer by the ray's length. With this bound, the angle is
-    computed for few pixels only.
+    The sides of a crease are at least crease_px d / f long. The tip of the crease lies behind the chord by the length
+    of the sides times cos(angle / 2). Along a slanted ray the distance is longer by the ray's length. With this bound,
+    the angle is computed for few pixels only.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy

@@ -17,7 +17,9 @@ compared.
 
 @kernel
 def steepest(gx, gy):
-    """Return the largest squared length of a Scharr gradient (H, W) int16. It is below 2^26 for 8-bit images."""
+    """Return the largest squared length of a Scharr gradient (H, W) int16. The result is below 2^26 for 8-bit
+    images.
+    """
     largest = np.int32(0)
     for y in range(gx.shape[0]):
         along_x, along_y = gx[y], gy[y]
@@ -49,7 +51,7 @@ def depth_gradient(depth, y, x, v, u):
 
 @inlined
 def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
-    """Eq. 13. Return True for a depth boundary. It is texture if both depth gradients are below the threshold."""
+    """Eq. 13. Return True for a depth boundary. An edge is texture if both depth gradients are below the threshold."""
     if not signed:
         rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
     return not ((rho_plus < step_m) & (rho_minus < step_m))
@@ -95,8 +97,9 @@ def along_edge(c, n_y, n_x, sign_rule):
     """Eq. 19. Return the sign that separates a valley (positive) from a ridge (negative), from the cross product.
 
     The three points lie in one plane with the camera. So only the cross product's component along the edge has a
-    meaning, and it is positive in a valley. The printed rule takes the x component. It is right for edges whose normal
-    points upwards and zero for upright edges, where rounding would make the sign random.
+    meaning, and it is positive in a valley. The printed rule takes the x component instead. Its sign is correct if the
+    normal of the edge points upwards. For upright edges the x component is zero, and rounding would make its sign
+    random.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0

@@ -9,9 +9,9 @@ from spigolo.kernels._jit import kernel
 def unpack_lzf(packed, out):
     """Unpack into out (M,) uint8. Return True if packed (N,) uint8 fills it exactly.
 
-    A byte b below 32 is followed by b + 1 literal bytes. Any other byte starts a copy of earlier output. Its upper
-    three bits are the length minus 2. If they are 7, the next byte is added to the length. The lower five bits and the
-    following byte give the distance to copy from, minus 1.
+    A byte b below 32 is followed by b + 1 literal bytes. Any other byte starts a copy of earlier output. The upper
+    three bits of such a byte are the length minus 2. If they are 7, the next byte is added to the length. The lower
+    five bits and the following byte give the distance to copy from, minus 1.
     """
     read, written = 0, 0
     while read < packed.size:

@@ -119,7 +119,7 @@ def ask_ahead(edges, k, offsets, parent, records):
 
 @kernel
 def plant(weights, width, gamma, parent, records, flags):
-    """Make regions of the pixels that are connected by straight edges of weight 0. They may still merge.
+    """Make regions of the pixels that are connected by straight edges of weight 0. These regions may still merge.
 
     Such an edge is never refused (eq. 3), so the order of these edges does not matter.
 

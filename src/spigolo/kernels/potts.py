@@ -20,7 +20,7 @@ TO_UNIT = 1.0 / (1 << 32)
 
 @inlined
 def scatter_bits(value):
-    """Mix 32 bits until counters look random. They are kept in a uint64, so that no product overflows."""
+    """Mix 32 bits until counters look random. The bits are kept in a uint64, so that no product overflows."""
     value = ((value ^ (value >> np.uint64(15))) * ODD_B) & LOW_BITS
     value = ((value ^ (value >> np.uint64(13))) * ODD_C) & LOW_BITS
     return value ^ (value >> np.uint64(16))
@@ -115,7 +115,7 @@ def sweep(spins, planes, values, temperature, seed, number):
     """Run one Metropolis sweep. Every pixel is offered the best other spin, in four groups of pixels.
 
     A change of energy dE <= 0 is always accepted, and else with probability exp(-dE / temperature). A group has every
-    second pixel of every second row. Its pixels are not neighbours, so their order does not matter.
+    second pixel of every second row. The pixels of a group are not neighbours, so their order does not matter.
 
     spins (H, W) int32: changed in place. planes (4, H, W) float32. values: spins are 0..values-1. seed, number: seed
     and number of the sweep, which determine the random bits. Returns the number of spins that changed.

@@ -9,7 +9,7 @@ from spigolo.kernels._jit import inlined, kernel
 NEAREST_M = 0.01
 """Minimum distance of a surface from the colour camera, m. Nearer surfaces would fill the image."""
 FARTHEST_PX = 1e9
-"""Maximum distance in pixels of a point from the image. It keeps loops over pixels short."""
+"""Maximum distance in pixels of a point from the image. This limit keeps loops over pixels short."""
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6

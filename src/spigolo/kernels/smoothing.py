@@ -45,8 +45,8 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    out (H, W) float32. steps (H, W) int16 is scratch. The result is exact. It is computed along columns first, then as
-    the minimum of (columns away)^2 + (rows away)^2 along each row, up to the row's largest distance.
+    out (H, W) float32. steps (H, W) int16 is scratch. The result is exact. The distance is computed along columns
+    first, then as the minimum of (columns away)^2 + (rows away)^2 along each row, up to the row's largest distance.
     """
     height, width = mask.shape
     down_and_up(mask, cap, steps)

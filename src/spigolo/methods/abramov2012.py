@@ -2,7 +2,7 @@
 
 Only the abstract and the timings of their papers were available. The interactions, the penalty of a depth step and the
 joining of domains follow a public re-implementation. All values are our choice. Frames are processed independently.
-Their label tracking by optical flow saves sweeps and does not change the equilibrium of a single frame.
+Label tracking by optical flow, as in their papers, saves sweeps and does not change the equilibrium of a single frame.
 """
 
 from __future__ import annotations

@@ -36,9 +36,9 @@ class MethodConfig(Parameters):
     """
 
     rejection: Rejection = OBJECTS_2.rejection
-    """Rules of the paper that reject regions. They are the same for all methods, so that only the regions differ."""
+    """Rules of the paper that reject regions. All methods use the same rules, so that only the regions differ."""
     additions: Additions = RULES
-    """Support plane and our rules that reject regions. They are the same for all methods."""
+    """Support plane and our rules that reject regions. All methods use the same rules."""
 
 
 class Division(NamedTuple):

@@ -1,6 +1,6 @@
 """Felzenszwalb & Huttenlocher 2004, *Efficient Graph-Based Image Segmentation*, on which the paper builds.
 
-It uses only colour. Edge weights follow eq. 1, regions eqs. 2 and 3.
+The method uses only colour. Edge weights follow eq. 1, regions eqs. 2 and 3.
 """
 
 from __future__ import annotations

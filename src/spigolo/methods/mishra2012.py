@@ -1,8 +1,9 @@
 """Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: choice of points inside objects, and segmentation
 there.
 
-At a depth border, the nearer side owns the border. It indicates a point inside an object. `mishra2009` finds the region
-around that point. The region is a simple object if it is enclosed by borders that it owns or by contact boundaries.
+At a depth border, the nearer side owns the border. A border so indicates a point inside an object. `mishra2009` finds
+the region around that point. The region is a simple object if it is enclosed by borders that it owns or by contact
+boundaries.
 
 Only an outline of the text was available. The choice of points and the acceptance of objects are our reading, and all
 values are our choice. Their method detects contact with the table from the camera's pose. Here, a contact is a valley
@@ -111,7 +112,7 @@ def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
     """Return the number of border pixels that vote for each pixel (H, W).
 
     A border pixel votes for the point at a distance of `shift_px` on the owner's side. Borders without an owner count
-    only if there are no others. They vote for both sides.
+    only if there are no others. Such borders vote for both sides.
     """
     owned = boundary.side != 0
     strong = (boundary.strong & owned if owned.any() else boundary.strong).view(np.uint8)

@@ -83,9 +83,9 @@ class Boundary:
     """Edges and their owners, all (H, W).
 
     value: float32 in [0, 1], the probability at edge pixels, else 0. strong: edges with a border probability above 1/2.
-    normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: int8, the owner of the edge. It is 1 if
-    the nearer side is the one that the normal points to, and -1 if it is the other side. It is 0 if the owner is not
-    known, at contact boundaries and without depth.
+    normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: int8, the owner of the edge, which is the
+    nearer side: 1 for the side that the normal points to, -1 for the other side, and 0 if the owner is not known
+    (contact boundaries, no depth).
     """
 
     value: Floats

@@ -10,7 +10,7 @@ from spigolo.objects.segmentation import Segmentation
 
 
 class Method(Protocol):
-    """Method with its parameters. It can be pickled for worker processes.
+    """Method with its parameters. Methods can be pickled for worker processes.
 
     name: name of the method. preset: name of its parameters, "" without a name. digest: text that changes with any
     parameter value. parameters: values of the parameters, ready for JSON.

@@ -46,9 +46,9 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
     """Fit a box to the valid depth (H, W) under a mask (H, W). Return None if fewer than 10 pixels have depth.
 
     up: (3,) unit vector that one axis of the box follows, such as the normal of the support. Without it, that axis is
-    the direction in which the surface varies least. It is tilted if the camera sees both top and sides. The box covers
-    only the visible surface. Depth at an outline mixes object and background (flying pixels). Therefore the rim of the
-    mask and the outermost points along each axis are left out.
+    the direction in which the surface varies least. That direction is tilted if the camera sees both top and sides. The
+    box covers only the visible surface. Depth at an outline mixes object and background (flying pixels). Therefore the
+    rim of the mask and the outermost points along each axis are left out.
     """
     core = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
     points = camera.back_project(depth, core)

@@ -131,7 +131,8 @@ class RegionFacts:
         return self.frame.camera.back_project(self.frame.depth, self.mask)
 
     def oriented_box(self) -> OrientedBox | None:
-        """Return the box around the region's measured surface, without flying pixels. It stands upright on the support.
+        """Return the box around the region's measured surface, without flying pixels. The box stands upright on the
+        support.
 
         None with fewer than 10 measured pixels, or without intrinsics.
         """
@@ -260,7 +261,9 @@ def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
 
 
 def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Return the mean of a map (H, W) along the border of each region (R,). It is 0 for a region without neighbours."""
+    """Return the mean of a map (H, W) along the border of each region (R,). The mean is 0 for a region without
+    neighbours.
+    """
     sums = np.zeros((regions.count, 2))
     moments.sum_contours(regions.labels, contour, sums)
     return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))

@@ -109,7 +109,7 @@ def _given(config: Config, name: str, value: Any) -> Any:
 
 
 class NodeParameters:
-    """Parameters of a node. They are declared in ROS, and `state` follows them."""
+    """Parameters of a node, declared in ROS. `state` always has the same values."""
 
     def __init__(self, node: Any, kinds: Kinds, on_change: Callable[[State], None]) -> None:
         self._node, self._kinds, self._on_change = node, kinds, on_change

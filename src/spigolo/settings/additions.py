@@ -1,6 +1,6 @@
 """Parameters of our additions to the paper. `Config.additions` is None in the paper's presets.
 
-Lengths in pixels refer to a 640x480 image. They grow with the image if `Additions.lengths_grow` is set.
+Lengths in pixels refer to a 640x480 image, and grow with the image if `Additions.lengths_grow` is set.
 """
 
 from __future__ import annotations
@@ -149,8 +149,8 @@ class Merging(Settings):
 class Vessel(Settings):
     """Conditions to join the wall and the inside of a cup, bowl or pot.
 
-    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of their length. It is
-    positive for a concave region and negative for a convex one.
+    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of their length.
+    Hollowness is positive for a concave region and negative for a convex one.
     """
 
     min_behind_m: Positive = 0.02
@@ -249,7 +249,7 @@ class Wall(Settings):
     """Increase of the minimum `min_hides`, per share of the outline that lies on the image border."""
     slant_deg: Angle_deg = 36.0
     """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The faces
-    of a whole object look towards the camera on average. The side of a compartment does not.
+    of a whole object look towards the camera on average, in contrast to the side of a compartment.
     """
     hides_per_deg: NotNegative = 0.025
     """Increase of the minimum `min_hides` for each degree above `slant_deg`."""
@@ -260,17 +260,19 @@ class Wall(Settings):
     min_measured: Share = 0.4
     """Minimum share of a region's outline with depth on both sides. Regions with a smaller share are not tested."""
     reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
-    """Distance from the outline to the depth samples on both sides, px. It always grows with the image."""
+    """Distance from the outline to the depth samples on both sides, px. This length always grows with the image."""
     shadow_px: Annotated[int, Field(ge=0, le=1000), Grows(always=True)] = 60
-    """Maximum width of missing depth beyond an outline across which depths are compared, px. It always grows with the
-    image.
+    """Maximum width of missing depth beyond an outline across which depths are compared, px. This length always grows
+    with the image.
     """
     step_m: NotNegative = 0.012
-    """Minimum depth step beyond a region's outline, m, in addition to the slope of the region there. It is added to
-    `step_share` times the distance.
+    """Minimum depth step beyond a region's outline, m, in addition to the slope of the region there. The limit is the
+    sum of `step_m` and of `step_share` times the distance.
     """
     step_share: Share = 0.006
-    """Minimum depth step beyond a region's outline, as a share of the distance. It is added to `step_m`."""
+    """Minimum depth step beyond a region's outline, as a share of the distance. The limit is the sum of `step_m` and of
+    this share times the distance.
+    """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
     """Maximum ratio of length to width of a region that the image border cuts off. Longer regions are rails, rims or
     legs. None: no limit.
@@ -323,7 +325,7 @@ class Refinement(Settings):
     """Refinement of object outlines by colour where depth is missing or smeared.
 
     All pixels in a band along the borders of objects are assigned anew. A spanning forest over colour differences grows
-    from the pixels outside the band. It gives each pixel of the band to an object or to the background.
+    from the pixels outside the band. The forest gives each pixel of the band to an object or to the background.
     """
 
     ramp_factor: NotNegative = 5.0
@@ -391,7 +393,7 @@ class Additions(Settings):
     """
     resolution: Literal["full", "half"] = "full"
     """Image size at which the frame is partitioned. `half` halves width and height, and then refines the outlines of
-    objects at full size. It takes less than half of the time at 1280x720, but loses objects of a few pixels.
+    objects at full size. At 1280x720, `half` takes less than half of the time, but loses objects of a few pixels.
     """
 
     @model_validator(mode="after")

@@ -61,7 +61,8 @@ class Config(Parameters):
     def to_toml(self, base: str | None = None) -> str:
         """Return the values as TOML text that `from_toml` reads.
 
-        base: a preset's name. The text then has a line `base` and only the values that differ from that preset.
+        base: name of a preset. With `base`, the text has a line `base` and only the values that differ from that
+        preset.
         """
         import tomli_w
 
@@ -76,7 +77,7 @@ class Config(Parameters):
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
         """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys.
 
-        base: the configuration that the text changes. A line `base = "TABLE"` in the text names a preset instead.
+        base: the configuration that the text changes. Instead, a line `base = "TABLE"` in the text may name a preset.
         Without a base, a missing key keeps its default.
         """
         values = parse_toml(text)

@@ -209,8 +209,8 @@ class Partition(Settings):
     gamma: NotNegative = 0.0016
     """Threshold gamma of eq. 3, weight times pixels. Larger values give larger regions (paper: 5, 0.0016, 0.001)."""
     gamma_shadows: NotNegative | None = None
-    """Threshold gamma of frames with the `shadows` cost of an AutoCost. Its weights are larger by orders of
-    magnitude.
+    """Threshold gamma of frames with the `shadows` cost of an AutoCost. The weights of that cost function are larger by
+    orders of magnitude.
     """
     connectivity: Literal[4, 8] = 8
     """Neighbours of a pixel in the graph (authors' release)."""
@@ -232,8 +232,8 @@ class Rejection(Settings):
     max_eccentricity: Share | None = None
     """Maximum eccentricity sqrt(1 - lambda2 / lambda1). Larger values keep longer regions (authors' release: 0.978)."""
     max_missing: Share | None = None
-    """Maximum share of pixels without depth. It is counted after in-painting, if that is on (paper: 0.3, without
-    in-painting).
+    """Maximum share of pixels without depth. Missing depth is counted after in-painting if in-painting is on (paper:
+    0.3, without in-painting).
     """
     max_dark: Share | None = None
     """Maximum share of pixels in the three darkest of 32 brightness bins, which are 0..23 of 255 (paper: 0.3)."""

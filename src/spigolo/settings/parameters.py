@@ -1,4 +1,4 @@
-"""Base of all parameter models. They are frozen and validated, with a one-line message for a wrong value."""
+"""Base of all parameter models. Models are frozen and validated, with a one-line message for a wrong value."""
 
 from __future__ import annotations
 

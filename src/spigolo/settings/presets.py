@@ -1,7 +1,7 @@
 """Presets: the three of the paper, and OBJECTS for all other data.
 
 SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that it does not print
-come from the authors' release. OBJECTS adds our additions and is fitted to real frames of several sensors. It is
+come from the authors' release. OBJECTS adds our additions and is fitted to real frames of several sensors. OBJECTS is
 versioned: OBJECTS_1 never changes, and OBJECTS is the newest version.
 """
 

@@ -155,7 +155,7 @@ class BagSource(SizedSource):
 
 
 class _Decoder:
-    """Deserialiser of messages. It also works after the file is closed."""
+    """Deserialiser of messages. Messages can be read after the file is closed."""
 
     def __init__(self, reader: Any) -> None:
         self._reader, store = reader, reader.typestore
@@ -208,7 +208,7 @@ def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[s
 
 
 def is_of_realsense(path: Path) -> bool:
-    """Return True if a bag was recorded by the RealSense SDK. Its depth is not registered to colour."""
+    """Return True if a bag was recorded by the RealSense SDK. Depth in such bags is not registered to colour."""
     with closing(_open(path)) as reader:
         return any(c.topic.startswith(REALSENSE) for c in reader.connections)
 

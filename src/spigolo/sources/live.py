@@ -68,7 +68,7 @@ class LiveSource(Source):
 
     @abstractmethod
     def _receive(self) -> Iterator[Frame]:
-        """Yield the frames as they arrive, until the source is closed. It runs on a separate thread."""
+        """Yield the frames as they arrive, until the source is closed. The method runs on a separate thread."""
 
     def close(self) -> None:
         """Stop the camera."""

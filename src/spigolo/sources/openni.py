@@ -46,7 +46,7 @@ class Image:
 
 
 class OpenNICamera(LiveSource):
-    """Camera with an OpenNI address, or the first connected one. It returns the newest frame."""
+    """Camera with an OpenNI address, or the first connected one. Iteration returns the newest frame."""
 
     def __init__(self, uri: str, options: Options) -> None:
         super().__init__(f"openni:{uri}", options)

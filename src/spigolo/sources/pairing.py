@@ -42,7 +42,7 @@ class StampMatcher:
     """Pairing of messages of two topics by their stamps. Each message belongs to at most one pair.
 
     A message is paired with the nearest stamp within the tolerance. Messages older than a pair can no longer find a
-    partner. They are dropped and counted in `unmatched`.
+    partner. Such messages are dropped and counted in `unmatched`.
     """
 
     def __init__(self, tolerance_ns: int) -> None:

@@ -52,7 +52,7 @@ class _RealSense(Source):
 
 
 class RealSenseCamera(_RealSense, LiveSource):
-    """Camera with a serial number, or the first connected one. It returns the newest frame."""
+    """Camera with a serial number, or the first connected one. Iteration returns the newest frame."""
 
     def __init__(self, serial: str, options: Options) -> None:
         super().__init__(f"realsense:{serial}", options)

@@ -1,7 +1,7 @@
 """Image edges that are object boundaries (eqs. 12-20).
 
-A Canny edge is a depth boundary if depth changes by a step across it. It is a contact boundary if an object stands on
-something there. Edges of prints and the ridges of an object are internal and are removed.
+A Canny edge is a depth boundary if depth changes by a step across the edge. A Canny edge is a contact boundary if an
+object stands on its support there. Edges of prints and the ridges of an object are internal and are removed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from spigolo.kernels import edges as kernel
 from spigolo.settings.paper import EdgesConfig
 
 NO_ANGLE_DEG = 360.0
-"""Low threshold that no contact angle reaches. It is used without intrinsics, where angles cannot be computed."""
+"""Low threshold that no contact angle reaches. This value is used without intrinsics, where angles cannot be
+computed.
+"""
 
 SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
 

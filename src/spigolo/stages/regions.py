@@ -20,7 +20,7 @@ more rounds read every edge more often.
 """
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""Share of zero weights above which large regions exist from the start. They refuse merges early."""
+"""Share of zero weights above which large regions exist from the start. Such regions refuse merges early."""
 ONE, BOTH = 1, 2
 """Minimum numbers of flagged ends of an edge."""
 

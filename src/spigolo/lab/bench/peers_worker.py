@@ -1,6 +1,6 @@
 """Worker that runs the peers in a separate interpreter: one line in, one run, one line out.
 
-It is started as a script and requires numpy. It uses OpenCV's contrib modules and scikit-image if they are installed.
+The module is started as a script and requires numpy. It uses OpenCV's contrib modules and scikit-image if installed.
 Every line is JSON. The first output line is {"contestants": [...], "versions": {...}}. The input {"load": NAME, "path":
 RGB.npy} keeps an image. The input {"run": CONTESTANT, "image": NAME} gives the output {"cpu_ms": ..., "wall_ms": ...}.
 A failure gives {"error": ...}.

@@ -47,7 +47,7 @@ class Truth:
 
 @dataclass(frozen=True, slots=True)
 class Entry(ABC):
-    """Frame of a data set before it is read. It is small and can be sent to other processes.
+    """Frame of a data set before it is read. An entry is small and can be sent to other processes.
 
     data_set and name: unique together. group: name shared by near-identical frames, such as those of one video.
     """
@@ -133,7 +133,7 @@ class ImageEntry(Entry):
 
 
 class DataSet(ABC):
-    """Entries of a folder. They are found when the data set is opened, and read on request.
+    """Entries of a folder. Entries are found when the data set is opened, and frames are read on request.
 
     full: patterns such as "osd-*" of data sets in which every object is labelled, for layouts that do not say it.
     Raises FileError if the folder does not match `layout`, or if an entry lacks a file.

@@ -152,7 +152,7 @@ def _by_any_segment(holds: Mask) -> Mask:
 
 
 def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
-    """Return precision, recall and F of counts. They are 1 if both sides are empty, and 0 if one side is."""
+    """Return precision, recall and F of counts. All three are 1 if both sides are empty, and 0 if one side is empty."""
     if all_pred == 0 and all_true == 0:
         return 1.0, 1.0, 1.0
     precision = hits_pred / all_pred if all_pred else 0.0

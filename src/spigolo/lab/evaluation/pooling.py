@@ -26,8 +26,8 @@ Figure = Callable[[RowScore], float]
 class Pooled:
     """Measures of one method on many frames. NaN if undefined.
 
-    Precision, F and false positives require that every object is labelled. They are NaN if any frame is not fully
-    labelled.
+    Precision, F and false positives require that every object is labelled. These measures are NaN if any frame is not
+    fully labelled.
     """
 
     n_frames: int
@@ -35,13 +35,13 @@ class Pooled:
     """Number of groups of near-identical frames. A frame unlike all others is a group."""
 
     n_failed: int
-    """Number of frames with an error. They are scored as if nothing was found."""
+    """Number of frames with an error. Such frames are scored as if nothing was found."""
 
     n_predicted: float
     """Mean number of predicted objects."""
 
     n_objects: float
-    """Number of labelled objects. It is a fraction if frames of a group have different numbers of objects."""
+    """Number of labelled objects. The number is a fraction if frames of a group have different numbers of objects."""
 
     overlap_precision: float
     overlap_recall: float

@@ -121,9 +121,9 @@ def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hasha
 def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
     """Return Wilson's score interval of a share: `hits` out of `n`, at `z` standard deviations (1.96 = 95 %).
 
-    It is valid for few trials and for shares near 0 or 1. Without trials it is (0, 1). Counts need not be integers, as
-    near-identical trials may have lower weights. Trials are assumed to be independent, which objects of one frame are
-    only approximately.
+    The interval is valid for few trials and for shares near 0 or 1. Without trials it is (0, 1). Counts need not be
+    integers, as near-identical trials may have lower weights. Trials are assumed to be independent, which objects of
+    one frame are only approximately.
     """
     if not 0 <= hits <= n or not z >= 0:
         raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts")

@@ -58,7 +58,9 @@ class RowScore(Measures):
     """Number of labelled objects with IoU > 0.7. Each is matched by exactly one predicted object."""
 
     false_positives: int
-    """Number of predicted objects without a match at IoU > 0.7. They are errors only if every object is labelled."""
+    """Number of predicted objects without a match at IoU > 0.7. Such objects are errors only if every object is
+    labelled.
+    """
 
     false_negatives: int
     """Number of labelled objects without a match."""

@@ -71,7 +71,9 @@ class Worker:
         return _row(task.frame, content, method, run, None if truth is None else _score(truth, run.result))
 
     def lost(self, task: Task, reason: str) -> Row:
-        """Return the row of a task whose workers died. It has no content, so that a later run tries it again."""
+        """Return the row of a task whose workers died. The row has no content checksum, so that a later run repeats the
+        task.
+        """
         method = self._methods[task.method, task.digest]
         return _row(task.frame, "", method, None, _score_of_nothing(_readable_truth(task.frame)), reason)
 

@@ -1,7 +1,7 @@
 """Random settings from a search space, drawn by optuna.
 
-They are drawn before anything is scored. Every fold chooses among the same settings, and its held-out frames have no
-influence on them.
+All settings are drawn before anything is scored. Every fold chooses among the same settings, and its held-out frames
+have no influence on them.
 """
 
 from __future__ import annotations

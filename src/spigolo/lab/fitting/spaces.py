@@ -68,7 +68,7 @@ OPTIONAL: Mapping[str, Space] = {
     },
     "additions.rules.ledge": {"additions.rules.ledge.min_share": Range(0.35, 0.7)},
 }
-"""Parameters of additions that a preset may have. They are not drawn for presets without the addition."""
+"""Parameters of additions that a preset may have. Without the addition, its parameters are not drawn."""
 
 IN_PIXELS: Space = {
     "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
@@ -78,7 +78,7 @@ IN_METRES: Space = {
     "additions.rules.max_length_m": Range(0.3, 0.6),
     "additions.rules.max_width_m": Range(0.18, 0.4),
 }
-"""Size limits in metres. They are drawn if the start has limits in metres, else limits in pixels are drawn."""
+"""Size limits in metres. If the start has no limits in metres, limits in pixels are drawn instead."""
 
 ADDED: Space = {
     SUPPORT: Switch(),

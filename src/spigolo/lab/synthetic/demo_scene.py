@@ -158,7 +158,9 @@ def _ball_parts() -> tuple[Part, ...]:
 
 
 def _flashlight_parts() -> tuple[Part, ...]:
-    """Return a flashlight, 15 cm long, with its tail at z = 0. It lies on its barrel, which is as wide as the head."""
+    """Return a flashlight, 15 cm long, with its tail at z = 0. The flashlight lies on its barrel, which is as wide as
+    the head.
+    """
     profile = [
         line((0.0, 0.0), (0.0155, 0.0)),
         arc((0.0155, 0.002), 0.002, -90, 0, 5),
@@ -188,7 +190,7 @@ def _surroundings() -> list[SceneObject]:
 
 
 def load_model() -> Any:
-    """Compile the scene to a ``mujoco.MjModel``. Its body ``object k`` is the object of label k."""
+    """Compile the scene to a ``mujoco.MjModel``. The body ``object k`` of the model is the object of label k."""
     bodies = {thing.name: thing for thing in _surroundings()}
     bodies |= {f"object {label}": thing for label, thing in enumerate(scene_objects(), start=1)}
     return compile_scene("spigolo demo scene", bodies, _VIEW)

@@ -42,7 +42,7 @@ def empty_scene(family: str, seed: int) -> Frame:
 def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
     """Return the same frame with a box of 9 x 7 x 13 cm, and the box's pixels (H, W).
 
-    It shows that a method which finds nothing in the empty frame can still detect an object there.
+    The box tests that a method which finds nothing in the empty frame can still detect an object there.
     """
     return _render(family, seed, lambda view: _box(family, seed, view))
 
@@ -125,8 +125,8 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Return the outside, inside and floor of a tote. Its walls lean outward, its corners are round, and its rim has a
-    flange.
+    """Return the outside, inside and floor of a tote. The walls of a tote lean outward, its corners are round, and its
+    rim has a flange.
     """
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))

@@ -90,7 +90,7 @@ def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]
 def is_told_by_poses(family: str, sample: Sample) -> bool:
     """Return True if an object is in view, and masks rendered at the poses agree with the exact ones.
 
-    They cannot agree if something without measured depth hides an object.
+    Masks cannot agree if something without measured depth hides an object.
     """
     ious = drawn_iou(family, sample, sample.frame.depth)
     return bool(ious.size and ious.min() >= LEAST_IOU)

@@ -33,8 +33,8 @@ class Realism:
     """Statistics of a frame.
 
     missing: share of pixels without depth. edges: share of pixels on Canny edges. brightness: median grey, 0..255.
-    noise_*: depth noise in millimetres for each distance band of `BANDS_M`. It is the median rms residual to planes in
-    7x7 windows, NaN if a band has too few windows.
+    noise_*: depth noise in millimetres for each distance band of `BANDS_M`. The noise is the median rms residual to
+    planes in 7x7 windows, NaN if a band has too few windows.
     """
 
     missing: float

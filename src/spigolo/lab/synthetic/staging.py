@@ -115,7 +115,7 @@ def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArra
 
 
 def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
-    """Return the gloss (H, W): 0 = matt or glazed, 1 = a mirror. It is the specular part beyond that of glaze."""
+    """Return the gloss (H, W): 0 = matt or glazed, 1 = a mirror. Gloss is the specular part beyond that of glaze."""
     specular = np.append(model.mat_specular[model.geom_matid], 0.0)
     return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)
 

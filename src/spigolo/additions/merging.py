@@ -1,8 +1,8 @@
 """Merging of regions over their whole common border (`settings.Merging`).
 
 Eq. 3 compares two regions by the lightest edge between them, in the order of all edges. Noise at a short part of the
-border can then separate a surface permanently. Here regions merge in the order of the mean boundary along their whole
-common border. Regions above the support do not merge with the support.
+border can then separate a surface permanently. In this module, regions merge in the order of the mean boundary along
+their whole common border. Regions above the support do not merge with the support.
 """
 
 from __future__ import annotations

@@ -55,7 +55,9 @@ def local(workers: int = 1) -> Engine:
 
 
 def here(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
-    """Run the work in this process with one compute thread. This is an engine. An exception in `do` ends the run."""
+    """Run the work in this process with one compute thread. The function is an engine. An exception in `do` ends the
+    run.
+    """
     with one_thread():
         for item in items:
             yield item, do(item)

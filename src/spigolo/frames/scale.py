@@ -26,8 +26,8 @@ SIMILAR = (
 def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
     """Return the depth_scale of a camera file's fields in metres per unit, or None. Raises CameraError.
 
-    BOP gives millimetres per unit next to cam_K. Open3D gives units per metre next to intrinsic_matrix. So do GraspNet
-    (factor_depth) and ORB-SLAM (DepthMapFactor).
+    BOP gives millimetres per unit next to cam_K. Open3D gives units per metre next to intrinsic_matrix. GraspNet
+    (factor_depth) and ORB-SLAM (DepthMapFactor) give units per metre too.
     """
     values = {**values, **own_fields(values)}
     stored = values.get("depth_scale")

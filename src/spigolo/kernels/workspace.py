@@ -38,8 +38,8 @@ class Workspace:
 def keep_freed_memory() -> None:
     """Let the C library keep up to 64 MB of freed memory for the next frame.
 
-    glibc returns freed memory to the system if it exceeds twice the size of the largest block freed so far. That costs
-    up to a fifth of the time of a frame. This function frees a large block that was never touched. On other systems it
-    has no effect.
+    glibc returns freed memory to the system if it exceeds twice the size of the largest block freed so far. Allocating
+    the memory again costs up to a fifth of the time of a frame. This function frees a large block that was never
+    touched. On other systems it has no effect.
     """
     np.empty(LARGEST_HEAP_BLOCK, np.uint8)

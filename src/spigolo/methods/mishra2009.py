@@ -1,7 +1,7 @@
 """Mishra et al. 2009, *Active Segmentation With Fixation*: segmentation of the object around a given point.
 
-The boundary map is transformed to polar coordinates around the point. There, the border of a small object is as long as
-that of a large object. The inside is separated from the outside at the lowest cost.
+The boundary map is transformed to polar coordinates around the point. In polar coordinates, the border of a small
+object is as long as that of a large object. The inside is separated from the outside at the lowest cost.
 
 Costs follow their paper and released code. In our reading, the contour crosses each ray once, so it is star-shaped.
 Dynamic programming finds the optimal contour of this kind as a shortest closed path. A general minimum cut may cross a

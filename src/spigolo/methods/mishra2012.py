@@ -6,8 +6,8 @@ the region around that point. The region is a simple object if it is enclosed by
 boundaries.
 
 Only an outline of the text was available. The choice of points and the acceptance of objects are our reading, and all
-values are our choice. Their method detects contact with the table from the camera's pose. Here, a contact is a valley
-of the depth.
+values are our choice. Their method detects contact with the table from the camera's pose. In our implementation, a
+contact is a valley of the depth.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Probability that an edge is the border of an object, and the side that owns it, for the methods of Mishra et al.
 
-Their probability is a logistic function of the difference in mean disparity between two half-discs. Here, a line is
-fitted to each half-disc, and both lines are compared at the edge (our reading). The slope of a table is then not a
-step. If both lines form a valley, the edge is a contact boundary. Their texts name contact boundaries, but the
-available parts do not define them.
+Their probability is a logistic function of the difference in mean disparity between two half-discs. In our
+implementation, a line is fitted to each half-disc, and both lines are compared at the edge (our reading). The slope of
+a table is then not a step. If both lines form a valley, the edge is a contact boundary. Their texts name contact
+boundaries, but the available parts do not define them.
 """
 
 from __future__ import annotations

@@ -192,8 +192,8 @@ def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, dept
 
     facts: earlier measurements, indexed by new region number. depth: (H, W) after in-painting.
 
-    Measurements that describe the mask are updated. Those that decided the verdict stay: score, above, inside, contour,
-    cut, hides, ledge and lean_deg.
+    Measurements that describe the mask are updated. Measurements that decided the verdict stay: score, above, inside,
+    contour, cut, hides, ledge and lean_deg.
     """
     places = _places(regions, depth, frame, _sum_points(regions, frame))
     return [replace(f, region=k, frame=frame, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]

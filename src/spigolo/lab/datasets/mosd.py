@@ -3,8 +3,8 @@
     mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label, 640 x 480
 
 Points that were not measured, or cropped with the floor and the walls, are NaN with label 0 and are ignored. Labels
-1..9 = the table, 20..29 = parts of the first object, 30..39 of the second, and so on. Here the table is 0 and parts are
-joined to objects 1, 2, ... The camera is fitted to the cloud.
+1..9 = the table, 20..29 = parts of the first object, 30..39 of the second, and so on. This reader sets the table to 0
+and joins parts to objects 1, 2, ... The camera is fitted to the cloud.
 """
 
 from __future__ import annotations

@@ -110,8 +110,8 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     Returns
     -------
     objects, segments
-        (min(N, S),) row and column numbers of the table. If several pairings reach the same sum, the
-        one taken depends on the order of the labels. So, in such a tie, do the measures made from it.
+        (min(N, S),) row and column numbers of the table. If several pairings reach the same sum, the pairing and all
+        measures from it depend on the order of the labels.
 
     """
     try:

@@ -58,8 +58,8 @@ def check_folds(groups: Sequence[str], count: int) -> None:
 def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
     """Score every frame with the trial that is best on the other folds. Near-identical frames share a fold.
 
-    with_start: the start may be chosen too. This is only valid if it was not made on these frames. Raises SpigoloError
-    if there are fewer distinct frames than folds.
+    with_start: True if the start may be chosen too, which is valid only for a start that was not made on these frames.
+    Raises SpigoloError if there are fewer distinct frames than folds.
     """
     groups = [place.group for place in search.subject.places]
     check_folds(groups, count)

@@ -19,7 +19,7 @@ DIGITS = 4
 
 
 def draw(space: Space, count: int, seed: int) -> list[Setting]:
-    """Return `count` settings. The same seed begins with the same ones. Raises SpigoloError if optuna is not
+    """Return `count` random settings. The same seed begins with the same settings. Raises SpigoloError if optuna is not
     installed.
     """
     try:

@@ -32,7 +32,8 @@ def score_table(search: Search, held: HeldOut) -> Table:
 def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
     """Write the parameters as TOML and report.md, and return their paths. Raises FileError on failure.
 
-    The TOML of `toscana2016` is a preset that every command takes. That of another method holds its fields.
+    The TOML of `toscana2016` is a preset that every command takes. For other methods, the TOML holds the fields of the
+    method.
     """
     method = fitted(search, start)
     preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"

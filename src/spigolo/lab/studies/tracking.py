@@ -2,9 +2,9 @@
 
 A camera moves around each table of the family `table` like a hand-held one, at 20 degrees per second and 30 frames per
 second. Ground truth is exact. A true object is found in a frame if one mask has an IoU of at least 0.5 with it, one to
-one. Its id changes if that mask has another id than the mask that found the object before. This is the identity switch
-of MOT metrics. The share is relative to the finds that had an earlier find. Every third or sixth frame simulates a
-lower frame rate. `labels` uses the labels of each frame, sorted by score, as ids.
+one. Its id changes if that mask has another id than the mask that found the object before. Such a change is the
+identity switch of MOT metrics. The share is relative to the finds that had an earlier find. Every third or sixth frame
+simulates a lower frame rate. `labels` uses the labels of each frame, sorted by score, as ids.
 """
 
 from __future__ import annotations

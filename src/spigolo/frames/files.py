@@ -1,4 +1,4 @@
-"""Reading and writing of files: colour, depth, cameras, and writes that are complete or not done at all."""
+"""Reading and writing of files: colour, depth and cameras. Files are written completely or not at all."""
 
 from __future__ import annotations
 

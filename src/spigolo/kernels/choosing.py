@@ -187,7 +187,7 @@ def drop_final(edges, offsets, parent, records, useful):
     """Keep the packed edges (K,) between regions that at least one of them can still merge. Return their number.
 
     A region whose lightest edge is heavier than its bound is final. parent (H W,): root of every pixel. useful (H W,)
-    uint8 is scratch. If few edges are heavy, the array is returned unchanged, because few would be dropped.
+    uint8 is scratch memory. If few edges are heavy, the array is returned unchanged, because few would be dropped.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):

@@ -80,7 +80,7 @@ def root_of(parent, run):
 def join_runs(runs, parent, gaps):
     """Number the 8-connected gaps from 0 in the order of their first runs: gaps (N,) int32. Return their number.
 
-    parent (N,) int32 is scratch.
+    parent (N,) int32 is scratch memory.
     """
     for k in range(len(runs)):
         parent[k] = k

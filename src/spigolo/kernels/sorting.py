@@ -22,7 +22,7 @@ def digit_of(edge, base, shift, mask):
 def scatter(edges, base, shift, mask, starts, out):
     """Run one stable pass of a radix sort: sort packed edges (E,) by the digit at `shift`, 2^b - 1 = mask.
 
-    base, shift, mask uint64. starts (2^b,) uint32 is scratch. out (E,).
+    base, shift, mask uint64. starts (2^b,) uint32 is scratch memory. out (E,).
     """
     starts[:] = 0
     for k in range(edges.size):

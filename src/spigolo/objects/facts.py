@@ -26,7 +26,7 @@ Labels = npt.NDArray[np.int32]
 SPREAD_OF_SQUARE = 12
 """Ratio of the squared side of a rectangle to the variance along that side."""
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Measured pixels, as a share of the image, at which the depth term of a score is 63 % of its maximum (our choice)."""
+"""Share of measured pixels in the image at which the depth term of a score reaches 63 % of its maximum (our choice)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)

@@ -87,7 +87,9 @@ def _stored(state: State, name: str) -> Any:
 
 
 def changed(state: State, changes: Mapping[str, Any]) -> State:
-    """Return the state with changed parameters. A preset is set first. Raises ConfigError for a wrong name or value."""
+    """Return the state with changed parameters. If a preset is among them, it is set first. Raises ConfigError for a
+    wrong name or value.
+    """
     known = descriptions(state.config)
     unknown = next((name for name in changes if name not in known), None)
     if unknown is not None:

@@ -25,7 +25,7 @@ from spigolo.settings.parameters import Parameters, Settings, parse_toml
 
 
 class Config(Parameters):
-    """All parameters of the method. Frozen: `replace` returns a changed copy."""
+    """All parameters of the method. They are frozen, and `replace` returns a changed copy."""
 
     name: str = "custom"
     """Name of the preset. `replace` keeps it, so `digest` tells changed values apart."""

@@ -63,7 +63,9 @@ S = TypeVar("S", bound="Settings")
 
 
 class Settings(BaseModel):
-    """Parameters of one stage. Frozen: `replace` returns a changed copy. Raises ConfigError for a wrong value."""
+    """Parameters of one stage. They are frozen, and `replace` returns a changed copy. Raises ConfigError for a wrong
+    value.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 

@@ -74,8 +74,8 @@ class Pooled:
     """
 
     found_70_both: float
-    """Share of labelled objects that one predicted object covers by more than 70 %, with more than 70 % of it on the
-    object.
+    """Share of labelled objects that one predicted object covers by more than 70 %, if more than 70 % of the predicted
+    object lies on the labelled object.
     """
 
     pieces: float

@@ -71,8 +71,8 @@ class RowScore(Measures):
     """
 
     found_70_both: int
-    """Number of labelled objects in `found_70_recall` of which more than 70 % of the predicted object lies on the
-    object.
+    """Number of labelled objects in `found_70_recall` whose predicted object lies on them with more than 70 % of its
+    area.
     """
 
     pieces: int

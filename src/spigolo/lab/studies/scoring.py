@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def times(segmenter: sp.Segmenter, frame: sp.Frame, truth: Truth | None, rounds: int) -> list[tuple[float, float]]:
-    """Return the seconds for segmenting and for scoring, one pair per round."""
+    """Return the times of segmenting and of scoring in seconds, one pair per round."""
     assert truth is not None
     answer = []
     for _ in range(rounds + 1):

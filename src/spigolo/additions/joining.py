@@ -219,7 +219,9 @@ class _Parts:
         return out
 
     def top_m(self, k: int) -> float:
-        """Return the height of a region's top above the support. The value is cached, as every neighbour needs it."""
+        """Return the height of a region's top above the support. The value is cached, as it is used for every
+        neighbour.
+        """
         if k not in self._tops:
             self._tops[k] = self._find_top_m(k)
         return self._tops[k]

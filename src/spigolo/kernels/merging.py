@@ -119,9 +119,9 @@ def ask_ahead(edges, k, offsets, parent, records):
 
 @kernel
 def plant(weights, width, gamma, parent, records, flags):
-    """Make regions of the pixels that are connected by straight edges of weight 0. These regions may still merge.
+    """Make regions of the pixels that are connected by straight edges of weight 0. The regions may merge later.
 
-    Such an edge is never refused (eq. 3), so the order of these edges does not matter.
+    Edges of weight 0 are never refused (eq. 3), so their order does not matter.
 
     weights (P, H W) float32. parent (H W,) uint32, root of each pixel. records (H W,) uint64. flags (H W,) uint8.
     """

@@ -1,4 +1,6 @@
-"""Peers: code of other libraries in a worker process. OpenCV's contrib package would replace the plain one here."""
+"""Peers: code of other libraries in a worker process. OpenCV's contrib package cannot be installed next to the plain
+package.
+"""
 
 from __future__ import annotations
 

@@ -51,8 +51,8 @@ CLUTTER = (
     "pouch_1",
 )
 _CLEAR_M = TOLERANCE_M + 0.001
-"""Minimum distance of unlabelled objects from the instances, m. Nearer objects in front would not count as hiding
-them.
+"""Minimum distance of unlabelled objects from the instances, m. The rule for masks ignores objects that hide an
+instance from a smaller distance.
 """
 
 
@@ -111,8 +111,8 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 
 
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
-    """Return the view: in two of five frames a fine camera with short range, near and from above, else one like the
-    Kinect.
+    """Return the view: in two of five frames a precise camera with short range, near and looking down, else a camera
+    like the Kinect.
     """
     sensor = _sensor(rng, (0.65, 1.7))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)

@@ -1,6 +1,6 @@
-"""Find the objects in an RGB-D frame for a robot that wants to grasp them: no learning, no GPU.
+"""Object segmentation of RGB-D frames for robotic grasping, without learning and without a GPU.
 
-The method of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation for RGB-D Images".
+The method is that of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation for RGB-D Images".
 
     import spigolo as sp
 
@@ -9,8 +9,8 @@ The method of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation for RGB
         print(o.area_px, o.centroid_m)
 
 Conventions: H, W = image rows and columns, R = regions. Colour is RGB. Depth is float32 metres, 0 = missing. Camera
-axes: X right, Y down, Z forward. Image points are (y, x). Names carry their unit: _m, _px, _deg, _ns. Importing this
-package loads neither numba, OpenCV nor pydantic. The first use of a name loads them.
+axes: X right, Y down, Z forward. Image points are (y, x). Names end with their unit: _m, _px, _deg, _ns. Importing this
+package loads neither numba, OpenCV nor pydantic. These packages are loaded on the first use of a name.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""`python -m spigolo`, the same as `spigolo`."""
+"""Entry point of `python -m spigolo`, the same as `spigolo`."""
 
 from spigolo.cli import main
 

@@ -1,4 +1,4 @@
-"""The time that each stage takes: `stopwatch` measures what `stage` names.
+"""Time of each stage: `stopwatch` measures the functions that are marked by `stage`.
 
 with sp.clock.stopwatch() as times:
 sp.segment(frame)
@@ -20,21 +20,21 @@ T = TypeVar("T")
 
 
 class Lap(NamedTuple):
-    """One run of a stage. cpu_s: CPU time of the process, wall_s: wall time, both in seconds."""
+    """Times of one run of a stage. cpu_s: CPU time of the process, wall_s: wall time, both in seconds."""
 
     cpu_s: float
     wall_s: float
 
 
 Times = dict[str, list[Lap]]
-"""Laps by the name of the stage, in order."""
+"""Laps in order, indexed by the name of the stage."""
 
 _times: ContextVar[Times | None] = ContextVar("times", default=None)
 
 
 @contextmanager
 def stopwatch() -> Iterator[Times]:
-    """Collect the time of every stage that runs inside the `with` block, on this thread."""
+    """Collect the times of all stages that run inside the `with` block on this thread."""
     times: Times = defaultdict(list)
     token = _times.set(times)
     try:
@@ -44,7 +44,7 @@ def stopwatch() -> Iterator[Times]:
 
 
 def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Name a function as a stage. Outside of `stopwatch` it runs as it is."""
+    """Name a function as a stage. Outside of `stopwatch` the function runs unchanged."""
 
     def named(function: Callable[P, T]) -> Callable[P, T]:
         @functools.wraps(function)
@@ -64,14 +64,14 @@ def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
 
 class Pace:
-    """Rate and latency of the last frames of a stream."""
+    """Frame rate and latency of the last frames of a stream."""
 
     def __init__(self, kept: int = 1000) -> None:
         self._latencies_s: deque[float] = deque(maxlen=kept)
         self._ends_s: deque[float] = deque(maxlen=kept)
 
     def add(self, latency_s: float) -> None:
-        """Add a frame that is done now and took `latency_s` seconds."""
+        """Add a frame that is finished now and took `latency_s` seconds."""
         self._latencies_s.append(latency_s)
         self._ends_s.append(time.perf_counter())
 
@@ -80,7 +80,7 @@ class Pace:
 
     @property
     def frames_per_s(self) -> float:
-        """Mean rate in frames per second. 0 with fewer than two frames."""
+        """Return the mean rate in frames per second. 0 with fewer than two frames."""
         if len(self._ends_s) < 2 or self._ends_s[-1] == self._ends_s[0]:
             return 0.0
         return (len(self._ends_s) - 1) / (self._ends_s[-1] - self._ends_s[0])

@@ -1,4 +1,4 @@
-"""Errors, one class per kind. Each message says what was expected, what came and how to mend it."""
+"""Exceptions, one class per kind. Each message says what was expected, what was given and how to fix it."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import sys
 import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
-"""Path that the files of this package begin with."""
+"""Prefix of the paths of this package's files."""
 
 
 class SpigoloError(Exception):
-    """Base of every error that spigolo raises on purpose."""
+    """Base of all exceptions that spigolo raises on purpose."""
 
 
 class FrameError(SpigoloError, ValueError):
-    """Colour, depth and camera do not make a frame."""
+    """Colour, depth and camera do not form a valid frame."""
 
 
 class CameraError(SpigoloError, ValueError):
@@ -23,7 +23,7 @@ class CameraError(SpigoloError, ValueError):
 
 
 class ConfigError(SpigoloError, ValueError):
-    """A parameter, preset or TOML file is not what spigolo knows."""
+    """A parameter, preset or TOML file is invalid."""
 
 
 class FileError(SpigoloError, OSError):
@@ -31,11 +31,11 @@ class FileError(SpigoloError, OSError):
 
 
 class UnitWarning(UserWarning):
-    """Depth can hardly be in metres."""
+    """Depth is probably not in metres."""
 
 
 def warn(message: str, kind: type[Warning] = UserWarning) -> None:
-    """Warn at the line that called into this package, whichever way led here."""
+    """Issue a warning that points to the line that called into this package."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
         frame, level = frame.f_back, level + 1

@@ -1,4 +1,4 @@
-"""The method on one page: frame, cues, graph, regions, objects. Each line names its equations, or is ours."""
+"""The method on one page: frame, cues, graph, regions, objects. Each line names its equations, or is marked as ours."""
 
 from __future__ import annotations
 
@@ -29,35 +29,37 @@ from spigolo.stages.regions import Regions, partition
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trace:
-    """One run with every stage kept. At half resolution the stages are those of the halved frame."""
+    """Results of every stage of one run. At half resolution they are those of the halved frame."""
 
     frame: Frame
-    """The input."""
+    """Input frame."""
     config: Config
-    """The parameters, as given."""
+    """Parameters as given."""
     plane: Plane | None
-    """The support plane (ours). None without one."""
+    """Support plane (ours), or None if no plane was found."""
     weighing: Weighing
-    """The cost function and gamma of this frame."""
+    """Cost function and gamma of this frame."""
     edges: EdgeMaps | None
-    """The edge maps. None if the cost function does not read a boundary."""
+    """Edge maps. None if the cost function does not read a boundary."""
     contours: Contours | None
     """Our contours of the depth map. None without additions or edge maps."""
     cues: Cues
-    """The cues of every pixel."""
+    """Cues of every pixel."""
     graph: Graph
-    """The weighed graph."""
+    """Weighted graph."""
     regions: Regions
-    """The regions, parts joined. `segmentation.regions` has their final outlines."""
+    """Regions, after the parts of objects were joined. `segmentation.regions` has their final outlines."""
     segmentation: Segmentation
-    """The answer."""
+    """Result of the segmentation."""
 
     def __repr__(self) -> str:
         return f"Trace({self.frame!r}, {self.regions.count} regions, {self.segmentation!r})"
 
 
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
-    """Segment a frame and keep the result of each stage. workspace: scratch kept between frames, one per thread."""
+    """Segment a frame and keep the result of each stage. workspace: scratch memory kept between frames, one per
+    thread.
+    """
     check_frame(frame)
     check_config(config)
     if config.additions and config.additions.resolution == "half":  # ours
@@ -68,8 +70,8 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
 
 
 def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace: Workspace | None) -> Trace:
-    """Do what `trace` does. sized: the parameters with lengths and areas in pixels of this image."""
-    ours = sized.additions  # None: the paper's method alone
+    """Run `trace` with prepared parameters. sized: parameters with lengths and areas in pixels of this image."""
+    ours = sized.additions  # None: only the paper's method
     wanted = None if roi is None else roi_mask(roi, frame)[0]
     reach_m = sized.rejection.max_distance_m
     plane = find_support(frame.depth, frame.camera, ours.support, reach_m, wanted) if ours else None  # ours
@@ -83,7 +85,7 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
     cues = gather_cues(frame.color, depth, lines, weighing, sized)  # eqs. 10, 11, 21
     color = color_points(frame.color, sized.color)  # eq. 4
     graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # eqs. 9, 22 or 23
-    del color  # three times as large as another cue
+    del color  # frees three images
     regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # eqs. 2, 3
     if ours and ours.merging and edges:
         regions = merge_regions(regions, cues.delta_bound, depth, find_above(frame, plane, ours), ours.merging)  # ours
@@ -95,20 +97,20 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
 
 
 def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:
-    """Find the objects of a frame.
+    """Segment a frame into objects.
 
-    frame: colour, depth and camera. config: a preset or your own configuration. roi: region of interest. It is a mask
-    (H, W), a pixel box (y0, x0, y1, x1) or a MetricBox. Regions outside are rejected. Returns the label image, the
-    objects with their 2-D and 3-D facts, and the rejected regions with their reasons.
+    frame: colour, depth and camera. config: a preset or your own configuration. roi: region of interest, as a mask (H,
+    W), a pixel box (y0, x0, y1, x1) or a MetricBox. Regions outside are rejected. Returns the label image, the objects
+    with their 2-D and 3-D measurements, and the rejected regions with their reasons.
     """
     return trace(frame, config, roi).segmentation
 
 
 def segment_at(frame: Frame, point: tuple[float, float], config: Config = OBJECTS) -> ObjectMask:
-    """Find the object at a pixel (y, x), whatever rule its region breaks: a click says that there is one.
+    """Return the object at a pixel (y, x), for example at a click, even if its region violates a rule.
 
     Raises IndexError for a point outside the image.
     """
     check_frame(frame)
-    pixel = pixel_of(point, frame.shape)  # before the work is done
+    pixel = pixel_of(point, frame.shape)  # check before segmenting
     return segment(frame, config).object_at(pixel)

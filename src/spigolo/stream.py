@@ -1,4 +1,4 @@
-"""Streams of frames. A `Segmenter` keeps its buffers between frames. `warm_up` compiles before the first frame."""
+"""Segmentation of streams. `Segmenter` keeps its buffers between frames. `warm_up` compiles before the first frame."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from spigolo.stages.costs import possible_costs
 
 
 class Segmenter:
-    """Segments frame after frame with one configuration, as `segment` does, and keeps its buffers in between.
+    """Function that segments frame after frame with one configuration, as `segment` does, and keeps its buffers.
 
-    ids: whether objects get ids that last while they stay in view (`ObjectMask.id`). `pace` has the rate and the time
-    of a frame. Make one per thread: kernels release the GIL, so that Segmenters on several threads run side by side.
-    Raises SpigoloError if two threads call one at once.
+    ids: True to give objects ids that persist while they stay in view (`ObjectMask.id`). `pace` has the frame rate and
+    the time per frame. Make one Segmenter per thread. Kernels release the GIL, so Segmenters on several threads run in
+    parallel. Raises SpigoloError if two threads call one Segmenter at once.
     """
 
     def __init__(self, config: Config = OBJECTS, ids: bool = False) -> None:
         self.config = config
         self.ids = ids
         self.pace = Pace()
-        """Rate, and time from the call to the answer, of the last frames."""
+        """Frame rate, and time from call to result, of the last frames."""
         self._tracker = Tracker() if ids else None
         self.workspace = Workspace()
         self._busy = threading.Lock()
 
     def __reduce__(self) -> tuple[type[Segmenter], tuple[Config, bool]]:
-        """Pickle as the configuration. A worker process makes its own buffers, and begins with id 1."""
+        """Pickle only the configuration. A worker process makes its own buffers and starts with id 1."""
         return type(self), (self.config, self.ids)
 
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
-        """Return the objects of a frame. The result shares no memory with the next one."""
+        """Return the objects of a frame. The result shares no memory with later results."""
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
         start = time.perf_counter()
@@ -58,9 +58,9 @@ class Segmenter:
 
 
 def warm_up(config: Config | None = None) -> None:
-    """Compile the kernels, or loads them, before the first frame: of one configuration, or of all.
+    """Compile or load the kernels before the first frame, for one configuration or for all.
 
-    The first time on a machine this takes about 20 s, later well under a second.
+    The first time on a machine takes about 20 s. Later calls take well under a second.
     """
     rng = np.random.default_rng(0)
     depth = np.full((48, 64), 1.0, np.float32)

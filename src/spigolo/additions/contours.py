@@ -1,7 +1,7 @@
 """Contours of the depth map, added to the boundary map (`settings.DepthContours`).
 
-An image edge is missing where object and background have one colour. Depth steps and concave creases do not need it,
-and neither does the outline of what stands above the support plane.
+No image edge exists where object and background have the same colour. Depth steps, concave creases and the outline of
+everything above the support plane do not depend on colour.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from spigolo.settings.additions import Additions, DepthContours
 from spigolo.stages.edges import NO_ANGLE_DEG, EdgeMaps
 
 NOISE_ROWS, NOISE_SAMPLES = 16, 1000
-"""Step between the rows that noise is measured on, and minimum number of pixels for it."""
+"""Step between the rows on which noise is measured, and minimum number of pixels for the measurement."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contours:
-    """The contours of a frame and the boundary lines with them."""
+    """Contours of a frame, and the boundary lines including them."""
 
     contours: Mask | None
-    """Contours (H, W) alone. None where no rule gives any."""
+    """Contours (H, W) without E_F. None if no rule finds any."""
     lines: Mask
-    """E_F and the contours (H, W), in the width of the lines."""
+    """Union of E_F and the contours (H, W), widened to the width of lines."""
     in_holes: bool
-    """Whether hole outlines are among the contours."""
+    """True if hole outlines are among the contours."""
 
 
 @stage("contours")
@@ -53,7 +53,7 @@ def add_contours(
 
 
 def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours) -> Mask:
-    """Find depth steps and concave creases (H, W) of a depth map (H, W) in metres, whatever the colour image shows."""
+    """Find depth steps and concave creases (H, W) of a depth map (H, W) in metres, independent of colour."""
     filled = np.empty_like(depth)
     kernel.fill_shadows(depth, config.max_shadow_px, filled)
     steps, creases = np.zeros(depth.shape, np.uint8), np.zeros(depth.shape, np.uint8)
@@ -78,9 +78,10 @@ def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours
 
 
 def measure_noise(depth: DepthMap, reach_px: int) -> float:
-    """Return how far depth (H, W) scatters about the chord of its neighbours `reach_px` away, per squared depth, 1/m.
+    """Return the deviation of depth (H, W) from the chord of its neighbours `reach_px` away, per squared depth, 1/m.
 
-    The median over the frame: most pixels lie on smooth surfaces, so that noise bends them. 0 without enough depth.
+    The result is the median over the frame. Most pixels lie on smooth surfaces, where a deviation is noise. 0 without
+    enough depth.
     """
     rows = depth[::NOISE_ROWS]
     before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]
@@ -99,16 +100,16 @@ def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
 
 
 def hole_contours(holes: Mask, canny: Mask, line_px: int) -> Mask:
-    """Return both sides of hole outlines, and the image edges inside holes (H, W), where depth cannot reject a print.
+    """Return both sides of hole outlines and the image edges inside holes (H, W). Depth cannot reject a print there.
 
-    The edges become as wide as depth contours: after the blur, a line of one pixel would weigh a third of them.
+    The edges are widened like depth contours. After the blur, a line of one pixel would have a third of their value.
     """
     borders = cv2.morphologyEx(holes.view(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
     return np.asarray(borders).view(bool) | (holes & widen(canny, 2 * line_px + 1))
 
 
 def widen(lines: Mask, line_px: int) -> Mask:
-    """Widen lines (H, W) to `line_px` pixels. In a large image a thin line would not hold after the blur."""
+    """Widen lines (H, W) to `line_px` pixels. In a large image the blur would weaken a thin line."""
     if line_px <= 1:
         return lines
     return np.asarray(cv2.dilate(lines.view(np.uint8), np.ones((line_px, line_px), np.uint8))).view(bool)

@@ -1,14 +1,17 @@
-"""Parts of one object are joined (our addition, not in the paper).
+"""Joining of the parts of one object (our addition, not in the paper).
 
-The partition cuts an object where its own depth steps, a cup between its wall and its inside, and where noise looks
-like a contour. Four rules join regions that stand on the support, by what lies on both sides of their border
-(`Joining` has the numbers):
+The partition separates parts of an object in three cases: at a step in the object's own depth, between the wall and the
+inside of a cup, and at noise that looks like a contour. Four rules join regions above the support plane. The rules
+compare both sides of the common border. The parameters are in `Joining`.
 
-- vessel: the front region bulges, the one behind it is hollow, both end at one height: wall and inside of a cup;
-- cap: hardly any gap and no valley, one above the other, both end at one height and fill one outline: a lid, or a cup
-  that the camera saw filled;
-- smooth: hardly any gap, and the border is no valley: a box leant against by noise;
-- enclosed: what lies on the plane, or has no depth, within an object is part of it: the bottom of a bowl.
+- vessel: the front region is convex, the region behind it is hollow, and both have the same top height. Such
+  regions are the wall and the inside of a cup.
+- cap: there is almost no gap and no valley, one region is above the other, both have the same top height, and
+  together they fill one outline. Such regions are a lid and its box, or a filled cup.
+- smooth: there is almost no gap, and the border is not a valley. Such regions are parts of one surface that
+  noise separated.
+- enclosed: a region on the plane, or without depth, is surrounded by an object. An example is the bottom of a
+  bowl.
 """
 
 from __future__ import annotations
@@ -32,21 +35,27 @@ from spigolo.stages.regions import Regions
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
 MOST_PARTS = 1000
-"""Of more regions than that only the largest are looked at: sums over all their borders would take gigabytes."""
+"""Maximum number of regions. If there are more, only the largest are compared, as sums over all borders would take
+gigabytes.
+"""
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
-"""Least share of the columns of a vessel's inside, where that looks flat, that lie within those of the wall; and of the
-narrower part of an object with a cap within those of the other."""
+"""Minimum share of image columns that two parts share.
+
+For a flat-looking inside of a vessel, it is the share of the inside's columns that the wall covers too. For a cap, it
+is the share of the narrower part's columns that the other part covers too.
+"""
 
 Counts = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True)
 class Border:
-    """What lies on both sides of the border between two regions, a the one in front.
+    """Measurements of the border between two regions. Region a is in front of region b.
 
-    gap_m: mean depth difference across it; behind_m: the same signed, how far b lies behind a; bend_m: mean depth of
-    the border behind the chord of its sides, positive in a valley; boundary: mean of delta_bound along it.
+    gap_m: mean absolute depth difference across the border. behind_m: mean signed depth difference, positive if b is
+    behind a. bend_m: mean depth of the border behind the line between its two sides, positive in a valley. boundary:
+    mean of delta_bound along the border.
     """
 
     a: int
@@ -59,7 +68,7 @@ class Border:
 
 @stage("joining")
 def join_parts(regions: Regions, cues: Cues, plane: Plane | None, camera: Camera | None, config: Additions) -> Regions:
-    """Join the parts of each object. Without rules, a plane or a camera the regions stay as they are."""
+    """Join the parts of each object. Without rules, plane or camera, the regions are returned unchanged."""
     if config.joining is None or config.support is None or plane is None or camera is None:
         return regions
     parts = _Parts(regions, cues, plane, camera, config.joining, config.support)
@@ -73,13 +82,13 @@ def join_parts(regions: Regions, cues: Cues, plane: Plane | None, camera: Camera
 
 
 def _unite(root: Counts, a: int, b: int) -> None:
-    """Gives the regions of both the smaller root."""
+    """Set the root of all regions in both groups to the smaller root."""
     low, high = sorted((root[a], root[b]))
     root[root == high] = low
 
 
 class _Parts:
-    """The regions of a frame and what the rules ask of them."""
+    """Regions of a frame with the measurements that the rules need."""
 
     def __init__(
         self, regions: Regions, cues: Cues, plane: Plane, camera: Camera, config: Joining, support: Support
@@ -103,7 +112,7 @@ class _Parts:
         self._tops: dict[int, float] = {}
 
     def borders(self) -> Iterator[Border]:
-        """The borders between regions that stand, long enough and with enough depth."""
+        """Yield the borders between standing regions that are long enough and have enough depth."""
         count = self.ids.size
         sums = np.zeros((count, count, borders.SUMS))
         cue = self.cues.boundary
@@ -125,7 +134,7 @@ class _Parts:
                 )
 
     def is_vessel(self, border: Border) -> bool:
-        """Whether a is the wall and b the inside of one vessel."""
+        """Return True if a is the wall and b the inside of one vessel."""
         rule, front, back = self.config.vessel, self.hollowness[border.a], self.hollowness[border.b]
         if rule is None:
             return False
@@ -142,7 +151,9 @@ class _Parts:
         )
 
     def _has_room(self, border: Border) -> bool:
-        """Whether b lies behind a as the inside of a vessel does: above it, and no farther off than a is wide."""
+        """Return True if b can be the inside of a vessel with wall a: above it, and at most the width of a farther
+        away.
+        """
         shared, across, own = self._columns(border)
         y0, x0, y1, x1 = self.boxes[border.a]
         wall = self.cues.depth[y0:y1, x0:x1][self._crop(border.a) == border.a]
@@ -150,12 +161,12 @@ class _Parts:
         return shared >= LEAST_ABOVE * own and border.behind_m <= width_m
 
     def _columns(self, border: Border) -> tuple[int, int, int]:
-        """How many columns of the image a and b share, how many a has, how many b."""
+        """Return the number of image columns that a and b share, that a covers, and that b covers."""
         (left, right), (start, end) = self.boxes[border.a, 1::2].tolist(), self.boxes[border.b, 1::2].tolist()
         return max(min(right, end) - max(left, start), 0), right - left, end - start
 
     def is_cap(self, border: Border) -> bool:
-        """Whether one is the upper face of the other: they lie one above the other, not side by side."""
+        """Return True if one region is the upper face of the other: one lies above the other, not next to it."""
         rule = self.config.cap
         shared, *widths = self._columns(border)
         return (
@@ -168,7 +179,7 @@ class _Parts:
         )
 
     def is_smooth(self, border: Border) -> bool:
-        """Whether the surface goes on across the border, flat or convex."""
+        """Return True if the surface continues across the border, flat or convex."""
         rule = self.config.smooth
         return (
             rule is not None
@@ -178,7 +189,7 @@ class _Parts:
         )
 
     def enclosed(self, root: Counts) -> Iterator[tuple[int, int]]:
-        """Regions that do not stand, and the object that their surroundings belong to."""
+        """Yield each region that does not stand, and the object that its surroundings belong to."""
         least = self.config.enclosed
         if least is None:
             return
@@ -200,7 +211,7 @@ class _Parts:
         return self.labels[top:bottom, left:right]
 
     def _hollowness(self) -> npt.NDArray[np.float64]:
-        """How deep each region lies behind its chords along image rows, as a share of their length (R,)."""
+        """Return the depth of each region (R,) behind its chords along image rows, as a share of their length."""
         sums = np.zeros((self.ids.size, 2))
         borders.sum_hollows(self.labels, self.number, self.cues.depth, self.focal_px, self.config.margin_px, sums)
         out = np.zeros(self.number.size)
@@ -208,7 +219,9 @@ class _Parts:
         return out
 
     def top_m(self, k: int) -> float:
-        """Height of a region's top above the support; kept, as every neighbour asks."""
+        """Return the height of a region's top above the support. The value is cached, as it is used for every
+        neighbour.
+        """
         if k not in self._tops:
             self._tops[k] = self._find_top_m(k)
         return self._tops[k]
@@ -219,12 +232,14 @@ class _Parts:
         return float(np.percentile(self.height[y0:y1, x0:x1][there], TOP_PERCENT)) if there.any() else 0.0
 
     def _ends_alike(self, border: Border, tolerance_m: float, share: float) -> bool:
-        """Whether both regions end at one height above the support."""
+        """Return True if the tops of both regions have the same height above the support, within the tolerance."""
         a, b = self.top_m(border.a), self.top_m(border.b)
         return abs(a - b) <= max(tolerance_m, share * max(a, b))
 
     def _solidity(self, parts: Sequence[int]) -> float:
-        """Share of the convex hull of regions that lies within their outlines: what they enclose counts."""
+        """Return the share of the regions' convex hull that lies inside their outlines. Enclosed pixels count as
+        inside.
+        """
         (y0, x0), (y1, x1) = self.boxes[parts, :2].min(0), self.boxes[parts, 2:].max(0)
         own = np.isin(self.labels[y0:y1, x0:x1], parts).view(np.uint8)
         outlines, _ = cv2.findContours(own, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

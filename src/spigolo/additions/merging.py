@@ -1,8 +1,8 @@
-"""Regions merged over their whole common border (`settings.Merging`).
+"""Merging of regions over their whole common border (`settings.Merging`).
 
-Equation 3 compares two regions by the lightest edge between them, in the order of all edges. A short piece of noise
-then parts a surface for good. Here regions merge in the order of the mean boundary along their whole common border.
-What stands above the support does not merge with what it stands on.
+Eq. 3 compares two regions by the lightest edge between them, in the order of all edges. Noise at a short part of the
+border can then separate a surface permanently. In this module, regions merge in the order of the mean boundary along
+their whole common border. Regions above the support do not merge with the support.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ Sums = npt.NDArray[np.float64]
 def merge_regions(
     regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, config: Merging
 ) -> Regions:
-    """Return the regions merged over borders with a weak boundary.
+    """Return the regions after merging over borders with a weak boundary.
 
     boundary: (H, W) in [0, 1], delta_bound. depth: (H, W) in metres. above: pixels (H, W) above the support, None
-    without one.
+    without a support.
     """
     graph = _Borders(regions, boundary, depth, above, config.line)
     graph.merge(lambda mean, a, b: mean < config.max_mean and graph.are_alike(a, b))
@@ -40,7 +40,7 @@ def merge_regions(
 
 
 def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Sums, Sums]:
-    """Return the borders between regions: both regions, length in pixel pairs and summed boundary, each (E,)."""
+    """Return the borders between regions: both regions, length in pixel pairs, and summed boundary, each (E,)."""
     size = labels.size // 4
     while True:
         pairs, strength = np.empty(size, np.int64), np.empty(size, np.float32)
@@ -55,7 +55,7 @@ def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Su
 
 
 class _Borders:
-    """Regions, and the length and summed boundary of the border of each with each neighbour."""
+    """Regions with the length and the summed boundary of every border between neighbours."""
 
     def __init__(self, regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, line: float) -> None:
         self.root = list(range(regions.count))
@@ -76,26 +76,26 @@ class _Borders:
         return k
 
     def are_alike(self, a: int, b: int) -> bool:
-        """Return whether both regions stand above the support, or neither does. Without depth nothing is known."""
+        """Return True if both regions stand above the support, or neither does, or depth is missing."""
         if not (self.measured[a] and self.measured[b]):
             return True
         stands_a, stands_b = (2 * self.above[k] > self.measured[k] for k in (a, b))
         return stands_a == stands_b
 
     def merge(self, may_merge: Callable[[float, int, int], bool]) -> None:
-        """Merge the neighbours with the weakest border first, as long as they may."""
+        """Merge the neighbours with the weakest border first, while `may_merge` allows it."""
         heap = [(t / n, a, b) for a, beside in enumerate(self.beside) for b, (n, t) in beside.items() if a < b]
         heapq.heapify(heap)
         while heap:
             mean, a, b = heapq.heappop(heap)
             n, t = self.beside[a].get(b, (1.0, -1.0))
-            if t / n != mean or not may_merge(mean, a, b):  # merged, or changed since
+            if t / n != mean or not may_merge(mean, a, b):  # outdated entry: the border has merged or changed
                 continue
             for c, (n_c, t_c) in self._join(a, b):
                 heapq.heappush(heap, (t_c / n_c, min(a, c), max(a, c)))
 
     def _join(self, a: int, b: int) -> Iterator[tuple[int, tuple[float, float]]]:
-        """Join region b to region a, and yield the neighbours of b with their new border to a."""
+        """Join region b to region a. Yield the neighbours of b with their new border to a."""
         self.root[b] = a
         for counts in (self.open_px, self.measured, self.above):
             counts[a] += counts[b]

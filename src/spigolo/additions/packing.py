@@ -1,4 +1,4 @@
-"""A warning for frames in which packed objects make up the support plane (`settings.Packing`)."""
+"""Warning for frames in which packed objects form the support plane (`settings.Packing`)."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from spigolo.settings.additions import Additions, Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""Colour edges are looked for within this fraction of the image's width."""
+"""Distance within which colour edges are counted: the image width divided by this number."""
 OUTLINE_PX = 9
-"""Window that keeps the support away from its own outline, which is not an edge in it."""
+"""Width in pixels of the margin that keeps the support's own outline out of the count of edges."""
 
 
 def warn_of_packing(
@@ -34,7 +34,7 @@ def warn_of_packing(
 
 
 def is_packed(edges: EdgeMaps, depth: DepthMap, camera: Camera, plane: Plane, support: Support, rule: Packing) -> bool:
-    """Return whether the support fills the frame, is covered with colour edges and carries hardly anything."""
+    """Return True if the support fills the frame, is covered with colour edges and carries almost nothing."""
     if things_on(plane, depth, camera, support) > rule.max_things:
         return False
     on = support_mask(plane, depth, camera, support)

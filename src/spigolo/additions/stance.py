@@ -1,4 +1,4 @@
-"""How regions stand: whether they hide what is behind, lean away, and how the image cuts them (ours; `Wall`)."""
+"""Measurements against walls: depth behind a region, its slant, and its cut by the image border (ours, `Wall`)."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from spigolo.settings.additions import Ledge, Wall
 from spigolo.stages.regions import Regions
 
 TALL_SHARE = 0.05
-"""Least share of a region's measured pixels among the tall ones for it to be asked whether it is a wall."""
+"""Minimum share of a region's measured pixels that are tall, for the region to be tested for a wall."""
 SLOPES_SHARE = 0.1
-"""Least share of a region's measured pixels whose slope must be known for its mean normal to say something."""
+"""Minimum share of a region's measured pixels with a known slope, for its mean normal to be valid."""
 REACH_INSIDE = 2.5
-"""Where a region's own slope is measured, as a multiple of the reach."""
+"""Distance from the outline at which a region's own slope is measured, as a multiple of the reach."""
 FLAT = Plane(np.zeros(3), 0.0)
-"""Stands in where there is no support: nothing has a height."""
+"""Placeholder for a missing support. All heights above it are 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
-    """How each region stands, NaN where that is unknown."""
+    """Measurements of how each region stands. NaN where unknown."""
 
     cut: npt.NDArray[np.float64]
     """Share (R,) of the outline on the image border."""
     hides: npt.NDArray[np.float64]
-    """Share (R,) of the region's own outline beyond which depth steps back."""
+    """Share (R,) of the region's own outline beyond which depth is larger by a step."""
     ledge: npt.NDArray[np.float64]
-    """Share (R,) of the outline along which the height above the support steps."""
+    """Share (R,) of the outline along which the height above the support changes by a step."""
     lean_deg: npt.NDArray[np.float64]
-    """Angle (R,) of the mean surface normal to the line of sight, degrees."""
+    """Angle (R,) between the mean surface normal and the line of sight, degrees."""
 
 
 def measure_stance(
@@ -43,8 +43,8 @@ def measure_stance(
 ) -> Stance:
     """Measure how every region stands.
 
-    tall: pixels (H, W) that are high enough for a wall. cut, hides and lean_deg are unknown for regions with few of
-    them, ledge is unknown without a plane.
+    tall: pixels (H, W) that are high enough for a wall. Regions with few tall pixels get NaN for cut, hides and
+    lean_deg. Without a plane, ledge is NaN.
     """
     valid, high = regions.count_where(np.asarray(depth > 0)), regions.count_where(tall)
     asked = (high >= TALL_SHARE * valid) & (high > 0)

@@ -1,4 +1,4 @@
-"""The support: the largest plane of a frame, on which objects stand (our addition, not in the paper)."""
+"""Support plane: the largest plane of a frame, on which objects stand (our addition, not in the paper)."""
 
 from __future__ import annotations
 
@@ -23,35 +23,42 @@ SPECKLE_PX = 5
 STACKED_M = 0.1
 STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
-"""A second support lies at least 10 cm above the first, within 14 degrees of it; heights are taken 5 cm at a time."""
+"""Minimum cosine of the angle between the normals of the largest plane and a second one above it, i.e. 14 degrees.
+
+A second support is at least 10 cm above the first. Heights are tested in steps of 5 cm.
+"""
 MOST_BELOW = 0.25
 CELLS = 24
-"""Largest share of what a plane surrounds that may lie below it, and of how many cells the longer side of the image
-has when that is asked."""
+"""Number of grid cells along the longer image side in the test for opaque planes.
+
+A plane is not opaque if more than a maximum share of the points that it surrounds lie below it.
+"""
 SPARSE = 0.6
-"""Where less of a frame has depth, sides of a plane may be unseen: no more may lie below it anywhere than on it."""
+"""Share of measured depth in a frame below which sides of a plane may be unseen. An opaque plane then has fewer points
+below it than on it.
+"""
 TALLEST_M = 0.3
-"""What stands higher above a plane is not a sign that things stand on it."""
+"""Maximum height above a plane at which points count as things standing on it, metres."""
 MOST_PLANES = 6
 SEED = 7
-"""RANSAC draws from a fixed seed: the same frame gives the same plane."""
+"""Fixed seed of RANSAC, so that the same frame gives the same plane."""
 
 Points = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plane:
-    """normal (3,) of length 1, towards the camera; height of a point p above the plane = normal . p + offset_m."""
+    """Plane with unit normal (3,) towards the camera. The height of point p is normal . p + offset_m."""
 
     normal: Points
     offset_m: float
 
     def height_m(self, points: Points) -> Points:
-        """Heights (N,) of points (N, 3); the camera's side counts as above."""
+        """Return the heights (N,) of points (N, 3) above the plane. The side of the camera is positive."""
         return np.asarray(points @ self.normal + self.offset_m)
 
     def height_map_m(self, depth: DepthMap, camera: Camera) -> npt.NDArray[np.float32]:
-        """Height (H, W) of every pixel of a depth map (H, W) in metres; offset_m where depth is missing."""
+        """Return the height (H, W) of every pixel of a depth map (H, W) in metres. Missing depth gives offset_m."""
         out = np.empty(depth.shape, np.float32)
         kernel.measure_heights(depth, *self.slopes(depth.shape, camera), np.float32(self.offset_m), out)
         return out
@@ -59,7 +66,7 @@ class Plane:
     def slopes(
         self, shape: tuple[int, ...], camera: Camera
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], np.float32]:
-        """Of each column, of each row, of all: height = (their sum) * depth + offset_m."""
+        """Return slopes for columns, for rows and a constant slope. height = (sum of the three) * depth + offset_m."""
         a, b, c = (float(v) for v in self.normal)
         slope_x = (np.arange(shape[1], dtype=np.float32) - np.float32(camera.cx)) * np.float32(a / camera.fx)
         slope_y = (np.arange(shape[0], dtype=np.float32) - np.float32(camera.cy)) * np.float32(b / camera.fy)
@@ -67,7 +74,9 @@ class Plane:
 
 
 def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray[np.float32]:
-    """How far a pixel may lie off the plane: the height that counts, or the depth error where that is larger."""
+    """Return the maximum distance of plane pixels from the plane: `min_height_m`, or the depth error if that is
+    larger.
+    """
     return np.maximum(np.float32(config.min_height_m), np.float32(config.noise_per_m) * depth * depth)
 
 
@@ -79,10 +88,10 @@ def find_support(
     max_distance_m: float | None = None,
     roi: Mask | None = None,
 ) -> Plane | None:
-    """Find the support within reach and near the region of interest, where the numbers ask for that.
+    """Find the support plane, within reach and near the region of interest if the parameters require it.
 
     depth: (H, W) in metres, as measured. max_distance_m: the reach. roi: pixels (H, W) of the region of interest.
-    Returns None without numbers, a camera, or a plane that has enough of the measured pixels.
+    Returns None without parameters or camera, or if no plane has enough of the measured pixels.
     """
     if camera is None or config is None:
         return None
@@ -97,7 +106,7 @@ def find_support(
 
 
 def _grown_box(mask: Mask, share: float) -> tuple[int, int, int, int]:
-    """Return the box around a mask (H, W), grown by a share of its height and width on each side."""
+    """Return the box around a mask (H, W), enlarged by a share of its height and width on each side."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     ends = []
     for first, end, size in ((rows[0], rows[-1] + 1, mask.shape[0]), (columns[0], columns[-1] + 1, mask.shape[1])):
@@ -107,7 +116,7 @@ def _grown_box(mask: Mask, share: float) -> tuple[int, int, int, int]:
 
 
 def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
-    """Return whether things can stand on a plane that has this share of the measured pixels."""
+    """Return True if objects can stand on a plane with this share of the measured pixels."""
     x, y, _ = plane.normal
     if rule.up is not None:
         up = np.asarray(rule.up, np.float64)
@@ -120,7 +129,7 @@ def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
 def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | None:
     """Find the plane with the most measured pixels. None without a rule, a camera, or a plane of `min_share` of them.
 
-    RANSAC on a sample of the pixels, then least squares on what lies within the tolerance.
+    RANSAC runs on a sample of the pixels. Least squares then refines the plane on the points within the tolerance.
     """
     valid = np.flatnonzero(depth > 0)
     if valid.size < 3:
@@ -147,12 +156,12 @@ def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | Non
 
 
 def support_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
-    """Pixels (H, W) that lie on the plane, within the tolerance."""
+    """Return the pixels (H, W) that lie on the plane, within the tolerance."""
     return np.asarray(_sides(plane, depth, camera, config) == kernel.ON)
 
 
 def above_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
-    """Pixels (H, W) that stand above the plane by more than the tolerance."""
+    """Return the pixels (H, W) that are above the plane by more than the tolerance."""
     return np.asarray(_sides(plane, depth, camera, config) == kernel.ABOVE)
 
 
@@ -164,9 +173,9 @@ def _sides(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> np
 
 
 def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
-    """Pixels (H, W) above the plane with a neighbour that is not, or has no depth: where objects end.
+    """Return the pixels (H, W) above the plane that have a neighbour on the plane or without depth: object outlines.
 
-    Speckles of a pixel or two are smoothed away first.
+    Speckles of one or two pixels are removed first.
     """
     above = cv2.medianBlur(above_mask(plane, depth, camera, config).view(np.uint8), SPECKLE_PX)
     beside = (above == 0).view(np.uint8)
@@ -182,7 +191,7 @@ def _share(plane: Plane, sample: Points, config: Support) -> float:
 
 
 def _refine(plane: Plane, sample: Points, config: Support) -> Plane | None:
-    """Least squares on what lies within the tolerance, a few times; None where too little does."""
+    """Refine a plane by repeated least squares on the points within the tolerance. None if there are too few."""
     for _ in range(REFINEMENTS):
         inliers = sample[_on(plane, sample, config)]
         if len(inliers) < 3:
@@ -192,7 +201,7 @@ def _refine(plane: Plane, sample: Points, config: Support) -> Plane | None:
 
 
 def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
-    """The largest plane above `floor` and along it; None where it has too small a share."""
+    """Return the largest plane above `floor` and parallel to it. None if its share is too small."""
     assert config.stacked_share is not None
     height = np.sort(floor.height_m(sample))
     height = height[height > STACKED_M]
@@ -209,11 +218,12 @@ def _stacked(floor: Plane, sample: Points, config: Support) -> Plane | None:
 
 
 def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], sparse: bool, config: Support) -> bool:
-    """Whether hardly anything shows through a plane from below, where the plane is seen on three sides of it.
+    """Return True if almost no points are visible through the plane, where the plane surrounds them on three sides.
 
-    A table hides the floor; the front edges of a shelf lie in one plane too, but frame what is behind. cells (N, 2):
-    where the sample lies in a coarse image; a cell shows the plane if most of its points do. sparse: of a frame that
-    lacks most of its depth.
+    A table hides the floor. The front edges of a shelf lie in one plane too, but surround points behind it.
+
+    cells (N, 2): position of each sample point in a coarse grid. A cell belongs to the plane if most of its points do.
+    sparse: True for a frame without most of its depth.
     """
     on, below = _on(plane, sample, config), plane.height_m(sample) < -tolerance_m(sample[:, 2], config)
     surrounded = _surrounded(on, cells)
@@ -225,7 +235,7 @@ def _is_opaque(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], spars
 def _with_things(
     plane: Plane, others: Iterable[Plane], sample: Points, cells: npt.NDArray[np.int64], config: Support
 ) -> Plane:
-    """The plane, or the first of the others that things stand on where hardly anything stands on it."""
+    """Return the plane, or the first of the other planes with objects on it if almost nothing stands on the plane."""
     assert config.min_things is not None
     if _things(plane, sample, cells, config) >= config.min_things:
         return plane
@@ -238,7 +248,7 @@ def _with_things(
 
 
 def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
-    """Share of the measured pixels that stand on a plane, from a grid of them."""
+    """Return the share of the measured pixels that stand on a plane, estimated on a grid of pixels."""
     step = max(round((depth.size / SAMPLES) ** 0.5), 1)
     y, x = np.nonzero(depth[::step, ::step])
     if y.size == 0:
@@ -250,14 +260,19 @@ def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) ->
 
 
 def _things(plane: Plane, sample: Points, cells: npt.NDArray[np.int64], config: Support) -> float:
-    """Return the share of the sample that stands on a plane: at most `TALLEST_M` above it, with it on three sides."""
+    """Return the share of the sample that stands on a plane.
+
+    These points are at most `TALLEST_M` above the plane, and the plane surrounds them on three sides.
+    """
     height = plane.height_m(sample)
     above = (height > tolerance_m(sample[:, 2], config)) & (height < TALLEST_M)
     return float((above & _surrounded(_on(plane, sample, config), cells)).mean())
 
 
 def _surrounded(on: Mask, cells: npt.NDArray[np.int64]) -> Mask:
-    """Which of the sample lies in cells with a plane on three sides or more, by the points on the plane (N,)."""
+    """Return True for sample points (N,) in grid cells with the plane on at least three sides. on (N,): points on the
+    plane.
+    """
     votes = np.zeros(cells.max(axis=0) + 1, np.int64)
     np.add.at(votes, (cells[:, 0], cells[:, 1]), 2 * on - 1)
     shown, along = (votes > 0).astype(np.int64), np.maximum.accumulate
@@ -266,7 +281,7 @@ def _surrounded(on: Mask, cells: npt.NDArray[np.int64]) -> Mask:
 
 
 def _largest_planes(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Planes that differ, roughly the largest first: six at most, as long as they have `min_share` of the sample."""
+    """Return up to six different planes, roughly the largest first, each with at least `min_share` of the sample."""
     tried: list[Plane] = []
     for hypothesis in _hypotheses(sample, rng, config):
         if len(tried) == MOST_PLANES:
@@ -286,7 +301,7 @@ def _is_alike(plane: Plane, other: Plane) -> bool:
 
 
 def _hypotheses(sample: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Planes through three points each, those that more of the sample lies on first."""
+    """Return planes through three random points each, sorted by their number of sample points, largest first."""
     a, b, c = sample[rng.integers(len(sample), size=(3, HYPOTHESES))]
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -302,12 +317,12 @@ def _hypotheses(sample: Points, rng: np.random.Generator, config: Support) -> It
 
 
 def _fit(points: Points) -> Plane:
-    """The plane of least squares through points (N, 3)."""
+    """Return the least-squares plane through points (N, 3)."""
     middle = points.mean(0)
     normal = np.linalg.eigh(np.cov((points - middle).T))[1][:, 0]
     return _towards_camera(normal, -float(normal @ middle))
 
 
 def _towards_camera(normal: Points, offset_m: float) -> Plane:
-    """The camera stands at the origin, so the side where the offset is positive is its side."""
+    """Return the plane with its normal towards the camera, which is at the origin. The offset is then positive."""
     return Plane(normal, offset_m) if offset_m >= 0 else Plane(-normal, -offset_m)

@@ -1,4 +1,4 @@
-"""The same work on a Dask cluster."""
+"""Engines that distribute a run to the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -21,22 +21,26 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 TIMEOUT_S = 30
-"""How long to wait for a scheduler."""
+"""Maximum time to wait for a scheduler, s."""
 TASK_S = 1.0
-"""Time that a task of the cluster should take. Below it the overhead of a task counts, above it a lost worker costs."""
+"""Target duration of a cluster task, s. Shorter tasks have more overhead. Longer tasks lose more work with a lost
+worker.
+"""
 MAX_GROUP = 1000
 """Maximum number of items in a task."""
 LOOPBACK = "127.0.0.1"
 RECENT = 15
-"""Tasks whose time decides on the size of the next ones."""
+"""Number of recent tasks whose duration determines the size of the next tasks."""
 
 
 def dask_cluster(address: str, group: int | None = None) -> Engine:
-    """Return an engine of the workers of a Dask scheduler. address: `tcp://HOST:PORT`.
+    """Return an engine that uses the workers of a Dask scheduler. address: `tcp://HOST:PORT`.
 
-    Workers need spigolo of the same version, and the input files under the same paths. Dask itself runs the work of a
-    lost worker again. group: number of items in a task. None: as many as take about a second. Raises SpigoloError
-    without the extra `cluster` or without a scheduler at that address.
+    Workers need the same version of spigolo, and the input files under the same paths. Dask repeats the work of a lost
+    worker.
+
+    group: number of items in a task. None: as many as take about one second. Raises SpigoloError without the extra
+    `cluster` or without a scheduler at that address.
     """
     distributed = _distributed()
 
@@ -48,10 +52,11 @@ def dask_cluster(address: str, group: int | None = None) -> Engine:
 
 
 def dask_local(workers: int = 1, group: int | None = None) -> Engine:
-    """Return an engine of a Dask cluster on this machine that lasts as long as the run.
+    """Return an engine that starts a Dask cluster on this machine for the duration of the run.
 
-    Its processes have one thread each. They and the dashboard listen on the loopback interface. group: as for
-    `dask_cluster`. Raises SpigoloError without the extra `cluster` or for less than one worker.
+    Each worker process has one thread. Workers and dashboard listen on the loopback interface.
+
+    group: as for `dask_cluster`. Raises SpigoloError without the extra `cluster` or for less than one worker.
     """
     distributed = _distributed()
     if workers < 1:
@@ -70,7 +75,7 @@ def dask_local(workers: int = 1, group: int | None = None) -> Engine:
 
 
 class _ClusterRun(Generic[T, R]):
-    """One run over the items, in groups. The items of a group that kills its workers run again, one by one."""
+    """Run over the items in groups. If a group kills its workers, its items are repeated one by one."""
 
     def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:
         self.client, self.do, self.group = client, do, group
@@ -81,7 +86,7 @@ class _ClusterRun(Generic[T, R]):
         self.item_s: deque[float] = deque(maxlen=RECENT)
 
     def outcomes(self, distributed: Any) -> Iterator[tuple[T, R | Lost]]:
-        # a task of its own: each worker keeps one copy, and Dask makes it again if its worker is lost
+        # a separate task: each worker keeps one copy, and Dask repeats the task if its worker is lost
         self.work = self.client.submit(_itself, self.do, pure=False)
         queue = distributed.as_completed(self._submit(), loop=self.client.loop)
         for future in queue:
@@ -90,7 +95,7 @@ class _ClusterRun(Generic[T, R]):
                 queue.add(following)
 
     def _submit(self) -> list[Any]:
-        """Hand out groups until each thread of the cluster has some."""
+        """Submit groups until each thread of the cluster has some."""
         window = IN_FLIGHT * max(sum(self.client.nthreads().values()), 1)
         futures = []
         while len(self.in_flight) < window and (group := self._next_group()):
@@ -105,7 +110,7 @@ class _ClusterRun(Generic[T, R]):
         return list(islice(self.items, self.group or self._size()))
 
     def _size(self) -> int:
-        """Return how many items take about as long as a task should."""
+        """Return the number of items that take about as long as a task should."""
         return min(max(int(TASK_S / max(median(self.item_s), 1e-9)), 1), MAX_GROUP) if self.item_s else 1
 
     def _collect(self, future: Any) -> Iterator[tuple[T, R | Lost]]:
@@ -126,7 +131,7 @@ def _itself(do: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 
 def _work(do: Callable[[Any], Any], group: list[Any]) -> tuple[list[Any], float]:
-    """Return the outcomes of a group, and the time that they took, in seconds."""
+    """Return the outcomes of a group and its duration in seconds."""
     cv2.setNumThreads(1)
     start = time.perf_counter()
     return [_outcome(do, item) for item in group], time.perf_counter() - start

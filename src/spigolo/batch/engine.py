@@ -1,4 +1,4 @@
-"""Processes that do work, each with one compute thread."""
+"""Engines: pools of worker processes with one compute thread each."""
 
 from __future__ import annotations
 
@@ -22,29 +22,29 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 IN_FLIGHT = 2
-"""Items handed out per worker, so that none waits for the next one."""
+"""Number of items submitted per worker, so that no worker waits for its next item."""
 TRIES_ALONE = 2
-"""How often an item runs in a process of its own after its worker died."""
+"""Number of times that an item runs in a separate process after its worker died."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """The outcome of an item whose worker died."""
+    """Outcome of an item whose worker died."""
 
     reason: str
-    """The reason, for the record."""
+    """Reason for the record."""
 
 
 class Engine(Protocol):
-    """Does work on items, in any order. `here`, `local`, `dask_cluster` and `dask_local` are engines."""
+    """Function that runs work on items in any order. `here`, `local`, `dask_cluster` and `dask_local` are engines."""
 
     def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
-        """Yield each item with what `do` returned for it, as soon as it is there. do, items: picklable."""
+        """Yield each item with the return value of `do`, as soon as it is ready. do, items: picklable."""
         ...
 
 
 def local(workers: int = 1) -> Engine:
-    """Return an engine of processes on this machine. Raises SpigoloError for less than one."""
+    """Return an engine that uses processes on this machine. Raises SpigoloError for less than one worker."""
     if workers < 1:
         raise SpigoloError(f"expected at least one worker, got {workers}: leave it out for one per core")
 
@@ -55,14 +55,16 @@ def local(workers: int = 1) -> Engine:
 
 
 def here(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
-    """Do the work in this process, with one compute thread. This is an engine. An error of `do` ends the run."""
+    """Run the work in this process with one compute thread. The function is an engine. An exception in `do` ends the
+    run.
+    """
     with one_thread():
         for item in items:
             yield item, do(item)
 
 
 def in_order(engine: Engine, do: Callable[[T], R], items: Iterable[T]) -> Generator[R | Lost]:
-    """Yield the outcomes of an engine in the order of the items. Outcomes that come early wait in memory."""
+    """Yield the outcomes of an engine in the order of the items. Early outcomes wait in memory."""
     early: dict[int, R | Lost] = {}
     following = 0
     outcomes = cast("Generator[tuple[tuple[int, T], R | Lost]]", engine(_Numbered(do), enumerate(items)))
@@ -76,7 +78,7 @@ def in_order(engine: Engine, do: Callable[[T], R], items: Iterable[T]) -> Genera
 
 @dataclass(frozen=True, slots=True)
 class _Numbered(Generic[T, R]):
-    """Work on numbered items."""
+    """Wrapper that runs work on numbered items."""
 
     do: Callable[[T], R]
 
@@ -86,7 +88,7 @@ class _Numbered(Generic[T, R]):
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Keep OpenCV to one thread inside the block."""
+    """Limit OpenCV to one thread inside the block."""
     before = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
@@ -96,14 +98,14 @@ def one_thread() -> Iterator[None]:
 
 
 def cores() -> int:
-    """Return the number of cores that this process may use."""
+    """Return the number of CPU cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 class _LocalRun(Generic[T, R]):
-    """One run over the items. A pool that breaks is replaced, and what was in flight runs again, one by one."""
+    """Run over the items. If the pool breaks, it is replaced, and unfinished items are repeated one by one."""
 
     def __init__(self, do: Callable[[T], R], items: Iterable[T], workers: int) -> None:
         self.do, self.workers = do, workers
@@ -120,7 +122,7 @@ class _LocalRun(Generic[T, R]):
             self._stop()
 
     def _fill(self) -> bool:
-        """Hand out items; return whether there are any."""
+        """Submit waiting items up to the limit. Return True if any items are in flight."""
         while len(self.in_flight) < IN_FLIGHT * self.workers:
             item = self.again.popleft() if self.again else next(self.items, None)
             if item is None:
@@ -140,7 +142,7 @@ class _LocalRun(Generic[T, R]):
     def _collect(self) -> Iterator[tuple[T, R | Lost]]:
         done, _ = wait(self.in_flight, return_when=FIRST_COMPLETED)
         if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
-            done, _ = wait(self.in_flight)  # all of them break, or were done before
+            done, _ = wait(self.in_flight)  # after a break, all futures are done or broken
         broken = []
         for future in done:
             item = self.in_flight.pop(future)
@@ -154,7 +156,7 @@ class _LocalRun(Generic[T, R]):
                 yield item, self._alone(item)
 
     def _alone(self, item: T) -> R | Lost:
-        """Return the outcome of an item in a process of its own: it may be what kills its worker."""
+        """Return the outcome of an item in a separate process, as this item may have killed its worker."""
         for _ in range(TRIES_ALONE):
             with _pool(1, self.do) as pool:
                 future = pool.submit(_work, item)
@@ -172,13 +174,13 @@ class _LocalRun(Generic[T, R]):
 
 
 def _outcome(future: Future[Any]) -> Any:
-    """Return the result of a future, or Lost where it could not even be handed over."""
+    """Return the result of a future, or Lost if the item could not be submitted."""
     error = future.exception()
     return future.result() if error is None else Lost(reason_of(error))
 
 
 def reason_of(error: BaseException) -> str:
-    """Return an error in one line."""
+    """Return an error as one line of text."""
     return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
@@ -193,14 +195,16 @@ _do: Callable[[Any], Any] | None = None
 def _prepare(do: Callable[[Any], Any]) -> None:
     """Prepare a new worker process."""
     global _do  # noqa: PLW0603
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends the run
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the parent handles Ctrl-C
     threading.Thread(target=_end_with_parent, daemon=True).start()
     cv2.setNumThreads(1)
     _do = do
 
 
 def _end_with_parent() -> None:
-    """End this worker with its parent. Otherwise it would wait for work for ever once the parent was killed."""
+    """End this worker when its parent process ends. Otherwise it would wait for work forever after the parent was
+    killed.
+    """
     parent = parent_process()
     if parent is not None:
         parent.join()

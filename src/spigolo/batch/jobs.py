@@ -1,4 +1,4 @@
-"""Jobs: frames that another process can read."""
+"""Jobs: frames that can be read in another process."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BLOCK = 1 << 20
 
 
 class Job(Protocol):
-    """A frame that can be pickled and read in another process. Anything with these four members is one."""
+    """Frame that can be pickled and read in another process. Any object with these four members is a job."""
 
     @property
     def name(self) -> str:
@@ -24,11 +24,13 @@ class Job(Protocol):
         ...
 
     def stamp(self) -> str:
-        """Return a text that changes when the inputs may have changed. It must be cheap: no content is read."""
+        """Return a text that changes if the inputs may have changed. This must be fast, without reading the contents of
+        files.
+        """
         ...
 
     def fingerprint(self) -> str:
-        """Return a hash of all that the frame is made of."""
+        """Return a hash of all inputs of the frame."""
         ...
 
     def read(self) -> Frame:
@@ -38,18 +40,18 @@ class Job(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class FrameFiles:
-    """A frame in image files."""
+    """Frame stored in image files."""
 
     name: str
     """Name of the frame, unique in a run."""
     color: str | Path
-    """Colour image, or a .npz file of the whole frame."""
+    """Colour image, or a .npz file with the whole frame."""
     depth: str | Path
     """Depth image."""
     camera: str | Path | None = None
     """Camera file, nominal camera or field of view, as `read_frame` takes it."""
     depth_scale: float | None = None
-    """Metres per unit of the depth image. None: that of the camera file."""
+    """Metres per unit of the depth image. None: value of the camera file."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
 
@@ -72,7 +74,7 @@ class FrameFiles:
         return files
 
     def _options(self) -> tuple[str, ...]:
-        """Return what changes the frame besides the content of its files."""
+        """Return the options that affect the frame in addition to its files."""
         text = self.camera if isinstance(self.camera, str) and not os.path.isfile(self.camera) else None
         return repr(text), repr(self.depth_scale), repr(self.max_pixels)
 

@@ -1,4 +1,4 @@
-"""The record of a run: one line of JSON for each frame that is done or has failed."""
+"""Manifest of a run: one line of JSON for each frame that is done or has failed."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ NAMES = tuple(f.name for f in fields(Entry))
 
 
 class Manifest:
-    """The manifest of an output folder, owned by one run at a time. A later line of a frame replaces an earlier one.
+    """Manifest of an output folder, owned by one run at a time. A later line of a frame replaces an earlier one.
 
-    Raises FileError where another run owns the folder.
+    Raises FileError if another run owns the folder.
     """
 
     def __init__(self, root: Path) -> None:
@@ -61,7 +61,7 @@ class Manifest:
     def __enter__(self) -> Manifest:
         self._lock = _locked(self.root)
         try:
-            append_lines(self.path).close()  # cuts a last line without its end
+            append_lines(self.path).close()  # removes an incomplete last line
             self._file = self.path.open("ab", buffering=0)
             self._read()
         except BaseException:
@@ -78,7 +78,7 @@ class Manifest:
         self._file = self._lock = None
 
     def append(self, entry: Entry) -> None:
-        """Write the line of a frame at once. Raises FileError where it does not fit on the disk."""
+        """Write the line of a frame immediately. Raises FileError if the disk is full."""
         assert self._file is not None
         line = _line(entry)
         try:
@@ -90,7 +90,9 @@ class Manifest:
         self.entries[entry.frame] = entry
 
     def sort(self, names: Iterable[str]) -> None:
-        """Write the file anew with one line for each frame: those of a run in its order, then earlier ones by name."""
+        """Rewrite the file with one line per frame: first the frames of a run in its order, then earlier frames by
+        name.
+        """
         first = dict.fromkeys(name for name in names if name in self.entries)
         order = [*first, *sorted(self.entries.keys() - first.keys())]
         if self._file is not None:
@@ -116,7 +118,7 @@ def _line(entry: Entry) -> bytes:
 
 
 def _entry(line: bytes) -> Entry | None:
-    """Return the entry of a line, None for anything else."""
+    """Return the entry of a line. None if the line is not an entry."""
     try:
         values: Any = json.loads(line)
         values["warnings"] = tuple(values["warnings"])
@@ -128,7 +130,7 @@ def _entry(line: bytes) -> Entry | None:
 
 
 def _locked(root: Path) -> BinaryIO:
-    """Return the open lock file of a folder. The system frees the lock when the process ends, however it ends."""
+    """Return the open lock file of a folder. The system releases the lock whenever the process ends."""
     try:
         root.mkdir(parents=True, exist_ok=True)
         file = (root / LOCK).open("ab")

@@ -1,4 +1,4 @@
-"""Places of output files: names of frames never lead out of the output folder."""
+"""Paths of output files. Frame names cannot lead out of the output folder."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from pathlib import Path
 from spigolo.errors import FileError
 
 FORBIDDEN = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
-"""Characters that a file name cannot have on every system."""
+"""Characters that are not allowed in file names on every system."""
 RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:\..*)?", re.IGNORECASE)
-"""Names of devices on Windows."""
+"""Names of Windows devices."""
 MAX_BYTES = 200
-"""Maximum length of a part of a name. File systems take 255 bytes, with a suffix and what is put around it."""
+"""Maximum length in bytes of one part of a name. File systems allow 255 bytes including suffixes and prefixes."""
 
 
 def check_name(name: str) -> None:
-    """Raise FileError for the name of a frame that cannot be a file name below a folder."""
+    """Raise FileError if the name of a frame cannot be a file name below a folder."""
     for part in name.split("/"):
         if wrong := _wrong_with(part):
             raise FileError(f"expected a frame name that can be a file name, got {name[:MAX_BYTES]!r}: {wrong}")
 
 
 def _wrong_with(part: str) -> str | None:
-    """Return why a part of a name is refused, None if it is not."""
+    """Return the reason why a part of a name is refused. None if it is valid."""
     wrong = {
         "a part is empty, or the name begins or ends with /": not part,
         "it would lead out of the output folder": part in (".", ".."),
@@ -37,9 +37,9 @@ def _wrong_with(part: str) -> str | None:
 
 
 def place(root: Path, folder: str, name: str, suffix: str) -> Path:
-    """Return where a file of a frame lies: ROOT/FOLDER/NAME + suffix.
+    """Return the path of a frame's file: ROOT/FOLDER/NAME + suffix.
 
-    Raises FileError for a name that is not allowed, and where a link on the way leads out of the root.
+    Raises FileError for a forbidden name, and if a symbolic link leads out of the root.
     """
     check_name(name)
     path = root.joinpath(folder, *f"{name}{suffix}".split("/"))

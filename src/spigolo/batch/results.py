@@ -1,4 +1,4 @@
-"""The work on one frame: from a job to the bytes of its output files."""
+"""Work on one frame: from a job to the contents of its output files."""
 
 from __future__ import annotations
 
@@ -21,38 +21,38 @@ from spigolo.settings.config import Config
 from spigolo.stream import Segmenter
 
 SUFFIXES: Mapping[str, str] = {"labels": ".png", "objects": ".json", "undistorted": ".png"}
-"""Folders of the output, and the suffix of the files in each."""
+"""Output folders, and the suffix of the files in each."""
 MAX_LABEL = np.iinfo(np.uint16).max
 _kept = threading.local()
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The outcome of one job."""
+    """Outcome of one job."""
 
     stamp: str = ""
-    """Stamp of the inputs, read before them."""
+    """Stamp of the inputs, taken before they are read."""
     fingerprint: str = ""
     """Hash of the inputs, empty if they cannot be read."""
     objects: int = 0
     """Number of objects."""
     files: Mapping[str, bytes] = field(default_factory=dict)
-    """Content of the output files by their folder."""
+    """Content of the output files, indexed by folder."""
     warnings: tuple[str, ...] = ()
     """Warnings about the frame."""
     error: str | None = None
-    """Reason of a failure, None without one."""
+    """Reason of a failure. None without a failure."""
 
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Segments the frame of a job. Never raises: a failure is an answer too."""
+    """Function that segments the frame of a job. The function never raises, as a failure is an outcome too."""
 
     config: Config
-    """Parameters."""
+    """Parameters of the segmentation."""
 
     def __call__(self, job: Job) -> Answer:
-        """Return the answer of a job."""
+        """Return the outcome of a job."""
         stamp = fingerprint = ""
         try:
             stamp, fingerprint = job.stamp(), job.fingerprint()
@@ -67,7 +67,7 @@ class Work:
 
 
 def _segmenter(config: Config) -> Segmenter:
-    """Return the segmenter of this thread, whose buffers stay warm."""
+    """Return the segmenter of this thread, which keeps its buffers between frames."""
     known: Segmenter | None = getattr(_kept, "segmenter", None)
     if known is None or known.config != config:
         known = _kept.segmenter = Segmenter(config)
@@ -96,7 +96,7 @@ def _png(image: npt.NDArray[Any]) -> bytes:
 
 
 def _shard(name: str, result: Segmentation) -> bytes:
-    """Return the objects of a frame as JSON, their masks as COCO's compressed run lengths."""
+    """Return the objects of a frame as JSON, with masks in COCO's compressed run-length encoding."""
     facts = result.to_dict()["objects"]
     masks = [{"mask_rle": compress(run_lengths(o.mask)["counts"])} for o in result]
     shard = {

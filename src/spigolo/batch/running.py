@@ -1,4 +1,4 @@
-"""A run over many frames that continues where it was stopped."""
+"""Run over many frames that can continue after an interruption."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ from spigolo.settings.config import Config, check_config
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Where a run stands."""
+    """Progress of a run."""
 
     total: int
     """Number of frames."""
     kept: int
-    """Frames that an earlier run had finished."""
+    """Number of frames that an earlier run finished."""
     computed: int
-    """Frames that this run has finished."""
+    """Number of frames that this run finished."""
     failed: int
-    """Frames that have failed."""
+    """Number of frames that failed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """The outcome of a run."""
+    """Outcome of a run."""
 
     progress: Progress
-    """Number of frames, kept, computed and failed."""
+    """Numbers of frames in total, kept, computed and failed."""
     objects: int
     """Number of objects in the table."""
     failures: tuple[tuple[str, str], ...]
     """Name and reason of each frame that failed."""
     table: Path
-    """The table of all objects."""
+    """Path of the table of all objects."""
 
 
 def run_batch(
@@ -57,11 +57,12 @@ def run_batch(
     table: str = "parquet",
     tell: Callable[[Progress], None] | None = None,
 ) -> Summary:
-    """Segment the frames of jobs and write labels/FRAME.png, objects/FRAME.json and one table into a folder.
+    """Segment the frames of jobs. Write labels/FRAME.png, objects/FRAME.json and one table into a folder.
 
-    Frames that the folder's manifest has with the same inputs, preset and version are kept. Failed frames are tried
-    again. table: "parquet" or "coco". tell: called after each frame. Raises FileError where nothing can be written or
-    another run owns the folder.
+    Frames in the folder's manifest with the same inputs, preset and version are kept. Failed frames are tried again.
+
+    table: "parquet" or "coco". tell: called after each frame. Raises FileError if nothing can be written or another run
+    owns the folder.
     """
     check_config(config)
     file, write = writer_of(table)
@@ -79,7 +80,7 @@ def run_batch(
 
 
 class _Run:
-    """The state of one run: what is written, what is counted."""
+    """State of one run: files written and frames counted."""
 
     def __init__(
         self, root: Path, config: Config, manifest: Manifest, total: int, tell: Callable[[Progress], None] | None
@@ -89,7 +90,7 @@ class _Run:
         self.failures: list[tuple[str, str]] = []
 
     def clean(self) -> None:
-        """Remove what a killed run left beside its place. Other files of the user stay."""
+        """Remove temporary files of a killed run. Other files of the user stay."""
         left = [path for name in (FILE, *TABLES) for path in self.root.glob(f".{name}-*")]
         for folder, suffix in SUFFIXES.items():
             if not (self.root / folder).is_symlink():
@@ -98,7 +99,7 @@ class _Run:
             path.unlink(missing_ok=True)
 
     def admitted(self, jobs: Sequence[Job]) -> Iterator[Job]:
-        """Yield the jobs whose names can be file names, each once. The others have failed."""
+        """Yield each job with a valid name once. The others are recorded as failed."""
         taken: dict[str, str] = {}
         for job in jobs:
             first = taken.setdefault(job.name.casefold(), job.name)
@@ -112,7 +113,7 @@ class _Run:
                 yield job
 
     def keep(self, job: Job) -> bool:
-        """Return whether a frame is done, and count it."""
+        """Return True if a frame is already done, and count it."""
         entry = self.manifest.entries.get(job.name)
         if entry is None or not self._is_current(entry) or not self._is_whole(entry):
             return False
@@ -128,7 +129,7 @@ class _Run:
         return True
 
     def compute(self, jobs: Sequence[Job], engine: Engine) -> None:
-        """Compute jobs, and write the files of each as it comes."""
+        """Compute jobs, and write the files of each as soon as it is done."""
         if not jobs:
             return
         with closing(cast("Iterator[tuple[Job, Answer | Lost]]", engine(Work(self.config), jobs))) as outcomes:  # type: ignore[type-var]
@@ -155,11 +156,11 @@ class _Run:
         self._count(computed=self.progress.computed + 1)
 
     def fail(self, name: str, answer: Answer) -> None:
-        """Record a failure. Files of an earlier run that would pass for its result are removed."""
+        """Record a failure. Files of an earlier run that could be mistaken for its result are removed."""
         for folder, suffix in SUFFIXES.items():
             try:
                 place(self.root, folder, name, suffix).unlink(missing_ok=True)
-            except OSError:  # FileError among them: a place outside is not ours
+            except OSError:  # includes FileError, for files outside the folder
                 continue
         self.manifest.append(self._entry(name, answer))
         self.failures.append((name, answer.error or ""))
@@ -183,7 +184,7 @@ class _Run:
         return entry.error is None and (entry.digest, entry.version) == (self.config.digest, __version__)
 
     def _is_whole(self, entry: Entry) -> bool:
-        """Return whether the files of a frame are there with their sizes."""
+        """Return True if the files of a frame exist with the recorded sizes."""
         try:
             paths = {folder: place(self.root, folder, entry.frame, SUFFIXES[folder]) for folder in entry.files}
             return {"labels", "objects"} <= paths.keys() and all(

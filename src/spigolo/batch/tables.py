@@ -1,4 +1,4 @@
-"""The table of all objects, put together from the files of the frames in the order of the frames."""
+"""Table of all objects, collected from the files of the frames, in the order of the frames."""
 
 from __future__ import annotations
 
@@ -20,13 +20,15 @@ Writer = Callable[[Iterable[Shard], Path, Mapping[str, str]], None]
 PARQUET, COCO = TABLES = ("objects.parquet", "coco.json")
 """File names of the tables."""
 ROWS = 20_000
-"""Rows of a group of the Parquet file, which bound the memory."""
+"""Number of rows in a group of the Parquet file, which limits the memory."""
 INTEGERS = ("label", "region", "area_px", "image_height_px", "image_width_px")
 TEXTS = ("frame", "mask_rle")
 
 
 def writer_of(kind: str) -> tuple[str, Writer]:
-    """Return the file name and the writer of a kind of table. Raises ConfigError, or FileError without an extra."""
+    """Return the file name and the writer of a kind of table. Raises ConfigError, or FileError without the required
+    extra.
+    """
     if kind == "parquet":
         _arrow()
         return PARQUET, write_parquet
@@ -36,7 +38,7 @@ def writer_of(kind: str) -> tuple[str, Writer]:
 
 
 def read_shards(paths: Iterable[Path]) -> Iterator[Shard]:
-    """Yield the objects of each frame. Raises FileError for a file that is damaged."""
+    """Yield the objects of each frame. Raises FileError for a damaged file."""
     for path in paths:
         try:
             shard = json.loads(path.read_bytes())
@@ -63,7 +65,7 @@ def write_parquet(shards: Iterable[Shard], path: Path, about: Mapping[str, str])
 
 
 def _groups(shards: Iterable[Shard]) -> Iterator[list[dict[str, Any]]]:
-    """Yield rows in groups of one size, whatever the sizes of the frames. An empty table has one empty group."""
+    """Yield rows in groups of equal size, independent of the frames. An empty table has one empty group."""
     rows: list[dict[str, Any]] = []
     for shard in shards:
         rows += _rows(shard)
@@ -80,7 +82,7 @@ def _rows(shard: Shard) -> list[dict[str, Any]]:
 
 
 def _schema(pa: Any) -> Any:
-    """Return the columns: pixels and metres keep the names and order that they have in `objects.json`."""
+    """Return the columns. Pixels and metres keep their names and order from `objects.json`."""
     numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
     kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())
     kinds |= {"box_px": whole} | dict.fromkeys(("centroid_px", "centroid_m", "spread_px2"), numbers)
@@ -90,7 +92,7 @@ def _schema(pa: Any) -> Any:
 
 
 def write_coco(shards: Iterable[Shard], path: Path, about: Mapping[str, str]) -> None:
-    """Write COCO instances. Images are numbered from 1 in the order of the frames, and named after them."""
+    """Write COCO instances. Images are numbered from 1 in the order of the frames and have the names of the frames."""
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
     for number, shard in enumerate(shards, start=1):

@@ -1,4 +1,4 @@
-"""The command line: typed functions become verbs. The only room that prints and exits.
+"""Command line, built from typed functions. Only this package prints and exits.
 
 Exit codes: 0 = done, 1 = some of several frames failed, 2 = an error in the input, with a one-line message. Heavy
 modules are imported inside the verbs, so that help appears at once.
@@ -26,7 +26,7 @@ def main() -> None:
     warnings.showwarning = _say_warning
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="replace")  # a terminal without our signs gets question marks
+            stream.reconfigure(errors="replace")  # unsupported characters become question marks
     try:
         code = app(result_action="return_value", exit_on_error=False, print_error=True)
         _flush()
@@ -35,10 +35,10 @@ def main() -> None:
         code = FAILED
     except cyclopts.CycloptsError:
         code = FAILED  # already printed
-    except BrokenPipeError:  # `| head` has seen enough
+    except BrokenPipeError:  # for example, `| head` closed the pipe
         _write_no_more()
         code = DONE
-    except OSError as error:  # as of a full disk below the output
+    except OSError as error:  # for example, the disk of the output is full
         print(f"spigolo: {error}", file=sys.stderr)
         code = FAILED
         try:
@@ -52,15 +52,15 @@ def main() -> None:
 
 
 def _flush() -> None:
-    if sys.stdout is not None:  # it is None where it was closed
+    if sys.stdout is not None:  # None if it was closed
         sys.stdout.flush()
 
 
 def _write_no_more() -> None:
-    """Send all further output nowhere, so that the process ends without a message about it."""
+    """Discard all further output, so that the process ends without a message about a closed pipe."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning as one line, without the line of source that Python adds."""
+    """Print a warning as one line, without the source line that Python adds."""
     print(f"spigolo: warning: {message}", file=sys.stderr)

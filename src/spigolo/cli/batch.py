@@ -1,4 +1,4 @@
-"""The verb for many frames."""
+"""Verb `batch` for many frames."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from spigolo.batch import Engine, FrameFiles, Progress, Summary
 
 MOST_FAILURES = 10
-"""Maximum number of failures that are printed. manifest.jsonl has them all."""
+"""Maximum number of failures that are printed. manifest.jsonl contains all."""
 
 
 def batch(
@@ -56,7 +56,7 @@ def batch(
     workers
         Number of processes on this machine. Default: one per core.
     scheduler
-        Dask cluster that does the work instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
+        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
         for a new one of `--workers` processes on this machine.
     format
         Table of the objects: parquet writes objects.parquet, coco writes coco.json.
@@ -94,7 +94,7 @@ def _engine(workers: int | None, scheduler: str | None) -> Engine:
 
 @contextmanager
 def _bar(total: int) -> Iterator[Callable[[Progress], None]]:
-    """Open a progress bar with the rate, the time left and the number of failures."""
+    """Open a progress bar with rate, remaining time and number of failures."""
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     text = TextColumn("{task.fields[rate]}  {task.fields[failed]} failed")

@@ -119,7 +119,7 @@ def _sizes(text: str) -> tuple[Size, ...]:
 
 
 def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
-    """Return the frames by name."""
+    """Return the frames, indexed by name."""
     from spigolo.frames import files as io
 
     found = find_frames(folders or [str(DEMO_SCENE)])
@@ -131,7 +131,7 @@ def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
 
 @contextmanager
 def _progress() -> Iterator[Tell]:
-    """Draw a progress bar between the runs only: a thread that redraws it would be timed too."""
+    """Show a progress bar that is redrawn only between runs. A redrawing thread would be timed too."""
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
     columns = (TimeElapsedColumn(), BarColumn(), TextColumn("{task.description}"))

@@ -1,4 +1,4 @@
-"""The verb that puts methods side by side: compare."""
+"""Verb `compare`, which draws the results of several methods next to each other."""
 
 from __future__ import annotations
 

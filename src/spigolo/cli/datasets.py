@@ -1,4 +1,4 @@
-"""The verbs of data sets: datasets lists the known ones, fetch downloads one."""
+"""Verbs for data sets: `datasets` lists them, `fetch` downloads one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The choice of the engine that does the work of a verb."""
+"""Choice of the engine for a verb."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ LOCAL = "local"
 
 
 def choose_cluster(scheduler: str, workers: int | None, flag: str) -> Engine:
-    """Return the engine of a Dask cluster: a new one on this machine for "local", else one at an address.
+    """Return the engine of a Dask cluster: a new one on this machine for "local", else the one at an address.
 
-    flag: that of the workers. Raises ConfigError for workers of a cluster that has its own.
+    flag: name of the flag for workers. Raises ConfigError if workers are given for a cluster at an address.
     """
     from spigolo.batch import dask_cluster, dask_local
     from spigolo.batch.engine import cores

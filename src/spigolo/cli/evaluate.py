@@ -1,4 +1,4 @@
-"""The verbs of experiments: evaluate writes rows, report makes a page of them."""
+"""Verbs for experiments: `evaluate` writes rows, `losses` counts lost objects, `report` makes a page of rows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from spigolo.lab.experiments import Contender
 
 FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Data sets in which every object is labelled."""
+"""Patterns of data sets in which every object is labelled."""
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
@@ -36,7 +36,7 @@ def evaluate(
 ) -> int:
     """Run methods on labelled frames and write one row of scores and times for each.
 
-    An interrupted run continues: rows that the file holds already are not computed again. `spigolo report` makes a page
+    An interrupted run continues: rows already in the file are not computed again. `spigolo report` makes a page
     of the rows. Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
 
     Parameters
@@ -51,11 +51,11 @@ def evaluate(
     presets
         Presets of toscana2016, by name or as TOML files.
     full
-        Patterns of data sets in which every object is labelled. Precision means something only for these.
+        Patterns of data sets in which every object is labelled. Precision has a meaning only for these.
     jobs
-        Number of worker processes. Default: this process alone.
+        Number of worker processes. Default: only this process.
     scheduler
-        Dask cluster that does the work instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
+        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
         for a new one of `--jobs` processes on this machine.
     out
         File of rows. New rows are appended.
@@ -170,7 +170,7 @@ def report(
         if frames or against is not None:
             raise ConfigError("expected --paper without --frames and --against, got both: leave those out")
         return _report_paper(contenders, out)
-    find_references(contenders, against)  # before anything is drawn
+    find_references(contenders, against)  # report a wrong name before drawing
     folders = find_labelled_frames(frames) if frames else []
     with progress() as bar:
         task = bar.add_task("drawing", total=None)
@@ -195,7 +195,7 @@ def _report_paper(contenders: list[Contender], out: Path) -> int:
 
 
 def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
-    """Raise ConfigError for fields of a preset if no method has one."""
+    """Raise ConfigError for preset fields as flags if no method has a preset."""
     if flags and "toscana2016" not in methods:
         raise ConfigError(
             f"expected --{next(iter(flags)).replace('_', '-')} with toscana2016, whose presets have it, got"

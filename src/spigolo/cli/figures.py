@@ -1,4 +1,4 @@
-"""The verb that draws the paper's figures: figures."""
+"""Verb `figures`, which draws the paper's figures."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def figures(
 
 
 def read_all(inputs: tuple[str, ...], camera: str | None, depth_scale: float | None) -> dict[str, Frame]:
-    """Return the frames by name."""
+    """Return the frames, indexed by name."""
     from spigolo.frames import files as io
 
     words = list(inputs) or [str(DEMO_SCENE)]

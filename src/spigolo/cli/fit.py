@@ -1,4 +1,4 @@
-"""The verb that fits parameters to labelled frames: fit."""
+"""Verb `fit`, which fits parameters to labelled frames."""
 
 from __future__ import annotations
 
@@ -52,9 +52,9 @@ def fit(
     full
         Patterns of data sets in which every object is labelled. Only in these do false objects lower the score.
     jobs
-        Number of worker processes. Default: this process alone.
+        Number of worker processes. Default: only this process.
     scheduler
-        Dask cluster that does the work instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
+        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
         for a new one of `--jobs` processes on this machine.
     out
         Folder for the preset, report.md and trials.jsonl.

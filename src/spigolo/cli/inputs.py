@@ -1,4 +1,4 @@
-"""The words of the command line: inputs apart from flags, dotted flags become fields of the preset."""
+"""Parsing of command-line words: inputs, and dotted flags for fields of the preset."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
 
 SHORT = {"resolution": "additions.resolution"}
-"""Flags of a field under a shorter name."""
+"""Short flags of preset fields."""
 
 Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
@@ -45,7 +45,7 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
-    """Return the preset with the fields that flags change. verb: its own flags are suggested for a typing error."""
+    """Return the preset with the fields that flags change. verb: its flags are suggested for a misspelt flag."""
     from spigolo.settings.fields import field_names, value_of_text
     from spigolo.settings.presets import preset as find
 

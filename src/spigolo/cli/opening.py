@@ -1,4 +1,4 @@
-"""Sources for the verbs: words of the command line become a source, or one frame of it."""
+"""Opening of sources for the verbs, from words of the command line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def opened(
     max_pixels: int = MAX_PIXELS,
     quiet: bool = False,
 ) -> Source:
-    """Return the source that words name. quiet: without warnings of the unit, as the doctor says it better."""
+    """Return the source that words name. quiet: no warnings about units, as `doctor` reports them itself."""
     from spigolo.sources.opening import open_source
 
     if quiet:
@@ -31,7 +31,10 @@ def opened(
 
 
 def first_frame(source: Source, index: int | None = None) -> Frame:
-    """Return one frame of a source, of a folder the only one. index: which, from 0. Raises the error of reading it."""
+    """Return one frame of a source, or the only frame of a folder. index: number of the frame, from 0.
+
+    Raises the error of reading it.
+    """
     from spigolo.sources.folders import FolderSource
 
     if index is None and isinstance(source, FolderSource) and source.count != 1:

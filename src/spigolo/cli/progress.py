@@ -1,4 +1,4 @@
-"""A progress bar on the error stream. Nothing is printed if that stream is a file."""
+"""Progress bar on the error stream. Nothing is printed if the stream is a file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress(*columns: ProgressColumn, **options: Any) -> Iterator[Progress]:
-    """Open a progress bar to add tasks to. columns, options: as those of rich's Progress."""
+    """Open a progress bar to which tasks are added. columns, options: as for rich's Progress."""
     from rich.console import Console
     from rich.progress import Progress
 

@@ -1,4 +1,4 @@
-"""The verb that renders stand-ins for data sets: render."""
+"""Verb `render`, which renders stand-ins for data sets."""
 
 from __future__ import annotations
 

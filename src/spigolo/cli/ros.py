@@ -1,4 +1,4 @@
-"""The verb ros: the ROS 2 node."""
+"""Verb `ros`, which runs the ROS 2 node."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def ros(
     camera_info: str | None = None,
     preset: str = "OBJECTS",
 ) -> int:
-    """Run the ROS 2 node: segment what a camera publishes.
+    """Run the ROS 2 node, which segments the images that a camera publishes.
 
     Example: `spigolo ros --color /camera/camera/color/image_raw --depth
     /camera/camera/aligned_depth_to_color/image_raw --camera-info /camera/camera/color/camera_info`.
@@ -25,7 +25,7 @@ def ros(
     ----------
     words
         Any parameter of the node as a flag, such as `--queue 5`, `--continuous false`, `--reliable false` or
-        `--partition.gamma 0.004`. What follows `--ros-args` goes to ROS.
+        `--partition.gamma 0.004`. Arguments after `--ros-args` go to ROS.
     color
         Topic of the colour image. Default: `color`, which may be remapped.
     depth
@@ -45,7 +45,7 @@ def ros(
     unnamed, flags = split_flags(words[:at])
     own = {name: value for name, value in flags.items() if name in Options.model_fields}
     fields = {name: value for name, value in flags.items() if name not in own}
-    configure(preset, fields, ros)  # refuses what is wrong before the node starts
+    configure(preset, fields, ros)  # reports errors before the node starts
     find_kinds()
     given = {name: value_of_text(value) for name, value in flags.items()}
     topics = {"color": color, "depth": depth, "camera_info": camera_info}

@@ -1,4 +1,4 @@
-"""The verbs that take a frame of the user's: segment, trace, doctor."""
+"""Verbs for frames of the user: segment, trace, doctor."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def segment(
     inputs
         Colour image and depth image of one size, several such pairs, or folders. A folder holds rgb.png and depth.png,
         subfolders with these, or the folders rgb/ and depth/ with equally named files. A ROS bag (.bag, .db3, .mcap),
-        a camera (realsense:) or a data set (dataset:FOLDER) serves as well. Any field of the preset is a flag too:
+        a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the preset is also a flag:
         `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
         Intrinsics: a file (JSON, YAML, a 3x3 matrix as .txt, .npy or .mat, COLMAP's cameras.txt), four numbers
@@ -105,7 +105,7 @@ def _one(source: Source, run: Segmenter, wanted: Roi | None, check: bool, _: int
 
 
 def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit: int | None, out: Path) -> int:
-    """Segment frame after frame. A frame that fails does not stop the others."""
+    """Segment all frames. A frame that fails does not stop the others."""
     from spigolo.cli import show
 
     source.on_broken = _print_error
@@ -133,7 +133,7 @@ def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit
 
 
 def _segmented(frame: Frame, run: Segmenter, wanted: Roi | None, check: bool, out: Path) -> Segmentation:
-    """Check and segment a frame, and write its results."""
+    """Check and segment a frame, and write the results."""
     from spigolo.cli import show
 
     _check(frame, frame.name, check)

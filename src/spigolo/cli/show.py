@@ -1,4 +1,4 @@
-"""The output of the verbs: tables, messages and files."""
+"""Output of the verbs: tables, messages and files."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from spigolo.sources.base import Source
 
 MOST_REJECTED = 10
-"""Maximum number of rejected regions that are printed, the largest first. objects.json has them all."""
+"""Maximum number of rejected regions that are printed, largest first. objects.json contains all."""
 
 
 def progress(source: Source, what: str) -> Iterable[Frame]:
@@ -71,7 +71,7 @@ def print_result(result: Segmentation, out: Path) -> None:
 
 
 def print_without_intrinsics(without: int, count: int) -> None:
-    """Print once how many of the frames had no intrinsics, and what that leaves out."""
+    """Print the number of frames without intrinsics, and the features that were left out."""
     if without:
         print(
             f"no intrinsics for {without} of {count} frames: results in metres, the support plane and contact"
@@ -80,7 +80,7 @@ def print_without_intrinsics(without: int, count: int) -> None:
 
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """Print one line for each finding, and last what could not be judged. Warnings are marked."""
+    """Print one line for each finding, and last the checks that were not possible. Warnings are marked."""
     marks = {"ok": "[green]ok     [/]", "note": "[cyan]note   [/]", "warning": "[bold red]warning[/]"}
     console = Console(highlight=False, soft_wrap=True)
     for finding in diagnosis.findings:

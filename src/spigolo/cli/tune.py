@@ -1,4 +1,4 @@
-"""The verb tune: a page on which parameters are tuned by looking."""
+"""Verb `tune`, which opens a page for tuning parameters interactively."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def tune(
     browser: bool = True,
     out: Path = Path(),
 ) -> int:
-    """Tune the parameters by looking: a page with a slider for each, the masks and the cloud.
+    """Open a page with a slider for each parameter, the masks and the point cloud, to tune a preset interactively.
 
     Needs `pip install "spigolo[tune]"`. Example: `spigolo tune recordings/ --camera kinect-v1`. Ctrl-C ends it.
 
@@ -43,7 +43,7 @@ def tune(
     port
         Port of the page. If it is taken, the next free one is used.
     host
-        Address to listen on. The default is this machine alone. The page has no password.
+        Address to listen on. Default: only this machine. The page has no password.
     browser
         Open the page in a browser.
     out
@@ -66,14 +66,14 @@ def tune(
 def frames_of(
     source: Source, words: Sequence[str], camera: str | None = None, depth_scale: float | None = None
 ) -> Iterable[Frame]:
-    """Return the frames that a page shows: of files any one, of recordings and cameras one after the other."""
+    """Return the frames that a page shows: any of several files, or the frames of a recording or camera in order."""
     from spigolo.sources.folders import FolderSource
 
     return FilesInTurn(find_frames(words), camera, depth_scale) if isinstance(source, FolderSource) else source
 
 
 class FilesInTurn(Sequence["Frame"]):
-    """Frames of files, each read when it is asked for."""
+    """Sequence of frames in files. Each frame is read when it is requested."""
 
     def __init__(self, paths: Sequence[FramePaths], camera: str | None, depth_scale: float | None) -> None:
         self._paths, self._camera, self._scale = paths, camera, depth_scale

@@ -1,4 +1,4 @@
-"""The verbs presets, warmup and demo, and the list of all verbs."""
+"""Verbs `presets`, `warmup` and `demo`, and the list of all verbs."""
 
 from __future__ import annotations
 

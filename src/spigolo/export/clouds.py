@@ -1,4 +1,4 @@
-"""A coloured point cloud for each object, in the camera's frame and in metres."""
+"""Export of a coloured point cloud for each object, in the camera's frame and in metres."""
 
 from __future__ import annotations
 

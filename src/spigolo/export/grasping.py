@@ -1,4 +1,4 @@
-"""Input for grasp planners: the segmap and the workspace mask that they ask for."""
+"""Export for grasp planners: the segmap and the workspace mask."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def contact_graspnet(result: Segmentation, path: PathLike) -> None:
 def workspace_mask(result: Segmentation, path: PathLike) -> None:
     """Write the mask of all objects as a 1-bit PNG, the `workspace_mask.png` of GraspNet and AnyGrasp.
 
-    PIL reads it as bool, which both combine with the valid depth by `&`.
+    PIL reads it as bool. Both planners combine it with the valid depth by `&`.
     """
     white = (result.labels > 0).astype(np.uint8) * 255
     done, data = cv2.imencode(".png", white, [cv2.IMWRITE_PNG_BILEVEL, 1])

@@ -1,4 +1,4 @@
-"""Instances of many frames in one JSON file: COCO and BOP."""
+"""Export of instances of many frames in one JSON file: COCO and BOP."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from spigolo.frames.frame import Mask
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 CATEGORY = {"id": 1, "name": "object", "supercategory": "object"}
-"""The one category: objects have no class."""
+"""Category of all objects, as objects have no class."""
 
 
 def coco(results: Iterable[Segmentation], path: PathLike) -> None:
@@ -51,8 +51,10 @@ def coco(results: Iterable[Segmentation], path: PathLike) -> None:
 def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -> None:
     """Write the results of BOP's 2-D instance segmentation as JSON, with uncompressed run-length masks.
 
-    Scene and image come from the frame's name, "SCENE/IMAGE", both whole numbers. category_id: one for all objects.
-    `time` is -1: not measured. Raises FrameError for another name.
+    Scene and image numbers come from the frame's name, "SCENE/IMAGE".
+
+    category_id: category of all objects. `time` is -1, which means not measured. Raises FrameError for another form of
+    name.
     """
     records = []
     for result in results:
@@ -73,13 +75,15 @@ def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -
 
 
 def box_xywh(o: ObjectMask) -> list[int]:
-    """Return the bounding box (x, y, width, height) of an object in pixels, as COCO has it."""
+    """Return the bounding box (x, y, width, height) of an object in pixels, in COCO's order."""
     y0, x0, y1, x1 = o.box_px
     return [x0, y0, x1 - x0, y1 - y0]
 
 
 def run_lengths(mask: Mask) -> dict[str, Any]:
-    """Return COCO's uncompressed run lengths of a mask (H, W): column by column, the first run outside."""
+    """Return COCO's uncompressed run lengths of a mask (H, W), column by column, starting with a run outside the
+    mask.
+    """
     flat = np.concatenate([[False], mask.ravel(order="F"), [False]])
     if flat.size == 2:
         return {"size": list(mask.shape), "counts": []}
@@ -111,7 +115,7 @@ def _pycocotools() -> Any:
 
 
 def compress(counts: Iterable[int]) -> str:
-    """Return run lengths as COCO's compressed text, which pycocotools reads."""
+    """Return run lengths in COCO's compressed text format, which pycocotools reads."""
     text: list[int] = []
     runs = list(counts)
     for k, run in enumerate(runs):

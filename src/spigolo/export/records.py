@@ -1,4 +1,4 @@
-"""Results as the records of other libraries, in memory."""
+"""Conversion of results to records of other libraries, in memory."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def sam(result: Segmentation) -> list[dict[str, Any]]:
 
 
 def detections(result: Segmentation) -> Any:
-    """Return the objects as `supervision.Detections`, their labels in `data["label"]`.
+    """Return the objects as `supervision.Detections`, with their labels in `data["label"]`.
 
     Boxes are (x0, y0, x1, y1), the last two exclusive. Every class is 0. Raises SpigoloError without supervision.
     """

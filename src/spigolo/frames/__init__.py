@@ -1,1 +1,1 @@
-"""The input: a frame with its camera, read, checked and owned once."""
+"""Input: a frame with its camera, read, validated and copied once."""

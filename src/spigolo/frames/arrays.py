@@ -1,4 +1,4 @@
-"""Arrays of NumPy's files, by their names."""
+"""Arrays of NumPy files, by name."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from spigolo.errors import FileError
 PathLike = str | os.PathLike[str]
 Array = npt.NDArray[Any]
 MAX_UNPACKED = 2 << 30
-"""Maximum size in bytes of the arrays of a .npz file, unpacked. A few kilobytes may stand for more than the memory."""
+"""Maximum unpacked size in bytes of the arrays of a .npz file. A file of a few kilobytes may unpack to more than the
+memory.
+"""
 ALONE = ""
-"""Name of the one array of a .npy file."""
+"""Name of the only array of a .npy file."""
 
 
 def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
-    """Return the arrays of a .npz file by their names, or that of a .npy file. Raises FileError.
+    """Return the arrays of a .npz or .npy file by name. Raises FileError.
 
     what: name of the arrays in messages.
     """
@@ -32,7 +34,7 @@ def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
         with stored:
             _check_unpacked(stored)
             return {name: np.asarray(stored[name]) for name in stored.files}
-    except Exception as error:  # NumPy reads the header as Python, and raises what that raises
+    except Exception as error:  # NumPy evaluates the header as Python, which may raise anything
         raise FileError(f"expected {what} in {path}, but it cannot be read: {_reason(error)}") from None
 
 
@@ -43,7 +45,7 @@ def _check_unpacked(stored: Any) -> None:
 
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:
-    """Return the array of one of these names, or the only one. Raises FileError, which lists the names."""
+    """Return the array of one of these names, or the only array. Raises FileError, which lists the names."""
     lower = {name.lower(): array for name, array in arrays.items()}
     found = next((lower[name] for name in names if name in lower), None)
     if found is None and len(arrays) == 1:
@@ -55,7 +57,7 @@ def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: Pat
 
 
 def names_in(path: PathLike) -> tuple[str, ...]:
-    """Return the names of the arrays of a .npz file in small letters, () where it cannot be read."""
+    """Return the names of the arrays of a .npz file in lower case. () if the file cannot be read."""
     try:
         with np.load(Path(path), allow_pickle=False) as stored:
             return tuple(name.lower() for name in stored.files)

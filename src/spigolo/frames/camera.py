@@ -1,4 +1,4 @@
-"""Pinhole cameras: well-known, guessed and scaled ones. `intrinsics` reads the other forms.
+"""Pinhole cameras: nominal intrinsics, guesses and scaling. The module `intrinsics` reads other forms.
 
 Pixel centres have whole coordinates: an image of width W reaches from -0.5 to W - 0.5.
 """
@@ -18,23 +18,25 @@ from spigolo.errors import CameraError
 from spigolo.frames.nominal import NOMINAL
 
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
-"""Numbers of coefficients that OpenCV knows: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
+"""Valid numbers of OpenCV coefficients: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
 LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
-"""Smallest focal length, and largest one and offset of the principal point: beyond, points would leave float32."""
+"""Minimum focal length, and maximum focal length and principal-point offset, px. Points beyond exceed float32."""
 MAX_SKEW = 1e-3
-"""Skew of K, relative to fx, that is taken for rounding: half a pixel over 500 rows."""
+"""Maximum skew of K, relative to fx, that is treated as a rounding error: half a pixel over 500 rows."""
 MAX_ASPECT_CHANGE = 0.01
-"""848x480 counts as 16:9."""
+"""Maximum relative difference of two equal aspect ratios. 848x480 counts as 16:9."""
 LEAST_FOCAL_SHARE = 0.05
-"""Smallest focal length as a share of the image width: 169 degrees of view, more than any pinhole image has."""
+"""Minimum focal length as a share of the image width. The value means a field of view of 169 degrees, which no pinhole
+image has.
+"""
 LEAST_WIDTH = 16
-"""Images of a smaller width are pieces, of which no field of view is asked."""
+"""Minimum width in pixels of images whose field of view is checked. Smaller images are crops."""
 FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Camera:
-    """Pinhole intrinsics in pixels, of the colour image that depth is registered to. Raises CameraError."""
+    """Pinhole intrinsics in pixels of the colour image to which depth is registered. Raises CameraError."""
 
     fx: float
     """Focal length in x, px."""
@@ -49,10 +51,10 @@ class Camera:
     height: int
     """Image height, px."""
     distortion: tuple[float, ...] = ()
-    """OpenCV's coefficients k1 k2 p1 p2 k3 ... (4, 5, 8, 12 or 14 of them). () without distortion."""
+    """Distortion coefficients of OpenCV: k1 k2 p1 p2 k3 ..., either 4, 5, 8, 12 or 14. () without distortion."""
 
     def __post_init__(self) -> None:
-        for name in ("fx", "fy", "cx", "cy"):  # whole numbers would be another type to the kernels
+        for name in ("fx", "fy", "cx", "cy"):  # kernels are compiled for float only
             object.__setattr__(self, name, _number(name, getattr(self, name)))
         for name in ("width", "height"):
             object.__setattr__(self, name, _whole_number(name, getattr(self, name)))
@@ -76,7 +78,7 @@ class Camera:
 
     @classmethod
     def from_matrix(cls, K: Any, width: int, height: int, distortion: Sequence[float] = ()) -> Camera:
-        """A camera of K: (3, 3), or its nine numbers row by row. Raises CameraError."""
+        """Return the camera of a matrix K: (3, 3), or nine numbers row by row. Raises CameraError."""
         rows = as_numbers(K)
         if rows.shape not in ((3, 3), (9,)):
             raise CameraError(f"expected a camera matrix of shape (3, 3) or nine numbers, got shape {rows.shape}")
@@ -96,7 +98,7 @@ class Camera:
     ) -> Camera:
         """Return the camera with a field of view in degrees and its principal point in the middle.
 
-        Pixels are square if one angle is given. Raises CameraError.
+        If only one angle is given, pixels are square. Raises CameraError.
         """
         given = [angle for angle in (horizontal_deg, vertical_deg) if angle is not None]
         if not given or not all(0 < angle < 180 for angle in given):
@@ -113,10 +115,11 @@ class Camera:
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
         """Return the nominal colour intrinsics of a well-known camera whose depth is registered to colour, or a guess.
 
-        Nominal: every single camera differs by a per cent or two. Good for a first look. Calibrate for 3-D. A guess is
-        a horizontal field of view such as "60deg" (`from_fov`). width, height: size of the images, by default the
-        camera's own, and 640x480 for a guess. Another size of the same aspect ratio is scaled to. Raises CameraError,
-        which lists the names.
+        Nominal values differ from those of a single camera by one or two per cent. Use nominal values for a first look,
+        and calibrate the camera for 3-D. A guess is a horizontal field of view such as "60deg" (`from_fov`).
+
+        width, height: size of the images. The default is the camera's own size, and 640x480 for a guess. Intrinsics are
+        scaled to another size of the same aspect ratio. Raises CameraError, which lists the names.
         """
         if angle := FIELD_OF_VIEW.fullmatch(name.strip().lower()):
             return cls.from_fov(width or 640, height or 480, horizontal_deg=float(angle[1]))
@@ -143,13 +146,13 @@ class Camera:
         return Camera(self.fx * x, self.fy * y, cx, cy, width, height, self.distortion)
 
     def without_distortion(self) -> Camera:
-        """The camera of its undistorted images."""
+        """Camera of the undistorted images."""
         return replace(self, distortion=())
 
     def undistort(self, image: npt.NDArray[Any], *, nearest: bool = False) -> npt.NDArray[Any]:
         """Return an image (H, W) or (H, W, C) without distortion, 0 at pixels that the camera did not see.
 
-        Bilinear, or `nearest` for depth and labels, which must not mix.
+        Interpolation is bilinear. Use `nearest` for depth and labels, which must not be mixed.
         """
         if not self.distortion:
             return image
@@ -161,13 +164,13 @@ class Camera:
 
     @property
     def matrix(self) -> npt.NDArray[np.float64]:
-        """K, (3, 3)."""
+        """Matrix K, (3, 3)."""
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
 
     def back_project(
         self, depth: npt.NDArray[Any], where: npt.NDArray[np.bool_] | None = None
     ) -> npt.NDArray[np.float32]:
-        """Points (N, 3) in metres of the pixels of `depth` (H, W) that are valid and, if given, in `where`."""
+        """Return the points (N, 3) in metres of the valid pixels of `depth` (H, W), only those in `where` if given."""
         valid = depth > 0 if where is None else (depth > 0) & where
         y, x = np.nonzero(valid)
         z = depth[y, x]
@@ -175,7 +178,7 @@ class Camera:
 
 
 def _too_wide(camera: Camera) -> str:
-    """Return the message for a focal length that is no number of pixels."""
+    """Return the message for a focal length that cannot be in pixels."""
     fx, fy, cx, cy = camera.fx, camera.fy, camera.cx, camera.cy
     view_deg = math.degrees(2 * math.atan(camera.width / (2 * fx)))
     if max(fx, fy) < 10 and max(abs(cx), abs(cy)) <= 2:
@@ -189,14 +192,14 @@ def _too_wide(camera: Camera) -> str:
 
 
 def is_number(value: object) -> bool:
-    """Return True for a number of Python or NumPy, or an array of one number. Truth values are not numbers."""
+    """Return True for a Python or NumPy number, or an array of one number. Booleans are not numbers."""
     if isinstance(value, np.ndarray):
         return value.ndim == 0 and value.dtype.kind in "uif"
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def as_numbers(value: Any) -> npt.NDArray[np.float64]:
-    """The value as an array. Raises CameraError."""
+    """Return the value as an array of numbers. Raises CameraError."""
     try:
         return np.asarray(value, np.float64)
     except (TypeError, ValueError):
@@ -204,7 +207,7 @@ def as_numbers(value: Any) -> npt.NDArray[np.float64]:
 
 
 def as_coefficients(values: Any) -> tuple[float, ...]:
-    """Distortion coefficients, none where all are 0. Raises CameraError."""
+    """Return the distortion coefficients, () if all are 0. Raises CameraError."""
     numbers = as_numbers(values).reshape(-1)
     if numbers.size not in DISTORTION_LENGTHS or not np.isfinite(numbers).all():
         raise CameraError(
@@ -227,11 +230,11 @@ def _whole_number(name: str, value: Any) -> int:
 
 
 def shortened(value: Any) -> str:
-    """Return a value as short text for a message."""
+    """Return a value as a short text for messages."""
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def kernel_numbers(camera: Camera | None) -> tuple[float, float, float, float]:
-    """Return (fx, fy, cx, cy) as kernels take them. Without a camera, the numbers have no meaning."""
+    """Return (fx, fy, cx, cy) for kernels. Without a camera the numbers have no meaning."""
     return (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)

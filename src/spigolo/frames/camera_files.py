@@ -1,4 +1,4 @@
-"""Camera files: one reader for the forms that drivers, calibrators and data sets write."""
+"""Camera files: one reader for the formats of drivers, calibration tools and data sets."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NAMES = (
     "intrinsics.yml", "camera.txt", "cam_K.txt", "camK.txt", "camera-intrinsics.txt", "camera_intrinsics.txt",
     "intrinsics.txt", "intrinsic.txt", "cam_K.npy", "camK.npy", "K.txt", "K.npy", "cameras.txt", "scene_camera.json",
 )  # fmt: skip
-"""Files next to images that are taken for the camera, the first one that is there."""
+"""Names of camera files next to images. The first existing file is used."""
 FORMS = (
     "JSON or YAML with fx, fy, cx, cy or a matrix K, a 3x3 matrix as .txt, .npy or .mat, or COLMAP's cameras.txt: write"
     ' {"K": [9 numbers, row by row]} as JSON'
@@ -42,23 +42,23 @@ COLMAP = {
     "OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"),
     "FULL_OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
 }
-"""Parameters of COLMAP's models that OpenCV undistorts."""
+"""Parameter names of the COLMAP models that OpenCV undistorts."""
 
 
 def read_camera(
     path: PathLike, width: int | None = None, height: int | None = None, *, image: str | None = None
 ) -> tuple[Camera, float | None]:
-    """Return the camera of a file, and its depth_scale in metres per unit, or None without one.
+    """Return the camera of a file and its depth_scale in metres per unit. The latter is None if the file has none.
 
-    JSON: ours (fx, fy, cx, cy, width, height, depth_scale), RealSense's (ppx, ppy, coeffs), Open3D's
-    (intrinsic_matrix), a matrix K or camera_matrix, BOP's cam_K and scene_camera.json. YAML: ROS's CameraInfo as `ros2
-    topic echo` prints it, the files of camera_calibration, of OpenCV and of kalibr. Text: a 3x3 or 4x4 matrix, four
-    numbers, COLMAP's cameras.txt. Arrays: .npy, .npz and .mat with a matrix. `camera_from_mapping` lists the fields.
+    JSON: our own (fx, fy, cx, cy, width, height, depth_scale), RealSense (ppx, ppy, coeffs), Open3D (intrinsic_matrix),
+    a matrix K or camera_matrix, and BOP (cam_K, scene_camera.json). YAML: CameraInfo of ROS as printed by `ros2 topic
+    echo`, and files of camera_calibration, OpenCV and kalibr. Text: a 3x3 or 4x4 matrix, four numbers, or cameras.txt
+    of COLMAP. Arrays: .npy, .npz and .mat files with a matrix. `camera_from_mapping` lists the fields.
 
-    BOP's depth_scale is millimetres per unit, Open3D's units per metre.
+    In BOP files, depth_scale is in millimetres per unit. In Open3D files, it is in units per metre.
 
-    width, height: size of the images, for files that do not say it. image: name of the colour image, for files with the
-    cameras of many images. Raises FileError or CameraError.
+    width, height: size of the images, for files without a size. image: name of the colour image, for files with cameras
+    of many images. Raises FileError or CameraError.
     """
     values = camera_fields(path, image)
     try:
@@ -68,7 +68,7 @@ def read_camera(
 
 
 def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]:
-    """Return the fields of a camera file in any form. Raises FileError or CameraError."""
+    """Return the fields of a camera file of any format. Raises FileError or CameraError."""
     suffix = Path(path).suffix.lower()
     if suffix in (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".xml", ".bag", ".pkl", ".toml"):
         raise FileError(f"expected a camera file, got {path}. Supported: {FORMS}")
@@ -82,14 +82,14 @@ def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]
 
 
 def camera_in(folder: Path) -> Path | None:
-    """Return the camera file of a folder, None without one."""
+    """Return the camera file of a folder, or None without a camera file."""
     return next((folder / name for name in NAMES if (folder / name).is_file()), None)
 
 
 def camera_for(folder: Path, top: Path) -> Path | None:
-    """Return the camera file that holds for the images in `folder`: its own, or that of a folder above it.
+    """Return the camera file that applies to the images in `folder`: in the folder itself or in a folder above it.
 
-    top: the folder that was given. The search ends one above it.
+    top: the folder that the user gave. The search ends one folder above it.
     """
     places = [folder, *folder.parents]
     places = places[: places.index(top) + 1] if top in places else [folder]
@@ -118,7 +118,7 @@ def _unreadable(kind: str, path: PathLike, error: Exception) -> FileError:
 
 
 def _text(path: PathLike) -> Mapping[str, Any]:
-    """Return the fields of a text of numbers, of COLMAP's cameras, or of `name: value` lines."""
+    """Return the fields of a text file with numbers, COLMAP cameras or lines `name: value`."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
@@ -158,7 +158,7 @@ def _matrix_fields(numbers: npt.NDArray[Any], path: PathLike) -> Mapping[str, An
 
 
 def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
-    """Return the cameras of COLMAP's cameras.txt by their numbers: ID MODEL WIDTH HEIGHT PARAMETERS."""
+    """Return the cameras of COLMAP's cameras.txt, indexed by id. A line is ID MODEL WIDTH HEIGHT PARAMETERS."""
     cameras = {}
     for row in rows:
         if len(row) < 5:
@@ -195,7 +195,7 @@ def _mat(path: PathLike) -> Mapping[str, Any]:
 
 
 def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
-    """Return arrays as the fields of a camera. A matrix alone needs no name."""
+    """Return arrays as the fields of a camera. A single matrix needs no name."""
     lower = {name.lower(): name for name in MATRIX_NAMES}
     named = {lower.get(name.lower(), name): value for name, value in arrays.items()}
     if any(name in named for name in MATRIX_NAMES) or "fx" in named:
@@ -211,7 +211,7 @@ def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
 
 
 def _alone(value: Any) -> Any:
-    """Return the number of an array of one, and other values as they are."""
+    """Return the number in an array of one number. Return other values unchanged."""
     array = np.asarray(value)
     return array.reshape(-1)[0].item() if array.size == 1 and array.dtype.kind in "uifU" else value
 

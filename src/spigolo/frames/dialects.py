@@ -1,4 +1,4 @@
-"""The fields of the one colour camera in a file that nests, prefixes or repeats them."""
+"""Fields of the colour camera in files that nest, prefix or repeat them."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ INTRINSICS = (
     "fx", "fl_x", "FX", "K", "k", "camera_matrix", "cam_K", "intrinsic_matrix", "cameraMatrix", "mtx", "P", "p",
     "projection_matrix",
 )  # fmt: skip
-"""Fields by which a mapping is a camera."""
+"""Names of fields that identify a mapping as a camera."""
 ATTRIBUTES = (
     "fx", "fy", "cx", "cy", "ppx", "ppy", "k", "K", "p", "P", "intrinsic_matrix", "width", "height", "d", "D", "coeffs",
     "model", "distortion_model", "roi", "binning_x", "binning_y", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",
     "intrinsic",
 )  # fmt: skip
-"""Attributes of the objects of pyrealsense2, ROS and Open3D that count."""
+"""Names of the attributes that are read from objects of pyrealsense2, ROS and Open3D."""
 COLOR_NAMES = ("color", "colour", "rgb", "color_intrinsics", "rgb_intrinsics", "color_camera", "rgb_camera")
 PREFIXES = ("Camera.", "Camera1.", "camera.")
 SHARED = ("depth_scale", "factor_depth", "width", "height")
-"""Fields that may lie outside of those of the camera."""
+"""Names of fields that may be outside the camera's own mapping."""
 
 
 def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the fields of the one camera in `values`. Raises CameraError if several cameras differ."""
+    """Return the fields of the only camera in `values`. Raises CameraError if several cameras differ."""
     values = _without_prefix(values)
     if is_camera(values):
         return values
@@ -46,7 +46,7 @@ def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def of_image(values: Mapping[str, Any], image: str) -> Mapping[str, Any]:
-    """Return the fields of one image of a file that has them by the image's number, as BOP's scene_camera.json."""
+    """Return the fields of one image from a file that is indexed by image number, such as BOP's scene_camera.json."""
     digits = "".join(letter for letter in image if letter.isdecimal())
     numbered = {int(key): one for key, one in values.items() if str(key).isdecimal()}
     found = numbered.get(int(digits)) if digits and len(numbered) == len(values) else None
@@ -54,7 +54,7 @@ def of_image(values: Mapping[str, Any], image: str) -> Mapping[str, Any]:
 
 
 def is_camera(values: Mapping[str, Any]) -> bool:
-    """Return whether the fields hold intrinsics themselves."""
+    """Return True if the fields themselves hold intrinsics."""
     if any(values.get(name) is not None for name in INTRINSICS):
         return True
     return any(isinstance(values.get(name), list | tuple | np.ndarray) for name in ("intrinsics", "intrinsic"))
@@ -71,7 +71,7 @@ def _holds_camera(values: Mapping[str, Any], depth: int = 3) -> bool:
 
 
 def _without_prefix(values: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return fields such as Camera.fx under their last name, as ORB-SLAM's settings have them."""
+    """Return fields such as Camera.fx under the part after the last dot, as in ORB-SLAM settings."""
     prefix = next((p for p in PREFIXES if f"{p}fx" in values), None)
     if prefix is None:
         return values
@@ -79,7 +79,7 @@ def _without_prefix(values: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _equal(one: Mapping[str, Any], other: Mapping[str, Any]) -> bool:
-    """Return whether two cameras agree in all but poses and names."""
+    """Return True if two cameras agree in everything except poses and names."""
     names = {key for key in (*one, *other) if key in (*INTRINSICS, *ATTRIBUTES, *SHARED, "intrinsics")}
     return all(_same(one.get(key), other.get(key)) for key in names)
 

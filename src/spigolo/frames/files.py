@@ -1,4 +1,4 @@
-"""Files in and out: colour, depth, camera files, and writes that leave nothing half-written."""
+"""Reading and writing of files: colour, depth and cameras. Files are written completely or not at all."""
 
 from __future__ import annotations
 
@@ -56,10 +56,10 @@ def read_frame(
     """Return the frame of a colour image, a 16-bit depth PNG (or an array) and a camera.
 
     camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
-    string is a file if a file of that name exists or it ends as camera files do. Otherwise it is a camera's name.
-    depth_scale: metres per stored unit, 0.001 for millimetres. If None, integers take that of the camera file or
-    mapping, and floating-point depth takes 1. One .npz file may be colour, depth and camera. name: name of the frame,
-    by default that of the colour file. Raises FileError, CameraError or FrameError.
+    string is a file name if that file exists or has the suffix of a camera file. Otherwise it is the name of a camera.
+    depth_scale: metres per stored unit, 0.001 for millimetres. If it is None, integers use the depth_scale of the
+    camera file or mapping, and floating-point depth is in metres. One .npz file may hold colour, depth and camera.
+    name: name of the frame, by default that of the colour file. Raises FileError, CameraError or FrameError.
     """
     try:
         stored = read_depth(depth, max_pixels)
@@ -81,7 +81,7 @@ def read_frame(
 
 
 def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
-    """Return the camera of any form that `read_frame` takes, and its depth_scale, None without one.
+    """Return the camera of any form that `read_frame` takes, and its depth_scale. The latter is None if there is none.
 
     Raises FileError or CameraError.
     """
@@ -104,7 +104,7 @@ def _camera_and_fields(
 
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
-    """Return depth_scale of a camera's fields, checked, None without one. Raises CameraError."""
+    """Return the validated depth_scale of a camera's fields, or None without a depth_scale. Raises CameraError."""
     is_file = isinstance(camera, str | os.PathLike)
     try:
         scale = None if fields is None else scale_from_mapping(fields)
@@ -129,12 +129,12 @@ def write_png(path: PathLike, image: Image) -> None:
 
 
 def write_json(path: PathLike, values: Any) -> None:
-    """Write JSON, indented."""
+    """Write a value as indented JSON."""
     write_bytes(path, (json.dumps(values, indent=1, allow_nan=False) + "\n").encode())
 
 
 def append_lines(path: Path) -> BinaryIO:
-    """Open a file of lines to append, and make its folder. A last line without its end is left from a crash and is cut.
+    """Open a text file for appending lines, and create its folder. An incomplete last line from a crash is removed.
 
     Raises FileError.
     """
@@ -149,7 +149,7 @@ def append_lines(path: Path) -> BinaryIO:
 
 
 def write_bytes(path: PathLike, data: bytes) -> None:
-    """Write a file completely or not at all: a temporary file is renamed."""
+    """Write a file completely or not at all, by renaming a temporary file."""
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)

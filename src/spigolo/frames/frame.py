@@ -1,4 +1,4 @@
-"""The input of the method: a frame, checked and copied once.
+"""Input of the method: a frame, validated and copied once.
 
 Camera axes: X right, Y down, Z forward. Image points are (y, x), rows first. Colour is RGB. Depth is the Z coordinate
 in metres, 0 if it is missing.
@@ -28,14 +28,15 @@ Mask = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False, init=False, repr=False)
 class Frame:
-    """One colour image with its registered depth. A frame owns contiguous copies of both.
+    """Colour image with its registered depth. A frame owns contiguous copies of both.
+
+    Depth is missing if it is 0, NaN, infinite, negative or masked. The largest value of an integer type and depth
+    beyond the reach of cameras (50 m) are missing too. Images of a camera with distortion are undistorted here, once.
 
     color: (H, W, 3) uint8 RGB. depth: (H, W), floating-point metres, or integers with `depth_scale` metres per unit.
-    `depth_scale` may be a field of a camera's mapping. 0, NaN, infinite, negative and masked depth is missing. The
-    largest value of an integer type and depth beyond the reach of cameras (50 m) are missing too. camera: any form that
-    `as_camera` takes, or None without intrinsics. Images of a camera with distortion are undistorted here, once. Raises
-    FrameError if the images do not fit together or have more than `max_pixels`. Raises CameraError for an impossible
-    camera.
+    `depth_scale` may also be a field of a camera mapping. camera: any form that `as_camera` takes, or None without
+    intrinsics. Raises FrameError if the images do not fit together or have more than `max_pixels`. Raises CameraError
+    for an impossible camera.
     """
 
     color: Color
@@ -43,19 +44,19 @@ class Frame:
     depth: DepthMap
     """Depth map (H, W) float32 in metres, 0 where missing."""
     camera: Camera | None
-    """Intrinsics of both images, without distortion. None if they are not known."""
+    """Intrinsics of both images, without distortion. None if not known."""
     name: str = ""
     """Name of the frame, for messages and files."""
     stamp_ns: int | None = None
-    """Time of capture, ns. None if it is not known."""
+    """Time of capture, ns. None if not known."""
     negative_depth: int = field(init=False, default=0)
-    """Number of pixels whose depth was negative and counts as missing."""
+    """Number of pixels with negative depth, which count as missing."""
     unit_m: float | None = field(init=False, default=None)
     """Metres per stored unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
-    """Stored values that no camera measured and that count as missing. None without such values."""
+    """Description of stored values that no camera measured, which count as missing. None without such values."""
     undistorted: bool = field(init=False, default=False)
-    """True if the images were undistorted. Results then fit `color`, not the image given."""
+    """True if the images were undistorted. Results then match `color`, not the original image."""
 
     def __init__(
         self,
@@ -104,7 +105,7 @@ class Frame:
 
 
 def _own_scale(camera: CameraLike) -> float | None:
-    """Return the depth_scale of a camera's fields, checked, None without one. Raises CameraError."""
+    """Return the validated depth_scale of a camera's fields, or None without a depth_scale. Raises CameraError."""
     plain = camera is None or isinstance(camera, Camera | str)
     fields = None if plain else fields_of(camera)
     scale = None if fields is None else scale_from_mapping(fields)
@@ -116,14 +117,15 @@ def _own_scale(camera: CameraLike) -> float | None:
 def depth_in_metres(
     depth: npt.NDArray[Any], depth_scale: float | None = None
 ) -> tuple[DepthMap, int, OutOfReach | None]:
-    """Return depth as spigolo computes with it, how many pixels were negative, and which were out of reach.
+    """Return depth in metres, the number of negative pixels, and a description of the values out of reach.
 
-    Depth comes as a copy (H, W) in metres, 0 = missing. Missing are NaN, infinite values, values nearer than NEAREST_M,
-    the largest value of an integer type, and depth beyond the reach of cameras. depth (H, W): floating-point metres, or
-    integers with depth_scale metres per unit. Raises FrameError.
+    The result is a copy (H, W), 0 = missing. Missing values are NaN, infinite, nearer than NEAREST_M, beyond the reach
+    of cameras, or the largest value of an integer type.
+
+    depth (H, W): floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
     """
     _check_depth(depth, depth_scale)
-    with np.errstate(over="ignore"):  # beyond float32 is infinite, and that is missing
+    with np.errstate(over="ignore"):  # values beyond float32 become infinite, which is missing
         metres = np.array(depth, np.float32, order="C")
     if depth_scale is not None:
         metres *= np.float32(depth_scale)
@@ -149,7 +151,7 @@ def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike)
 
 
 def check_frame(value: object) -> None:
-    """Raises FrameError for what is no frame, such as an image."""
+    """Raise FrameError if a value is not a frame, for example an image."""
     if not isinstance(value, Frame):
         raise FrameError(f"expected a Frame such as spigolo.Frame(color, depth, camera), got {type(value).__name__}")
 

@@ -1,4 +1,4 @@
-"""Images as they are stored: colour, depth, labels, masks."""
+"""Stored images: colour, depth, labels and masks."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ DEPTH_KEYS = ("depth", "depth_image", "depth_map", "depth_m", "depth_raw", "dept
 def read_color(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.uint8]:
     """Return RGB (H, W, 3) uint8 of an image file or an array. Grey becomes RGB. Transparency is dropped.
 
-    More than 8 bits are scaled by what is stored: 10 bits in 16 lose 2 of them. Pixels stay as stored, like the depth
-    next to them: an orientation in the file's metadata turns nothing. Raises FileError or FrameError.
+    More than 8 bits are scaled from the full range of the stored type, so 10 bits stored in 16 lose 2 bits. Pixels keep
+    their stored order like those of the depth map: orientation metadata is ignored. Raises FileError or FrameError.
     """
     if Path(path).suffix.lower() in ARRAYS:
         return _as_color(pick(load_arrays(path), COLOR_KEYS, "a colour image", path), path)
@@ -85,7 +85,7 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXELS) -> None:
-    """Raise FrameError if the colour file holds depth, now that the depth file proved to be a picture."""
+    """Raise FrameError if the colour file holds depth. Call it when the depth file turned out to be a colour image."""
     is_array = Path(color).suffix.lower() in ARRAYS
     stored = read_depth(color) if is_array else decode(color, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2 and stored.dtype != np.uint8:
@@ -96,7 +96,7 @@ def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXEL
 
 
 def read_labels(path: PathLike) -> Image:
-    """Return a label image (H, W) of whole numbers, as stored: of an indexed PNG the indices. Raises FileError."""
+    """Return a label image (H, W) of integers as stored, and the indices of an indexed PNG. Raises FileError."""
     data, factor = as_grey(read_bytes(path).tobytes())
     stored = decode_bytes(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, path)
     if stored.ndim != 2 or stored.dtype.kind not in "ui":
@@ -108,7 +108,7 @@ def read_labels(path: PathLike) -> Image:
 
 
 def read_mask(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.bool_]:
-    """Return where an image (H, W) of any depth is not black. Transparency does not count. Raises FileError."""
+    """Return True (H, W) where an image of any bit depth is not black. Transparency is ignored. Raises FileError."""
     stored = decode(path, cv2.IMREAD_UNCHANGED, max_pixels)
     return np.asarray(stored != 0) if stored.ndim == 2 else np.asarray(stored[..., :3].any(axis=2))
 
@@ -119,9 +119,9 @@ def decode(path: PathLike, flags: int, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
-    """Return the pixels of an encoded image. path: what a message calls it. Raises FileError.
+    """Return the pixels of an encoded image. path: name in messages. Raises FileError.
 
-    A PNG file of more than max_pixels is refused before it is decoded: a few kilobytes may stand for gigabytes.
+    A PNG file of more than max_pixels is refused before decoding, as a few kilobytes may decode to gigabytes.
     """
     header = header_of(data[:32].tobytes())
     if header is not None:
@@ -160,7 +160,7 @@ def _advice(path: PathLike) -> str:
 
 
 def how_to_extract(suffix: str) -> str:
-    """Return how to get frames out of a recording."""
+    """Return the instructions for extracting frames from a recording."""
     if suffix in OPENED:
         return "sp.open_source reads its frames, and so does `spigolo segment RECORDING`"
     tool = "Open3D or k4arecorder" if suffix == ".mkv" else "its recorder or driver"

@@ -1,4 +1,4 @@
-"""Intrinsics in the forms that users have: numbers, a name, the fields of a camera file, a driver's object."""
+"""Intrinsics in any common form: numbers, a camera's name, fields of a camera file, or a driver's object."""
 
 from __future__ import annotations
 
@@ -44,22 +44,27 @@ DISTORTION_NAMES = (
 POLYNOMIAL_NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
 MODEL_NAMES = ("distortion_model", "lens_model", "model")
 CAMERA_KINDS = ("camera_model", "projection_model", "type")
-"""Fields that may name a fisheye camera, or anything else."""
+"""Names of fields that may identify a fisheye camera."""
 FORMS = (
     "a Camera, a 3x3 matrix K, (fx, fy, cx, cy), a name, a mapping, or an object with fx, fy, ppx, ppy, with k or K, or"
     " with intrinsic_matrix"
 )
 
 CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequence[float]] | Sequence[float] | Any
-"""Any form that `as_camera` takes. None: the intrinsics are not known."""
+"""Any form that `as_camera` takes. None if the intrinsics are not known."""
 
 
 def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
     """Return the camera of images of width x height from any form. None stays None.
 
-    value: a Camera, kept as it is. Or K as (3, 3) or as nine numbers row by row, P as (3, 4), or (fx, fy, cx, cy), also
-    as text. Or a name or a field of view that `Camera.named` knows. Or a mapping as in `camera_from_mapping`, or an
-    object with such attributes, as in pyrealsense2, ROS and Open3D. Raises CameraError.
+    value is one of:
+
+    - a Camera, which is returned unchanged
+    - K as (3, 3) or as nine numbers row by row, P as (3, 4), or (fx, fy, cx, cy), also as text
+    - a name or a field of view that `Camera.named` knows
+    - a mapping as in `camera_from_mapping`, or an object with such attributes, as in pyrealsense2, ROS and Open3D
+
+    Raises CameraError.
     """
     if value is None or isinstance(value, Camera):
         return value
@@ -82,7 +87,7 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
 
 
 def fields_of(value: object) -> Mapping[str, Any] | None:
-    """Return a mapping, or the attributes of a driver's object as one. None for numbers."""
+    """Return a mapping, or the attributes of a driver's object as a mapping. None for numbers."""
     if isinstance(value, Mapping):
         return value
     if isinstance(value, Sequence | np.ndarray) or is_number(value):
@@ -95,7 +100,7 @@ def fields_of(value: object) -> Mapping[str, Any] | None:
 
 
 def numbers_of(text: str) -> list[float] | None:
-    """Return the four or nine numbers of a text such as 927.2,927.4,651.3,349.6, or None for other text."""
+    """Return the four or nine numbers of a text such as 927.2,927.4,651.3,349.6. None for other text."""
     try:
         numbers = [float(word) for word in re.split(r"[,;\s]+", text.strip("()[] \t\n"))]
     except ValueError:
@@ -106,7 +111,7 @@ def numbers_of(text: str) -> list[float] | None:
 
 
 def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | None:
-    """Return K (3, 3) of a matrix 3x3, of P (3, 4) or of 4x4, or of their numbers row by row. None for other shapes."""
+    """Return K (3, 3) from a 3x3, 3x4 (P) or 4x4 matrix, or from its numbers row by row. None for other shapes."""
     shapes = {(9,): (3, 3), (12,): (3, 4), (16,): (4, 4)}
     matrix = numbers.reshape(shapes.get(numbers.shape, numbers.shape))
     if matrix.shape == (4, 4) and matrix[3].tolist() == [0, 0, 0, 1]:
@@ -115,14 +120,14 @@ def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | N
 
 
 def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, height: int | None = None) -> Camera:
-    """Return a camera from the fields of a camera file. width and height are used if it has none of its own.
+    """Return a camera from the fields of a camera file. width and height are used if the file has no size.
 
     Intrinsics: fx, fy, cx, cy (or ppx, ppy). Or K, k, camera_matrix or cam_K, nine numbers row by row. Or Open3D's
-    intrinsic_matrix, column by column. Or kalibr's intrinsics, four numbers. Matrices may be 3x3 and may lie in a field
-    "data". If K is empty, that of P is taken. Size: width, height or image_width, image_height, or resolution. The
-    fields roi and binning_x of ROS make the size smaller. Distortion: distortion, distortion_coefficients, dist_coeffs,
-    coeffs, D or d, or k1, k2, p1, p2, k3, of the model in distortion_model or model. Fields of the colour camera may
-    lie in a field of its own. Raises CameraError.
+    intrinsic_matrix, column by column. Or kalibr's intrinsics, four numbers. Matrices may be 3x3 and may be in a field
+    "data". If K is empty, P is used. Size: width, height or image_width, image_height, or resolution. The fields roi
+    and binning_x of ROS reduce the size. Distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d,
+    or k1, k2, p1, p2, k3. The lens model is in distortion_model or model. The fields of the colour camera may be nested
+    in another field. Raises CameraError.
     """
     values = own_fields(values)
     window = window_of(values)
@@ -160,7 +165,7 @@ def _require(found: Mapping[str, Any]) -> None:
 
 
 def _size(values: Mapping[str, Any], width: int | None, height: int | None) -> dict[str, Any]:
-    """Return width and height of the fields. A size of 0, as drivers give that do not know it, counts as none."""
+    """Return the width and height from the fields. A size of 0, written by drivers that do not know it, is ignored."""
     resolution = values.get("resolution")
     if isinstance(resolution, Sequence) and not isinstance(resolution, str) and len(resolution) == 2:
         return {"width": resolution[0], "height": resolution[1]}
@@ -219,7 +224,9 @@ def _polynomial(values: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def _distorted(camera: Camera, values: Mapping[str, Any]) -> Camera:
-    """Return the camera with its coefficients. Raises CameraError for a lens model that OpenCV does not undistort."""
+    """Return the camera with its distortion coefficients. Raises CameraError for a lens model that OpenCV cannot
+    undistort.
+    """
     coefficients = _coefficients(values)
     for name in MODEL_NAMES:
         if values.get(name) is not None:

@@ -1,4 +1,4 @@
-"""Lens models: those that OpenCV undistorts, and those that are refused by name."""
+"""Lens models that OpenCV undistorts, and those that are refused by name."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ OPENCV_MODELS = (
     "rational", "opencv", "full_opencv", "radtan", "radial_tangential", "thin_prism", "tilted", "simple_pinhole",
     "simple_radial", "radial",
 )  # fmt: skip
-"""Models whose coefficients `cv2.undistort` takes."""
+"""Names of models whose coefficients `cv2.undistort` takes."""
 INVERSE = "inverse_brown_conrady"
 POLYNOMIALS = (INVERSE, "modified_brown_conrady")
-"""Models that OpenCV does not have. Coefficients of 0 mean no distortion."""
+"""Names of models that OpenCV does not have. Such models are accepted if all coefficients are 0."""
 NO_PINHOLE = (
     "equi", "fish", "kannala", "kb4", "kb8", "omni", "mei", "unified", "sphere", "spherical", "eucm", "ucm", "ftheta",
     "f_theta", "fov", "atan", "ocam", "scaramuzza", "panoram", "cylind", "stereographic", "orthographic", "division",
 )  # fmt: skip
-"""Parts of the names of models that bend lines with coefficients of 0 too."""
+"""Parts of the names of models that are not pinhole models even if all coefficients are 0."""
 EXACTLY_NO_PINHOLE = ("ds", "kb", "theta")
 REALSENSE_MODELS = (
     "none", "modified_brown_conrady", INVERSE, "ftheta", "brown_conrady", "kannala_brandt4",
 )  # fmt: skip
-"""Names of the numbers that librealsense gives its models."""
+"""Names of the model numbers of librealsense."""
 MEND = "undistort the images first and give their camera without distortion"
 
 
 def model_name(value: object) -> str:
-    """Return a lens model's name with underscores, from text, an enumeration or librealsense's number."""
+    """Return the name of a lens model with underscores, from text, an enumeration or librealsense's number."""
     if isinstance(value, int) and 0 <= value < len(REALSENSE_MODELS):
         return REALSENSE_MODELS[value]
     words = str(value).strip().lower().rpartition(".")[2]
@@ -40,10 +40,10 @@ def model_name(value: object) -> str:
 
 
 def check_model(value: object, certain: bool, coefficients: Sequence[float], camera: Camera) -> None:
-    """Raise CameraError for a lens model that OpenCV does not undistort.
+    """Raise CameraError for a lens model that OpenCV cannot undistort.
 
-    certain: the field holds a lens model and nothing else. A field `model` may also hold the name of a device. camera:
-    the same without distortion.
+    certain: True if the field always holds a lens model. A field `model` may also hold the name of a device. camera:
+    the camera without distortion.
     """
     name = model_name(value)
     if name in OPENCV_MODELS or (name in POLYNOMIALS and not coefficients):
@@ -61,9 +61,9 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
 
 
 def inverse_error_px(coefficients: Sequence[float], camera: Camera) -> float:
-    """Return the largest error of leaving out the inverse Brown-Conrady coefficients, px, in the image corners.
+    """Return the largest error in the image corners if inverse Brown-Conrady coefficients are ignored, px.
 
-    The polynomial goes from the pixel to the ray.
+    The polynomial maps pixels to rays.
     """
     corners = [(x, y) for x in (0, camera.width - 1) for y in (0, camera.height - 1)]
     x, y = ((np.array(corners) - (camera.cx, camera.cy)) / (camera.fx, camera.fy)).T

@@ -5,7 +5,7 @@ from __future__ import annotations
 from spigolo.errors import FrameError
 
 MAX_PIXELS = 16_000_000
-"""Maximum number of pixels of an image without `max_pixels`. Larger ones may fill the memory."""
+"""Default maximum number of pixels of an image. Larger images may fill the memory."""
 
 
 def check_count(width: int, height: int, max_pixels: int) -> None:

@@ -1,4 +1,4 @@
-"""PNG files whose numbers a decoder turns into colours or stretches: indexed ones, and grey ones of 1, 2 or 4 bits."""
+"""PNG files that decoders change: indexed colours become RGB, and grey values of 1, 2 or 4 bits are scaled to 8."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ DROPPED = (b"PLTE", b"tRNS", b"sBIT", b"bKGD", b"hIST", b"iCCP", b"sRGB", b"gAMA
 
 
 class Header(NamedTuple):
-    """Size in pixels, bits of a channel, and the kind of colour (0 grey, 2 RGB, 3 indexed, 4 and 6 with alpha)."""
+    """Size in pixels, bits per channel, and colour type (0 grey, 2 RGB, 3 indexed, 4 and 6 with alpha)."""
 
     width: int
     height: int
@@ -21,16 +21,16 @@ class Header(NamedTuple):
 
 
 def header_of(data: bytes) -> Header | None:
-    """Return the header of a PNG file, or None for other files."""
+    """Return the header of a PNG file. None for other files."""
     if not data.startswith(SIGNATURE) or len(data) < 26:
         return None
     return Header(*struct.unpack(">IIBB", data[16:26]))
 
 
 def as_grey(data: bytes) -> tuple[bytes, int]:
-    """Return an indexed PNG file as a grey one whose values are the indices, and by what a decoder multiplies them.
+    """Return an indexed PNG file as a grey one with the indices as values, and the factor that decoders apply to them.
 
-    Other files come back as they are. A decoder stretches values of 1, 2 and 4 bits to 8.
+    Other files are returned unchanged. Decoders scale values of 1, 2 and 4 bits to 8 bits.
     """
     header = header_of(data)
     if header is None or header.kind not in (GREY, INDEXED):

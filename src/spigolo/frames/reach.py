@@ -1,4 +1,4 @@
-"""Stored values that no camera measured: the largest value of an integer type, and distances beyond every camera."""
+"""Detection of stored values that no camera measured: the largest value of an integer type, and too large distances."""
 
 from __future__ import annotations
 
@@ -9,23 +9,24 @@ import numpy as np
 import numpy.typing as npt
 
 REACH_M = 50.0
-"""Reach in metres that no RGB-D camera exceeds. Depth beyond it is missing."""
+"""Maximum distance in metres that an RGB-D camera measures. Depth beyond it is missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
-"""No camera measures what is nearer, and squares of depths beyond would leave float32."""
+"""Range of depth in metres. No camera measures nearer, and the squares of larger values exceed float32."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
-"""Minimum share of depth within reach, and minimum share of one value among depth beyond it. If both are undercut, the
-unit is wrong. All depth is then kept, so that the advice about the unit can be given.
+"""Minimum share of depth within reach, and minimum share of the most frequent value among depth beyond it.
+
+If both are undercut, the unit is probably wrong. All depth is then kept, so that a message can suggest the unit.
 """
 LARGEST_UINT16 = 65535
-"""Stands for missing in wider integer types too, as many files were copied from 16 bits."""
+"""Value that also means missing in wider integer types, as many files were converted from 16 bits."""
 
 
 @dataclass(frozen=True, slots=True)
 class OutOfReach:
-    """Depth values that count as missing, though they are positive numbers.
+    """Positive depth values that count as missing.
 
-    value: the most frequent one, as stored. pixels: number of them all. share: of the frame. kind: the type of integers
-    whose largest value it is, "" for a distance beyond REACH_M.
+    value: the most frequent such value, as stored. pixels: number of such pixels. share: share of the frame. kind: the
+    integer type whose largest value it is, or "" for a distance beyond REACH_M.
     """
 
     value: float
@@ -40,16 +41,16 @@ class OutOfReach:
 
 
 def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return where integers (H, W) have the largest value of their type, or of 16 bits in a wider type."""
+    """Return True (H, W) where integers have the largest value of their type, or of 16 bits in a wider type."""
     largest = np.iinfo(stored.dtype).max
     found = stored == largest
     return np.asarray(found | (stored == LARGEST_UINT16) if largest > LARGEST_UINT16 else found)
 
 
 def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32]) -> OutOfReach | None:
-    """Set implausible depth to 0 in `metres` (H, W). Return a description of it, None if nothing was implausible.
+    """Set implausible depth in `metres` (H, W) to 0. Return its description, or None if there is none.
 
-    stored (H, W): the same as it was given.
+    stored (H, W): the same depth before conversion to metres.
     """
     beyond = metres > REACH_M
     sentinel = is_sentinel(stored) if stored.dtype.kind in "ui" else np.zeros_like(beyond)
@@ -70,7 +71,8 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
 
 
 def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
-    """Return whether values beyond reach are distances in a wrong unit: nearly all, or most of them and varied.
+    """Return True if values beyond reach are probably distances in a wrong unit: nearly all values, or most with
+    variation.
 
     within: number of pixels within reach.
     """

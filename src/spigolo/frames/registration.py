@@ -1,4 +1,4 @@
-"""Depth of a depth camera, moved into the image of the colour camera next to it."""
+"""Registration: depth of a depth camera is mapped to the image of the colour camera next to it."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from spigolo.kernels import registration as kernel
 
 STEP_M = 0.03
 STEP_SHARE = 0.03
-"""Neighbouring pixels farther apart than max(STEP_M, STEP_SHARE Z) are not on one surface."""
+"""Minimum depth difference at a depth step is max(STEP_M, STEP_SHARE Z) between neighbouring pixels."""
 ROTATION_TOLERANCE = 1e-3
 FARTHEST_M = 10.0
-"""Two cameras farther apart than this see no common object: the translation is in millimetres."""
+"""Maximum distance between both cameras in metres. A longer translation is probably in millimetres."""
 
 
 def register_depth(
@@ -28,14 +28,13 @@ def register_depth(
     *,
     depth_scale: float | None = None,
 ) -> DepthMap:
-    """Return the depth that the colour camera would measure, (H, W) float32 metres of its size, 0 if it is not known.
+    """Return the depth that the colour camera would measure, (H, W) float32 in metres, 0 if it is not known.
 
-    depth (h, w), the size of `depth_camera`: floating-point metres, or integers with `depth_scale` metres per unit.
-    T_color_depth (4, 4), translation in metres: point in the colour camera's frame = T_color_depth @ the point in the
-    depth camera's frame. Surfaces are moved, not points, so a larger colour image has no holes in them. The nearest
-    surface wins. Nothing is drawn across a depth step. Surfaces that the depth camera did not see stay 0. Depth of a
-    camera with distortion is undistorted first. The colour camera must have no distortion. Raises FrameError or
-    CameraError.
+    depth (h, w): image of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
+    T_color_depth (4, 4): maps points of the depth camera's frame to the colour camera's frame, translation in metres.
+    Surfaces are mapped instead of points, so a larger colour image has no holes in them. The nearest surface wins. No
+    surface is drawn across a depth step. Surfaces that the depth camera did not see stay 0. Depth of a camera with
+    distortion is undistorted first. The colour camera must have no distortion. Raises FrameError or CameraError.
     """
     for camera in (depth_camera, color_camera):
         if not isinstance(camera, Camera):
@@ -64,7 +63,7 @@ def register_depth(
 
 
 def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """P (3, 4): pixel (x, y) of `source` at depth z is pixel (u, v) of `target` at depth Z.
+    """Return P (3, 4), which maps pixel (x, y) of `source` at depth z to pixel (u, v) of `target` at depth Z.
 
     (u Z, v Z, Z) = P (x z, y z, z, 1).
     """
@@ -73,7 +72,7 @@ def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.f
 
 
 def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.NDArray[np.float64]:
-    """A rotation and translation (4, 4) as float64, checked. name: what a CameraError calls it."""
+    """Return a validated rotation and translation (4, 4) as float64. name: its name in a CameraError."""
     try:
         T: npt.NDArray[Any] = np.array(value, np.float64, order="C")
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""The region of interest: where objects are wanted."""
+"""Region of interest: the part of the image or of space in which objects are wanted."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.registration import rigid_transform
 
 FARTHEST_M = 100.0
-"""Maximum distance of a robot's base in metres. A longer translation is probably in millimetres."""
+"""Maximum distance of the robot's base in metres. A longer translation is probably in millimetres."""
 LEAST_INSIDE = 0.5
-"""A region belongs to the region of interest with at least this share of its pixels (our choice)."""
+"""Minimum share of a region's pixels inside the region of interest for it to be kept (our choice)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetricBox:
-    """A box in space, along the axes of the camera's frame or, with T_base_camera, of the robot's.
+    """Box in space along the axes of the camera's frame or, with T_base_camera, of the robot's base frame.
 
     low_m, high_m: (X, Y, Z) of two opposite corners. T_base_camera (4, 4) maps points of the camera's frame into the
     robot's base frame. Raises FrameError or CameraError.
@@ -47,11 +47,13 @@ class MetricBox:
 
 
 Roi = npt.NDArray[np.bool_] | Sequence[int] | MetricBox
-"""A mask (H, W), a pixel box (y0, x0, y1, x1) with the last two exclusive, or a metric box."""
+"""Region of interest: a mask (H, W), a pixel box (y0, x0, y1, x1) with the last two exclusive, or a metric box."""
 
 
 def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
-    """A point (y, x) as the pixel of an image (H, W). Raises IndexError for what is no whole numbers inside of it."""
+    """Return a point (y, x) as a pixel of an image (H, W). Raises IndexError if it is not two integers inside the
+    image.
+    """
     height, width = shape
     try:
         y, x = point
@@ -63,7 +65,7 @@ def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
-    """Pixels (H, W) inside the region of interest, and the pixels that count: all, or those with depth."""
+    """Return the pixels (H, W) inside the region of interest, and the pixels that count: all, or those with depth."""
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):
         return _inside_box(roi, frame), frame.depth > 0

@@ -1,4 +1,4 @@
-"""The depth scale of a camera file: metres per stored unit, whatever the file counts."""
+"""Depth scale of a camera file in metres per stored unit, whichever unit the file uses."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from spigolo.frames.camera import is_number, shortened
 from spigolo.frames.dialects import own_fields
 
 LARGEST_SCALE_M = 0.02
-"""Metres per unit beyond which 16 bits would reach farther than a kilometre. The scale has another unit."""
+"""Maximum depth scale in metres per unit. Above it, 16 bits would reach farther than a kilometre."""
 UNITS_PER_METRE = ("DepthMapFactor", "RGBD.DepthMapFactor")
-"""Names that count units per metre (ORB-SLAM)."""
+"""Names of fields in units per metre (ORB-SLAM)."""
 SIMILAR = (
     "scale", "factor_depth", "depth_factor", "depthscale", "depth_unit", "depth_units", "depth_map_factor",
     "depthmapfactor", "depth_map_scale", "png_depth_scale", "scale_factor", "depth_scaling_factor", "depth_scaling",
     "units_per_metre", "units_per_meter", "integer_depth_scale", "depth_divider", "depth_div",
 )  # fmt: skip
-"""Names of scales of which it is not known what they count, in small letters."""
+"""Names of depth scales with an unknown unit, in lower case."""
 
 
 def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
-    """Return depth_scale of the fields of a camera file in metres per unit, or None without one. Raises CameraError.
+    """Return the depth_scale of a camera file's fields in metres per unit, or None. Raises CameraError.
 
-    BOP counts millimetres per unit next to cam_K. Open3D counts units per metre next to intrinsic_matrix, as GraspNet's
-    factor_depth does, and ORB-SLAM's DepthMapFactor.
+    BOP gives millimetres per unit next to cam_K. Open3D gives units per metre next to intrinsic_matrix. GraspNet
+    (factor_depth) and ORB-SLAM (DepthMapFactor) give units per metre too.
     """
     values = {**values, **own_fields(values)}
     stored = values.get("depth_scale")
@@ -46,7 +46,7 @@ def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
 
 
 def check_scale(scale: float, where: object) -> None:
-    """Raise CameraError for a depth_scale, found there, that can hardly be metres per unit."""
+    """Raise CameraError if depth_scale is unlikely to be in metres per unit. where: its origin in the message."""
     if scale > LARGEST_SCALE_M:
         raise CameraError(
             f"expected depth_scale in {where} as metres per unit, 0.001 for millimetres, got {scale}:"
@@ -73,7 +73,7 @@ def _refuse_similar(values: Mapping[str, Any]) -> None:
 
 
 def _as_metres(number: float) -> float:
-    """Return the metres per unit that a number most likely stands for."""
+    """Return the most likely metres per unit for a number in an unknown unit."""
     if number > 1:
         return 1 / number
     return number if number <= LARGEST_SCALE_M else number / 1000

@@ -1,4 +1,4 @@
-"""YAML as ROS, kalibr and OpenCV write it."""
+"""Reader of YAML as written by ROS, kalibr and OpenCV."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from spigolo.errors import FileError
 MATRIX = "tag:yaml.org,2002:opencv-matrix"
 FLOAT = "tag:yaml.org,2002:float"
 MAX_ALIASED = 10_000
-"""Maximum number of values that aliases may repeat. A few lines of aliases of aliases stand for billions."""
+"""Maximum number of values that aliases may repeat. A few lines of nested aliases can expand to billions of values."""
 NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)")
-"""Numbers such as 1e-3, which YAML 1.1 takes for text."""
+"""Pattern of numbers such as 1e-3, which YAML 1.1 reads as text."""
 
 
 def import_yaml(path: str | os.PathLike[str], extra: str = "yaml") -> Any:
-    """Return the module that reads a YAML file. Raises FileError if the extra that brings it is not installed."""
+    """Return the module that reads YAML. Raises FileError if the optional dependency is not installed."""
     try:
         return importlib.import_module("yaml")
     except ImportError:
@@ -27,14 +27,14 @@ def import_yaml(path: str | os.PathLike[str], extra: str = "yaml") -> Any:
 
 
 def parse_yaml(yaml: Any, text: str) -> Any:
-    """Return what the first document of a YAML text holds. OpenCV's matrices come as their fields.
+    """Return the first document of a YAML text. OpenCV matrices become mappings of their fields.
 
-    OpenCV's own reader ends the process over a damaged file. Raises what the module raises, and its YAMLError for
-    aliases that repeat too much or hold themselves.
+    OpenCV's own reader may crash the process on a damaged file. Raises the module's errors, and its YAMLError for
+    aliases that repeat too much or contain themselves.
     """
 
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
-        """Knows OpenCV's matrices and all numbers."""
+        """YAML loader that also reads OpenCV matrices and all forms of numbers."""
 
         def get_node(self) -> Any:
             node = super().get_node()
@@ -52,12 +52,12 @@ def parse_yaml(yaml: Any, text: str) -> Any:
 
 
 def _count_aliased(node: Any) -> float:
-    """Return how many values there are beyond those written, were each alias written out. Infinite in a circle."""
+    """Return how many values are added when all aliases are expanded. Infinite if an alias contains itself."""
     sizes: dict[int, float] = {}
 
     def size(one: Any) -> float:
         if id(one) not in sizes:
-            sizes[id(one)] = math.inf  # until it is known: who meets it again meanwhile is inside of it
+            sizes[id(one)] = math.inf  # until counted: meeting it again before means a cycle
             inner = one.value if isinstance(one.value, list) else []
             parts = (part for entry in inner for part in (entry if isinstance(entry, tuple) else (entry,)))
             sizes[id(one)] = 1.0 + sum(map(size, parts))
@@ -67,5 +67,5 @@ def _count_aliased(node: Any) -> float:
 
 
 def _without_directive(text: str) -> str:
-    """Return the text without OpenCV's first line, which no other reader knows."""
+    """Return the text without OpenCV's first line, which other readers reject."""
     return re.sub(r"\A\s*%YAML:1\.0[^\n]*\n(?:---[^\n]*\n)?", "", text)

@@ -1,4 +1,4 @@
-"""Depth and boundary on both sides of the borders between regions, and the hollowness of regions."""
+"""Kernels for depth and boundary on both sides of borders between regions, and for the hollowness of regions."""
 
 from __future__ import annotations
 
@@ -10,20 +10,23 @@ from spigolo.kernels.contours import hollow
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
 MOST_ROUND = 0.6
-"""Most that the middle of a chord lies off it, as a share of its length: half a circle, and noise."""
+"""Maximum distance of a chord's middle from the surface, as a share of the chord's length: half a circle, plus
+noise.
+"""
 
 
 @inlined
 def clipped(value, limit):
-    """The value within -limit..limit: one flying pixel must not outweigh a border."""
+    """Clip the value to -limit..limit, so that one flying pixel does not dominate a border."""
     return max(min(value, limit), -limit)
 
 
 @inlined
 def sample_border(labels, y, x, v, u, reach):
-    """The samples `reach` pixels to both sides of a border between (y, x) and its right or lower neighbour (v, u).
+    """Return the samples `reach` pixels to both sides of a border between (y, x) and its right or lower neighbour (v,
+    u).
 
-    Both in rows and columns, and whether they lie in the image and in the regions that meet there.
+    Both are given by row and column. A flag is True if both lie in the image and in the two regions of the border.
     """
     dy, dx = v - y, u - x
     y_a, x_a, y_b, x_b = y - dy * (reach - 1), x - dx * (reach - 1), y + dy * reach, x + dx * reach
@@ -35,11 +38,18 @@ def sample_border(labels, y, x, v, u, reach):
 def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
     """Sum over the border between every two numbered regions, from samples `reach` pixels to both sides of it.
 
-    labels (H, W) int32. number (R,) int32: 0..S-1, or -1 for a region that is left out. depth, boundary (H, W).
-    sums (S, S, 6) float64, zero before, at [a, b]: pairs of 4-neighbours on the border, those with depth on both sides
-    and between, |difference of depth| (m), how far b lies behind a (m), depth of the border behind the chord of both
-    samples (m), larger boundary of each pair. Lengths are clipped. A pair counts only where both samples lie in the
-    image and in the regions that meet there.
+    A pair of pixels counts only if both samples lie in the image and in the two regions of the border. Lengths are
+    clipped.
+
+    labels (H, W) int32. number (R,) int32: 0..S-1, or -1 for a region that is left out. depth, boundary (H, W). sums
+    (S, S, 6) float64, initially zero. Its values at [a, b] are:
+
+    - number of 4-neighbour pairs on the border
+    - number of pairs with depth on both sides and between
+    - |difference of depth| (m)
+    - distance of b behind a (m)
+    - depth of the border behind the chord of both samples (m)
+    - larger boundary value of each pair
     """
     height, width = labels.shape
     for y in range(height):
@@ -72,12 +82,11 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
 
 @kernel
 def sum_hollows(labels, number, depth, fx, margin, sums):
-    """Sum how deep each numbered region lies behind its chords along image rows: positive inside a bowl, negative on a
-    can.
+    """Sum the depth of each numbered region behind its chords along image rows: positive in a bowl, negative on a can.
 
-    sums (S, 2) float64, zero before: depth of the middle of each row's run behind the chord between its ends (m), and
-    the length of the chord (m). Ends are taken `margin` pixels inside the run. Runs shorter than 8 are left out. Runs
-    that bulge more than a half-circle can are left out too, because one of their points belongs to something else.
+    sums (S, 2) float64, initially zero: depth of the middle of each row's run behind the chord between its ends (m),
+    and length of the chord (m). Ends are taken `margin` pixels inside the run. Runs shorter than 8 pixels are left out.
+    Runs that bulge more than a half-circle are left out too, because one of their points belongs to another surface.
     """
     height, width = labels.shape
     for y in range(height):
@@ -98,9 +107,12 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
 
 @kernel
 def collect_pairs(labels, boundary, pairs, strength):
-    """Every pair of 4-neighbours in two regions: pairs (K,) int64 lower * 2^32 + higher, strength (K,) of the stronger.
+    """Collect every pair of 4-neighbours in different regions: pairs (K,) int64, strength (K,) of the stronger pixel.
 
-    labels (H, W) int32. boundary (H, W). Returns how many there are. With pairs too short only counts them.
+    A pair is stored as lower * 2^32 + higher region.
+
+    labels (H, W) int32. boundary (H, W). Returns the number of pairs. If the array is too short, pairs are only
+    counted.
     """
     height, width = labels.shape
     count = 0

@@ -1,8 +1,8 @@
-"""Choice of the edges that are sorted: all but those that can join nothing. docs/performance.md explains each kind.
+"""Selection of the edges to sort. Edges that cannot join anything are left out. See docs/performance.md.
 
-Three kinds can join nothing. Edges inside one region are the first. Edges at a final region are the second. They are
-recognised by the region's bound before they are collected, and by its own lightest edge after. Detours are the third:
-edges whose ends lighter edges connect.
+Three kinds of edges cannot join anything. First, edges inside one region. Second, edges at a final region. These edges
+are recognised by the region's bound before edges are collected, and by the region's own lightest edge afterwards.
+Third, detours, which are edges whose ends are already connected by lighter edges.
 """
 
 from __future__ import annotations
@@ -15,16 +15,18 @@ from spigolo.kernels.merging import HALF_BITS, PLANE_BITS, bound_bits, ends, fin
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
 BLOCK = 4096
-"""Edges that are looked at together, so that what is known of them stays close to the processor. A multiple of 8."""
+"""Number of edges that are processed together, so that their data stays in the processor's cache. A multiple of 8."""
 
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
-    """Pack the edges with low <= weight < high between two regions of which `least` or more ends carry a flag.
+    """Pack the edges with low <= weight < high between two regions of which at least `least` ends have a flag.
 
-    Edges keep their numeric order. Without `detours`, the last edge of each triangle or square is skipped. weights (P,
-    H W) float32. width of a row. parent (H W,): every pixel's root. flags (H W,) uint8, 0 or 1. offsets (P,) int64. out
-    (E,) with room for one more than there are. Returns the number of edges, or -1 without room.
+    Edges keep their numeric order. Without `detours`, the last edge of each triangle or square is skipped.
+
+    weights (P, H W) float32. width: length of a row. parent (H W,): root of every pixel. flags (H W,) uint8, 0 or 1.
+    offsets (P,) int64. out: buffer with room for one more edge than there are. Returns the number of edges, or -1 if
+    out is too small.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)
@@ -44,7 +46,7 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
 
 @inlined
 def choose(weights, low, high, parent, flags, least, offset, first, last, chosen):
-    """Mark those of a block of edges, first..last - 1 of a plane, that may join something. chosen (BLOCK,) uint8."""
+    """Mark the edges first..last - 1 of a plane that may join something. chosen (BLOCK,) uint8."""
     begin = min(max(first, -offset), last)
     end = max(min(last, parent.size - max(0, offset)), begin)
     chosen[: begin - first] = 0
@@ -59,10 +61,10 @@ def choose(weights, low, high, parent, flags, least, offset, first, last, chosen
 
 @inlined
 def drop_detours(weights, plane, width, first, last, chosen):
-    """Take back the edges that come last of a triangle of neighbours or, on a 4-connected grid, of a square.
+    """Unmark the edges that come last in a triangle of neighbours or, on a 4-connected grid, in a square.
 
-    Among equal weights the higher edge number comes later: downwards after right, diagonals after both. Some edges at
-    the image border stay.
+    Among equal weights, the edge with the higher number comes later: down after right, diagonals after both. Some edges
+    at the image border stay marked.
     """
     right, down, pixels = weights[0], weights[1], weights.shape[1]
     begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
@@ -85,7 +87,10 @@ def drop_detours(weights, plane, width, first, last, chosen):
 
 @inlined
 def drop_right(right, down, width, n, kept):
-    """In the square above, the one below. Arrays begin a row before the n edges. Slices make vectors of it."""
+    """Unmark right edges that are the last of the square above. Arrays begin one row before the n edges.
+
+    Array slices let the compiler vectorise the loop.
+    """
     weight, above, below = right[width:], right, right[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
     for k in range(n):
@@ -96,7 +101,7 @@ def drop_right(right, down, width, n, kept):
 
 @inlined
 def drop_down(right, down, width, n, kept):
-    """In the square on the left, the one on the right. Arrays begin a pixel before the n edges."""
+    """Unmark down edges that are the last of the square on the left. Arrays begin one pixel before the n edges."""
     weight, before, after = down[1:], down, down[2:]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
     for k in range(n):
@@ -107,14 +112,16 @@ def drop_down(right, down, width, n, kept):
 
 @inlined
 def drop_diagonal(weight, first, second, third, fourth, n, kept):
-    """Two pairs of straight edges lead where a diagonal does."""
+    """Unmark diagonals whose ends are connected by one of two pairs of lighter straight edges."""
     for k in range(n):
         kept[k] &= (weight[k] < max(first[k], second[k])) & (weight[k] < max(third[k], fourth[k]))
 
 
 @inlined
 def drop_right_8(right, down, falling, rising, width, n, kept):
-    """Over both pixels above, both below. Arrays begin a row before the n edges."""
+    """Unmark right edges with a lighter detour over one of the pixels above or below. Arrays begin one row before the n
+    edges.
+    """
     weight, falling_here = right[width:], falling[width:]
     rising_here, rising_below = rising[width:], rising[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
@@ -126,7 +133,9 @@ def drop_right_8(right, down, falling, rising, width, n, kept):
 
 @inlined
 def drop_down_8(right, down, falling, rising, width, n, kept):
-    """Over both pixels on the left, both on the right. Arrays begin a pixel before the n edges."""
+    """Unmark down edges with a lighter detour over one of the pixels on the left or right. Arrays begin one pixel
+    before the n edges.
+    """
     weight, falling_here, rising_left, rising_here = down[1:], falling[1:], rising[width:], rising[width + 1 :]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
     for k in range(n):
@@ -139,16 +148,16 @@ def drop_down_8(right, down, falling, rising, width, n, kept):
 
 @inlined
 def pack_edge(bits, plane, pixel):
-    """64 bits of an edge: its weight's, its pixel, its plane."""
+    """Return the 64 bits of an edge: bits of the weight, pixel, plane."""
     without_sign = np.uint64(bits) & np.uint64(SIGN_BIT - 1)  # -0 sorts as 0
     return (without_sign << np.uint64(HALF_BITS)) | (pixel << np.uint64(PLANE_BITS)) | np.uint64(plane)
 
 
 @inlined
 def pack(bits, plane, first, last, chosen, eights, count, out):
-    """Pack the chosen ones of a block of edges, first..last - 1 of a plane, behind the `count` that are there.
+    """Append the chosen edges first..last - 1 of a plane to the `count` edges in out.
 
-    Without a branch but to skip eight of which none is chosen: what is not chosen is overwritten.
+    The loop has no branch except for skipping eight unmarked edges. An unmarked edge is overwritten by the next one.
     """
     whole = np.uint64(last - first) // np.uint64(8)
     for eight in range(whole):
@@ -165,7 +174,9 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 
 @inlined
 def is_heavy(edge, offsets, parent, records):
-    """True if an edge is heavier than the bound of the region at its first and at its second end, and both roots."""
+    """Return True if an edge is heavier than the bound of the region at its first and at its second end, and both
+    roots.
+    """
     here, there = ends(edge, offsets)
     a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), weight_bits(edge)
     return bits > bound_bits(records[a]), bits > bound_bits(records[b]), a, b
@@ -173,10 +184,10 @@ def is_heavy(edge, offsets, parent, records):
 
 @kernel
 def drop_final(edges, offsets, parent, records, useful):
-    """Keep those packed edges (K,) between regions that one of them can still merge. Returns their number.
+    """Keep the packed edges (K,) between regions that at least one of them can still merge. Return their number.
 
-    A region whose lightest edge is heavier than its bound is final. parent (H W,): every pixel's root. useful (H W,)
-    uint8 is scratch. If few edges are heavy it does nothing, because few would be dropped.
+    A region whose lightest edge is heavier than its bound is final. parent (H W,): root of every pixel. useful (H W,)
+    uint8 is scratch memory. If few edges are heavy, the array is returned unchanged, because few would be dropped.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):
@@ -201,7 +212,9 @@ def drop_final(edges, offsets, parent, records, useful):
 
 @kernel
 def flag_open(low_bits, parent, records, flags):
-    """Make every pixel's root its parent. flags (H W,) the pixels of regions whose bound is at least `low_bits`."""
+    """Set the parent of every pixel to its root. flags (H W,): 1 for pixels of regions with a bound of at least
+    `low_bits`.
+    """
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)
         parent[pixel] = np.uint32(root)
@@ -210,7 +223,7 @@ def flag_open(low_bits, parent, records, flags):
 
 @kernel
 def flag_small(min_size, parent, records, flags):
-    """Make every pixel's root its parent. flags (H W,) the pixels of regions smaller than min_size."""
+    """Set the parent of every pixel to its root. flags (H W,): 1 for pixels of regions smaller than min_size."""
     for pixel in range(np.uint64(parent.size)):
         root = find(parent, pixel)
         parent[pixel] = np.uint32(root)

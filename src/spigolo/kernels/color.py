@@ -1,4 +1,4 @@
-"""Colour as points of the HSV cone (eq. 4), in float32."""
+"""Kernels that convert colour to points of the HSV cone (eq. 4), in float32."""
 
 from __future__ import annotations
 
@@ -12,33 +12,38 @@ TINY = f32(1e-20)
 
 COS2, COS4, COS6, COS8 = f32(-0.54831135), f32(0.05010745), f32(-0.0018310980), f32(3.5003934e-05)
 SIN1, SIN3, SIN5, SIN7 = f32(1.0471975), f32(-0.19139575), f32(0.010489378), f32(-0.00026577872)
-"""cos(t pi / 3) - 1 and sin(t pi / 3) on [-1, 1] by powers of t, interpolated at Chebyshev nodes, within 4e-8."""
+"""Coefficients of cos(t pi / 3) - 1 and sin(t pi / 3) on [-1, 1] in powers of t. The error is below 4e-8.
+
+The polynomials interpolate at Chebyshev nodes.
+"""
 
 
 @inlined
 def hue_in_sector(r, g, b, value, chroma):
-    """Hue as t in [-1, 1], in units of 60 degrees from the nearest of red, green and blue. Anything for grey."""
+    """Return the hue as t in [-1, 1], in units of 60 degrees from the nearest of red, green and blue. Undefined for
+    grey.
+    """
     difference = g - b if value == r else (b - r if value == g else r - g)
     return difference / (chroma if chroma > TINY else TINY)
 
 
 @inlined
 def largest(r, g, b):
-    """The largest of three."""
+    """Return the largest of three values."""
     other = g if g > b else b
     return r if r > other else other
 
 
 @inlined
 def smallest(r, g, b):
-    """The smallest of three."""
+    """Return the smallest of three values."""
     other = g if g < b else b
     return r if r < other else other
 
 
 @inlined
 def hue_circle(r, g, b):
-    """(s cos h, s sin h) of an RGB colour, (0, 0) for grey."""
+    """Return (s cos h, s sin h) of an RGB colour, (0, 0) for grey."""
     value = largest(r, g, b)
     chroma = value - smallest(r, g, b)
     t = hue_in_sector(r, g, b, value, chroma)
@@ -53,11 +58,10 @@ def hue_circle(r, g, b):
 
 @kernel
 def hsv_points(rgb, k_dv, k_ds, out):
-    """Map each colour to a point whose distance to another one is their colour difference.
+    """Map each colour to a point. The distance of two points is their colour difference.
 
-    rgb (H, W, 3) float32 in 0..255.
-    out (3, H, W) float32 = (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2).
-    By the law of cosines the Euclidean distance of two such points is eq. 4.
+    rgb (H, W, 3) float32 in 0..255. out (3, H, W) float32 = (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 +
+    k_ds^2). By the law of cosines, the Euclidean distance of two such points is eq. 4.
     """
     height, width, _ = rgb.shape
     norm = np.sqrt(k_dv * k_dv + k_ds * k_ds)
@@ -67,7 +71,7 @@ def hsv_points(rgb, k_dv, k_ds, out):
         for x in range(width):
             r[x], g[x], b[x] = rgb[y, x, 0], rgb[y, x, 1], rgb[y, x, 2]
         value, cos, sin = out[0, y], out[1, y], out[2, y]
-        for x in range(width):  # one output a loop: the compiler makes vectors of few arrays at a time
+        for x in range(width):  # one output per loop: compilers vectorise few arrays at a time
             value[x] = of_value * largest(r[x], g[x], b[x])
         for x in range(width):
             cos[x] = of_circle * hue_circle(r[x], g[x], b[x])[0]
@@ -77,7 +81,7 @@ def hsv_points(rgb, k_dv, k_ds, out):
 
 @inlined
 def color_difference(a, b, c, a_other, b_other, c_other):
-    """Eq. 4. delta_hsv of two points, clipped at 1, which the formula exceeds by up to 7e-4."""
+    """Eq. 4. Return delta_hsv of two points, clipped at 1. The formula exceeds 1 by up to 7e-4."""
     a, b, c = a - a_other, b - b_other, c - c_other
     distance = np.sqrt(a * a + b * b + c * c)
     return distance if distance < f32(1.0) else f32(1.0)

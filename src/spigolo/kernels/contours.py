@@ -1,4 +1,4 @@
-"""Boundaries found in the depth map alone, where a colour edge is missing."""
+"""Kernels for contours that are found only in the depth map, where a colour edge is missing."""
 
 from __future__ import annotations
 
@@ -9,9 +9,7 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""Margins of the first test in float32. Values closer to a limit are tested again exactly. The second is rounding per
-metre.
-"""
+"""Margins of the first test in float32, relative and per metre. Values closer to a limit are tested again exactly."""
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8
 """Marks of a row are looked at eight at a time, as most are 0."""
@@ -19,9 +17,9 @@ WORD = 8
 
 @kernel
 def fill_shadows(depth, max_run, out):
-    """Give each run of missing pixels in a row the farther depth of its two ends: a shadow lies on the background.
+    """Give each run of missing pixels in a row the larger depth of its two ends, as a shadow lies on the background.
 
-    Runs longer than max_run and those that reach the image border stay 0. depth and out (H, W) metres.
+    Runs longer than max_run and runs at the image border stay 0. depth and out (H, W) in metres.
     """
     height, width = depth.shape
     for y in range(height):
@@ -43,32 +41,32 @@ def fill_shadows(depth, max_run, out):
 
 @inlined
 def bend(before, here, after):
-    """Return how much the depth bends at a pixel, in metres. A step bends by its height, a slanted plane hardly at
-    all.
+    """Return the bend of the depth at a pixel, m. At a step it is the height of the step, on a slanted plane
+    almost 0.
     """
     return abs(2.0 * here - before - after)
 
 
 @inlined
 def is_step(before, here, after, step_m, step_per_m):
-    """True if the depth bends by max(step_m, step_per_m d^2) or more at a pixel of depth d."""
+    """Return True if the depth at a pixel of depth d bends by at least max(step_m, step_per_m d^2)."""
     return bend(before, here, after) >= max(step_m, step_per_m * here * here)
 
 
 @inlined
 def hollow(before, here, after):
-    """Return how far a pixel lies behind the chord between its samples, in metres. Along a line in space, 1 / Z is
-    linear.
-    """
+    """Return the distance of a pixel behind the chord between its samples, m. 1 / Z is linear along a line in space."""
     return here - f32(2.0) * before * after / (before + after)
 
 
 @inlined
 def least_hollow(camera, shape, crease_px, crease_high_deg):
-    """No crease of crease_high_deg or less is hollow by less than this times its depth.
+    """Return a lower bound of a crease's distance behind its chord, as a share of its depth. Creases have at most
+    crease_high_deg.
 
-    Its sides are at least crease_px d / f long, so its tip lies their length times cos(angle / 2) behind the chord.
-    Along a slanted ray that is longer by the ray's length. Spares most pixels the angle.
+    The sides of a crease are at least crease_px d / f long. The tip of the crease lies behind the chord by the length
+    of the sides times cos(angle / 2). Along a slanted ray the distance is longer by the ray's length. With this bound,
+    the angle is computed for few pixels only.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -78,7 +76,7 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
 
 @inlined
 def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
-    """Pixels of row y that may be steps along (n_y, n_x): all of them and a few more, in float32 to be quick."""
+    """Mark the pixels of row y that may be steps along (n_y, n_x): all steps and a few more, in float32 for speed."""
     v, u = step_px * n_y, step_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
     least, per_m, rounding = f32(CLOSE * step_m), f32(CLOSE * step_per_m), f32(ROUNDING)
@@ -91,7 +89,9 @@ def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
 
 @inlined
 def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe):
-    """Pixels of row y that lie deep enough behind their chord along (n_y, n_x) for a crease, and beyond the noise."""
+    """Mark the pixels of row y that are far enough behind their chord along (n_y, n_x) for a crease, and above the
+    noise.
+    """
     v, u = crease_px * n_y, crease_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
     for x in range(maybe.size):
@@ -105,7 +105,7 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe
 
 @inlined
 def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
-    """True if both sides of a pixel along (n_y, n_x) make a contact (eqs. 14-19)."""
+    """Return True if both sides of a pixel along (n_y, n_x) form a contact (eqs. 14-19)."""
     v, u = crease_px * n_y, crease_px * n_x
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 
@@ -131,12 +131,14 @@ def mark_contours(
     steps,
     creases,
 ):
-    """Mark depth steps and concave creases, looked for in the four directions of the grid.
+    """Mark depth steps and concave creases in the four directions of the grid.
 
-    A step bends by max(step_m, step_per_m d^2) or more over step_px. A crease is a contact by the signed angle of
-    eqs. 14-19 over crease_px whose tip lies behind the chord by noise_per_m d^2 or more. Either is marked only where
-    the pixel or one of its two samples at step_px is valid in depth (H, W). Samples come from filled, the same with its
-    shadows filled, in metres. camera (fx, fy, cx, cy). steps, creases (H, W) uint8, zero where nothing is written.
+    At a step, depth bends by at least max(step_m, step_per_m d^2) over step_px. A crease is a contact by the signed
+    angle of eqs. 14-19 over crease_px, and its tip lies behind the chord by at least noise_per_m d^2. Both are marked
+    only if the pixel or one of its two samples at step_px is valid in depth (H, W). Samples come from filled, which is
+    depth with filled shadows, in metres.
+
+    camera (fx, fy, cx, cy). steps, creases (H, W) uint8, initially zero.
     """
     height, width = depth.shape
     margin = max(step_px, crease_px)

@@ -1,4 +1,4 @@
-"""Which Canny pixels are boundaries of objects (eqs. 12-19)."""
+"""Kernels that classify Canny pixels as boundaries of objects (eqs. 12-19)."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ from spigolo.kernels._jit import inlined, kernel
 
 SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
-"""tan 22.5 degrees."""
+"""Value of tan 22.5 degrees."""
 ROUNDING = 1e-9
-"""Share of a cosine that rounding may change: so close to a threshold the angle itself decides."""
+"""Maximum relative rounding error of a cosine. If a cosine is this close to a threshold, the angle itself is
+compared.
+"""
 
 
 @kernel
 def steepest(gx, gy):
-    """The largest squared length of a Scharr gradient (H, W) int16 of 8-bit values, which is below 2^26."""
+    """Return the largest squared length of a Scharr gradient (H, W) int16. The result is below 2^26 for 8-bit
+    images.
+    """
     largest = np.int32(0)
     for y in range(gx.shape[0]):
         along_x, along_y = gx[y], gy[y]
@@ -27,10 +31,10 @@ def steepest(gx, gy):
 
 @inlined
 def normal_direction(gx, gy):
-    """N = (n_y, n_x), the gradient's direction in one of four bins of 45 degrees, whatever its polarity.
+    """Return N = (n_y, n_x), the gradient's direction in one of four bins of 45 degrees, regardless of its sign.
 
-    Bins 0, 45, 90, 135 degrees give right, right and up, up, left and up (rows count downwards). Nothing is branched
-    on here, nor in eqs. 12 and 13: noise lets the processor guess wrongly.
+    Bins 0, 45, 90, 135 degrees give right, right and up, up, left and up (rows count downwards). This function and eqs.
+    12 and 13 have no branches, because noise makes branches hard to predict.
     """
     along_x, along_y = abs(float(gx)), abs(float(gy))
     level, upright = along_y <= TAN_HALF_BIN * along_x, along_x <= TAN_HALF_BIN * along_y
@@ -40,14 +44,14 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. rho: depth of the edge pixel minus that of a sample next to it. It is 0 if either is missing."""
+    """Eq. 12. Return rho, the depth of the edge pixel minus that of a sample next to it. 0 if either is missing."""
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
 
 @inlined
 def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
-    """Eq. 13. Texture where both depth gradients stay below the threshold, else a depth boundary."""
+    """Eq. 13. Return True for a depth boundary. An edge is texture if both depth gradients are below the threshold."""
     if not signed:
         rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
     return not ((rho_plus < step_m) & (rho_minus < step_m))
@@ -55,20 +59,20 @@ def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
 
 @inlined
 def back_project(depth, y, x, fx, fy, cx, cy):
-    """Eq. 14. The point (X, Y, Z) in metres that a pixel with its depth shows."""
+    """Eq. 14. Return the point (X, Y, Z) in metres of a pixel with its depth."""
     d = float(depth[y, x])
     return (x - cx) * d / fx, (y - cy) * d / fy, d
 
 
 @inlined
 def difference(point, origin):
-    """From one point to another."""
+    """Return the vector from one point to another."""
     return point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
 
 
 @inlined
 def unit_vector(point, origin):
-    """Eqs. 15, 16. Direction from the edge point to a point next to it. Zero where they coincide."""
+    """Eqs. 15, 16. Return the direction from the edge point to a point next to it. Zero if they coincide."""
     a, b, c = difference(point, origin)
     norm = np.sqrt(a * a + b * b + c * c)
     if norm == 0.0:
@@ -78,24 +82,24 @@ def unit_vector(point, origin):
 
 @inlined
 def dot(a, b):
-    """Inner product of two vectors."""
+    """Return the inner product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @inlined
 def cross(a, b):
-    """Cross product of two vectors."""
+    """Return the cross product of two vectors."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @inlined
 def along_edge(c, n_y, n_x, sign_rule):
-    """Eq. 19. Return the sign that separates a valley from a ridge, from the cross product of both directions. Negative
-    on a ridge.
+    """Eq. 19. Return the sign that separates a valley (positive) from a ridge (negative), from the cross product.
 
-    The three points lie in one plane with the camera. So only the sign of the cross product along the edge has a
-    meaning: it is positive in a valley. The printed rule takes its x component. That is right for edges whose normal
-    points upwards and zero for upright edges (left to rounding, its sign would be noise).
+    The three points lie in one plane with the camera. So only the cross product's component along the edge has a
+    meaning, and it is positive in a valley. The printed rule takes the x component instead. Its sign is correct if the
+    normal of the edge points upwards. For upright edges the x component is zero, and rounding would make its sign
+    random.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -106,7 +110,9 @@ def along_edge(c, n_y, n_x, sign_rule):
 
 @inlined
 def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
-    """Eqs. 17 and 19. Angle between both directions in degrees, negative at an internal (convex) boundary."""
+    """Eqs. 17 and 19. Return the angle between both directions in degrees, negative at an internal (convex)
+    boundary.
+    """
     c = cross(v_plus, v_minus)
     angle = np.arctan2(np.sqrt(dot(c, c)), dot(v_plus, v_minus)) * 180.0 / np.pi
     return -angle if along_edge(c, n_y, n_x, sign_rule) < 0.0 else angle
@@ -114,7 +120,7 @@ def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
 
 @inlined
 def is_contact(angle_deg, low_deg, high_deg):
-    """Eq. 18. A contact boundary has an angle between both thresholds."""
+    """Eq. 18. Return True if the angle of a contact boundary lies between both thresholds."""
     return not (angle_deg > high_deg or angle_deg < low_deg)
 
 
@@ -131,16 +137,16 @@ def cosine_limits(low_deg, high_deg):
 
 @inlined
 def scaled_point(depth, y, x, fx, fy, cx, cy):
-    """The point of eq. 14 times fx fy: angles stay, and nothing is divided."""
+    """Return the point of eq. 14 times fx fy. Angles stay the same, and no division is needed."""
     d = float(depth[y, x])
     return (x - cx) * d * fy, (y - cy) * d * fx, d * fx * fy
 
 
 @inlined
 def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
-    """Eqs. 14-19 at an edge point (y, x) between those (v, u) away on both sides.
+    """Eqs. 14-19. Return True for a contact at an edge point (y, x) between the points at offsets (v, u) on both sides.
 
-    For most without the angle, by its sign and its cosine: `cosine_limits` of both thresholds.
+    Most points are decided by the sign and the cosine of the angle (`cosine_limits`), without the angle itself.
     """
     fx, fy, cx, cy = camera
     if low_deg >= 0.0:
@@ -162,10 +168,10 @@ def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_
 @kernel
 def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missing_is_boundary, contact_px, low_deg,
                    high_deg, sign_rule, depth_boundary, contact):  # fmt: skip
-    """Eqs. 12-19 on every edge pixel that is farther from the image border than its samples reach.
+    """Eqs. 12-19. Classify every edge pixel whose samples lie inside the image.
 
-    edges (H, W) uint8. Gx, gy (H, W) int16. depth (H, W) metres. camera (fx, fy, cx, cy).
-    depth_boundary and contact (H, W) uint8, zero where nothing is written.
+    edges (H, W) uint8. gx, gy (H, W) int16. depth (H, W) metres. camera (fx, fy, cx, cy). depth_boundary and contact
+    (H, W) uint8, initially zero.
     """
     height, width = edges.shape
     margin = max(step_px, contact_px) + 1

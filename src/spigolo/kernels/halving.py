@@ -1,4 +1,4 @@
-"""Depth at half the width and height."""
+"""Kernel for depth at half the width and height."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def halve_depth(depth, out):
-    """Fill each pixel with the lower median of the valid depths in its block of two by two. 0 without any.
+    """Set each pixel to the lower median of the valid depths in its block of 2x2 pixels, or to 0 if there are none.
 
-    Unlike a mean, it is a measured depth: no point lies between an object and the surface behind it.
-    depth (H, W) float32 metres, 0 = missing; out (ceil(H / 2), ceil(W / 2)) float32.
+    Unlike a mean, the median is a measured depth. A mean could lie between an object and the surface behind it.
+
+    depth (H, W) float32 metres, 0 = missing. out (ceil(H / 2), ceil(W / 2)) float32.
     """
     height, width = depth.shape
     for y in range(out.shape[0]):

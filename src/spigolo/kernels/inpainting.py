@@ -1,6 +1,6 @@
-"""Small gaps in depth: sampling holes are closed, gaps are found and measured.
+"""Kernels for small gaps in depth: closing of sampling holes, and detection and measurement of gaps.
 
-A gap is kept as its runs: (row, first column, last column + 1) of missing pixels, in raster order.
+A gap is stored as runs of missing pixels (row, first column, last column + 1), in raster order.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def blend(near, far, mean, step_m, step_share):
-    """The mean of a rim, or its far value where the rim spans a depth step."""
+    """Return the mean depth of a rim, or its far depth if the rim spans a depth step."""
     return far if far - near > max(step_m, step_share * near) else mean
 
 
 @inlined
 def around(depth, y, x):
-    """Nearest and farthest depth, sum and number of the valid 8-neighbours of a pixel."""
+    """Return the nearest and farthest depth, the sum and the number of the valid 8-neighbours of a pixel."""
     near, far, total, count = np.inf, 0.0, 0.0, 0
     for v in range(max(y - 1, 0), min(y + 2, depth.shape[0])):
         for u in range(max(x - 1, 0), min(x + 2, depth.shape[1])):
@@ -30,10 +30,10 @@ def around(depth, y, x):
 
 @kernel
 def close_holes(depth, holes, step_m, step_share, values):
-    """Give each pixel of `holes` the mean of its valid 8-neighbours, the farthest where they span a step.
+    """Set each pixel of `holes` to the mean of its valid 8-neighbours, or to the farthest if they span a depth step.
 
-    depth (H, W), changed in place. Holes (N,) int64 numbers of missing pixels. values (N,) float32 is scratch. Pixels
-    without a valid neighbour stay 0: a second pass closes holes that are two pixels wide.
+    depth (H, W) is changed in place. holes (N,) int64: indices of missing pixels. values (N,) float32 is scratch.
+    Pixels without a valid neighbour stay 0. A second pass closes holes that are two pixels wide.
     """
     width = depth.shape[1]
     for k in range(holes.size):
@@ -49,7 +49,7 @@ def close_holes(depth, holes, step_m, step_share, values):
 
 @kernel
 def find_runs(depth, runs):
-    """List the runs of missing pixels, runs (N, 3) int32 with room for all. Returns how many there are."""
+    """List the runs of missing pixels in runs (N, 3) int32, which must be large enough. Return their number."""
     height, width = depth.shape
     count = 0
     for y in range(height):
@@ -69,7 +69,7 @@ def find_runs(depth, runs):
 
 @inlined
 def root_of(parent, run):
-    """Root of a run's tree, the path behind it halved."""
+    """Return the root of a run's tree, with path halving."""
     while parent[run] != run:
         parent[run] = parent[parent[run]]
         run = parent[run]
@@ -78,9 +78,9 @@ def root_of(parent, run):
 
 @kernel
 def join_runs(runs, parent, gaps):
-    """Number the 8-connected gaps 0.. in the order of their first runs: gaps (N,) int32 of each run. Returns how many.
+    """Number the 8-connected gaps from 0 in the order of their first runs: gaps (N,) int32. Return their number.
 
-    parent (N,) int32 is scratch.
+    parent (N,) int32 is scratch memory.
     """
     for k in range(len(runs)):
         parent[k] = k
@@ -107,10 +107,11 @@ def join_runs(runs, parent, gaps):
 
 @kernel
 def measure_gaps(depth, runs, gaps, area, near, far, on_border):
-    """For each gap: its pixels, nearest and farthest valid depth of its rim, whether it touches the image border.
+    """Measure each gap: number of pixels, nearest and farthest valid depth of its rim, and contact with the image
+    border.
 
-    runs (N, 3), gaps (N,) as above. area (G,) int64, far (G,) float32 and on_border (G,) uint8 start as 0, near (G,)
-    float32 as +inf.
+    runs (N, 3), gaps (N,) as in `join_runs`. area (G,) int64, far (G,) float32 and on_border (G,) uint8 start as 0,
+    near (G,) float32 as +inf.
     """
     height, width = depth.shape
     for k in range(len(runs)):
@@ -127,7 +128,7 @@ def measure_gaps(depth, runs, gaps, area, near, far, on_border):
 
 @kernel
 def widest(distance, runs, gaps, radius):
-    """Largest distance (H, W) to a valid pixel in each gap. radius (G,) float32 starts as 0."""
+    """Compute the largest distance (H, W) to a valid pixel in each gap. radius (G,) float32 starts as 0."""
     for k in range(len(runs)):
         gap, (y, first, end) = gaps[k], runs[k]
         for x in range(first, end):

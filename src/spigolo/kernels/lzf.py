@@ -1,4 +1,4 @@
-"""LZF, in which the Point Cloud Library packs clouds."""
+"""Kernel for LZF, the compression of point clouds in the Point Cloud Library."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def unpack_lzf(packed, out):
-    """Unpack into out (M,) uint8. Returns True if packed (N,) uint8 fills it exactly.
+    """Unpack into out (M,) uint8. Return True if packed (N,) uint8 fills it exactly.
 
-    A byte below 32 is followed by that many bytes and one more. Any other byte holds a length minus 2 in its upper
-    three bits. 7 stands for 7 and the next byte. With the byte after it, it holds how far back to copy from, minus 1.
+    A byte b below 32 is followed by b + 1 literal bytes. Any other byte starts a copy of earlier output. The upper
+    three bits of such a byte are the length minus 2. If they are 7, the next byte is added to the length. The lower
+    five bits and the following byte give the distance to copy from, minus 1.
     """
     read, written = 0, 0
     while read < packed.size:
@@ -34,7 +35,7 @@ def unpack_lzf(packed, out):
             read += 1
             if source < 0 or written + length > out.size:
                 return False
-            for k in range(length):  # one by one, as both parts may overlap
+            for k in range(length):  # one byte at a time, as source and target may overlap
                 out[written + k] = out[source + k]
         written += length
     return written == out.size

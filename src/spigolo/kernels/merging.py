@@ -1,7 +1,7 @@
-"""Merging pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004; eqs. 2, 3).
+"""Kernels that merge pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004, eqs. 2, 3).
 
-A packed edge is 64 bits: those of its float32 weight, then 30 for its pixel, then 2 for its plane. A root's record is
-64 bits as well: the size of its region, then the bits of its merge bound. docs/performance.md explains the rounds.
+A packed edge has 64 bits: 32 of its float32 weight, 30 of its pixel, and 2 of its plane. The record of a root has 64
+bits too: the size of its region, then the bits of its merge bound. docs/performance.md explains the rounds.
 """
 
 from __future__ import annotations
@@ -14,25 +14,25 @@ HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
 """Shift and mask of the halves of an edge and of a record."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""Numbers of edges ahead for which memory is prefetched: first a pixel's parent, then the record of that parent."""
+"""Number of edges ahead at which memory is prefetched: first a pixel's parent, then the record of that parent."""
 
 
 @inlined
 def ends(edge, offsets):
-    """Both pixels of a packed edge. All is unsigned, so that no index is tested for its sign."""
+    """Return both pixels of a packed edge. All values are unsigned, so that no index is tested for its sign."""
     pixel = (edge & np.uint64(LOW_HALF)) >> np.uint64(PLANE_BITS)
     return pixel, pixel + offsets[edge & np.uint64((1 << PLANE_BITS) - 1)]
 
 
 @inlined
 def weight_bits(edge):
-    """Bits of a packed edge's weight."""
+    """Return the bits of a packed edge's weight."""
     return edge >> np.uint64(HALF_BITS)
 
 
 @inlined
 def find(parent, node):
-    """Root of a node's tree. The path behind is halved. For trees of which most nodes stand one step below the root."""
+    """Return the root of a node's tree, with path halving. For trees in which most nodes are children of the root."""
     above = np.uint64(parent[node])
     root = np.uint64(parent[above])
     while above != root:
@@ -45,10 +45,9 @@ def find(parent, node):
 
 @inlined
 def find_deep(parent, node):
-    """Return the root of a node's tree and hang the node below it. For trees that grow.
+    """Return the root of a node's tree and make the node its child. For trees that grow.
 
-    Three steps are taken without a test. A processor guesses wrongly where a path ends, and loses more by that than by
-    a step.
+    Three steps are taken without a test. A mispredicted end of the path costs more time than a step.
     """
     root = np.uint64(parent[np.uint64(parent[np.uint64(parent[node])])])
     above = np.uint64(parent[root])
@@ -61,19 +60,19 @@ def find_deep(parent, node):
 
 @inlined
 def may_merge(weight, bound_a, bound_b):
-    """Eq. 3. Two regions merge if their edge weighs at most I(R) + gamma / |R| of both."""
+    """Eq. 3. Return True if the weight of an edge is at most I(R) + gamma / |R| of both regions."""
     return weight <= bound_a and weight <= bound_b
 
 
 @inlined
 def merge_bound(internal, gamma, size):
-    """I(R) + gamma / |R|, the bound that eq. 3 sets to a region's edges."""
+    """Return I(R) + gamma / |R|, the maximum weight of an edge at which a region merges (eq. 3)."""
     return internal + gamma / size
 
 
 @inlined
 def bits_below(bound):
-    """Bits of the largest float32 that is not above a bound >= 0: no float32 weight lies between the two."""
+    """Return the bits of the largest float32 that is not above a bound >= 0. No weight lies between the two."""
     nearest = np.float32(bound)
     bits = nearest.view(np.uint32)
     return bits - np.uint32(1) if np.float64(nearest) > bound else bits
@@ -87,13 +86,13 @@ def record(size, bound):
 
 @inlined
 def size_of(node):
-    """Pixels of the region whose root has this record."""
+    """Return the number of pixels of the region whose root has this record."""
     return node >> np.uint64(HALF_BITS)
 
 
 @inlined
 def bound_bits(node):
-    """Bits of the merge bound of the region whose root has this record."""
+    """Return the bits of the merge bound of the region whose root has this record."""
     return node & np.uint64(LOW_HALF)
 
 
@@ -109,7 +108,7 @@ def unite(parent, records, a, b, bound):
 
 @inlined
 def ask_ahead(edges, k, offsets, parent, records):
-    """Ask for what the edges after the k-th will need."""
+    """Prefetch the memory that the edges after the k-th will need."""
     here, there = ends(edges[k + NODES_AHEAD], offsets)
     prefetch(parent, here)
     prefetch(parent, there)
@@ -120,10 +119,11 @@ def ask_ahead(edges, k, offsets, parent, records):
 
 @kernel
 def plant(weights, width, gamma, parent, records, flags):
-    """Make regions, which may still merge, of the pixels that straight edges of weight 0 connect.
+    """Make regions of the pixels that are connected by straight edges of weight 0. The regions may merge later.
 
-    No such edge is ever refused (eq. 3), so that their order is free. weights (P, H W) float32. parent (H W,) uint32,
-    each pixel's root. records (H W,) uint64. flags (H W,) uint8.
+    Edges of weight 0 are never refused (eq. 3), so their order does not matter.
+
+    weights (P, H W) float32. parent (H W,) uint32, root of each pixel. records (H W,) uint64. flags (H W,) uint8.
     """
     right, down = weights[0], weights[1]
     for pixel in range(np.uint64(parent.size)):
@@ -151,11 +151,13 @@ def hang_below_first(parent, a, b):
 
 @kernel
 def merge(edges, offsets, gamma, stop, parent, records):
-    """Eqs. 2, 3. Merge regions over sorted packed edges (K,). If it shall `stop`, up to the first that it refuses.
+    """Eqs. 2, 3. Merge regions over sorted packed edges (K,). With `stop`, end at the first edge that is refused.
 
-    Returns how many edges are done.
-    offsets (P,) uint64 from a pixel to its neighbour, modulo 2^64. I(R) of eq. 2 is the weight of the last merge: the
-    edges come sorted, so it is the largest one in the minimum spanning tree of R.
+    I(R) of eq. 2 is the weight of the last merge. As edges are sorted, it is the largest weight in the minimum spanning
+    tree of R.
+
+    offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64. Returns the number of edges that
+    were processed.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:
@@ -175,7 +177,9 @@ def merge(edges, offsets, gamma, stop, parent, records):
 
 @kernel
 def absorb_small(edges, offsets, min_size, parent, records):
-    """Join regions smaller than min_size to the neighbour over their lightest edge. Sorted edges as in `merge`."""
+    """Join regions smaller than min_size to the neighbour across their lightest edge. Edges are sorted as in
+    `merge`.
+    """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:
             ask_ahead(edges, k, offsets, parent, records)
@@ -187,7 +191,7 @@ def absorb_small(edges, offsets, min_size, parent, records):
 
 @kernel
 def number_regions(parent, number, labels):
-    """Labels 0..R-1 in the order of each region's first pixel. number (H W,) uint32 is scratch. Returns R."""
+    """Compute labels 0..R-1 in the order of each region's first pixel. number (H W,) uint32 is scratch. Return R."""
     number[:] = 0
     regions = np.uint32(0)
     for pixel in range(np.uint64(parent.size)):

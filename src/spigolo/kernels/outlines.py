@@ -1,4 +1,4 @@
-"""Steps of depth and height across the outlines of regions, seen through shadows."""
+"""Kernels for steps of depth and height across the outlines of regions, also across shadows."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ SUMS = 6
 
 @inlined
 def first_measured(depth, y, x, dy, dx, most):
-    """The first pixel with depth from (y, x) along (dy, dx), at most `most` pixels further. Row -1 without one."""
+    """Return the first pixel with depth from (y, x) along (dy, dx), at most `most` pixels away. The row is -1 if there
+    is none.
+    """
     height, width = depth.shape
     for _ in range(most + 1):
         if y < 0 or x < 0 or y >= height or x >= width:
@@ -23,7 +25,7 @@ def first_measured(depth, y, x, dy, dx, most):
 
 @inlined
 def is_inner(labels, y, x):
-    """True if a pixel and its four neighbours are of one region, inside the image."""
+    """Return True if a pixel and its four neighbours belong to one region and lie inside the image."""
     k = labels[y, x]
     if y == 0 or x == 0 or y + 1 == labels.shape[0] or x + 1 == labels.shape[1]:
         return False
@@ -32,7 +34,7 @@ def is_inner(labels, y, x):
 
 @inlined
 def height_at(depth, slope_x, slope_y, slope, offset, y, x):
-    """Height of a pixel above the support."""
+    """Return the height of a pixel above the support."""
     return (slope_x[x] + slope_y[y] + slope) * depth[y, x] + offset
 
 
@@ -40,17 +42,21 @@ def height_at(depth, slope_x, slope_y, slope, offset, y, x):
 def sum_outlines(
     labels, depth, slope_x, slope_y, slope, offset, near, deep, shadow, step_m, step_share, ledge_m, ledge_per_m, sums
 ):
-    """Steps of depth and of height across the outline of each region.
+    """Count the steps of depth and of height across the outline of each region.
 
-    labels (H, W) int32. depth (H, W) float32 metres. height above the support is
-    (slope_x[x] + slope_y[y] + slope) * depth + offset. The inner sample lies `near` pixels inside the outline, or on
-    it where the region is thinner or lacks depth there. The outer one is the first pixel with depth from `near` pixels
-    outside on, at most `shadow` pixels further: a shadow lies on what is behind. The region's own slope is taken up to
-    `deep` pixels inside.
+    The height above the support is (slope_x[x] + slope_y[y] + slope) * depth + offset. The inner sample lies `near`
+    pixels inside the outline. If the region is thinner or lacks depth there, it lies on the outline. The outer sample
+    is the first pixel with depth from `near` to `near` + `shadow` pixels outside, as a shadow lies on the background.
+    The region's own slope is measured up to `deep` pixels inside.
 
-    sums (R, 6) float64, zero before: pairs of 4-neighbours across the outline. Those with both samples. Those where
-    the outside is farther, and nearer, by step_m + step_share * depth + slope. Those where height steps by
-    max(ledge_m, ledge_per_m * depth^2). Sides of pixels on the image border.
+    labels (H, W) int32. depth (H, W) float32 metres. sums (R, 6) float64, initially zero. Its columns are:
+
+    - pairs of 4-neighbours across the outline
+    - pairs with both samples
+    - pairs where the outside is farther by step_m + step_share * depth + slope
+    - pairs where the outside is nearer by that step
+    - pairs where the height changes by max(ledge_m, ledge_per_m * depth^2)
+    - sides of pixels on the image border
     """
     height, width = labels.shape
     for y in range(height):

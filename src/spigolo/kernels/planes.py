@@ -1,4 +1,4 @@
-"""Points near planes, and which way surfaces look."""
+"""Kernels for points near planes, and for surface normals."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ MISSING, BELOW, ON, ABOVE = range(4)
 
 @kernel
 def count_near(points, planes, tolerance, counts):
-    """Count the points that lie within their tolerance of each plane. counts (P,) int64.
+    """Count the points within their tolerance of each plane. counts (P,) int64.
 
     points (3, N) and tolerance (N,) float32 metres. planes (P, 4) float32: unit normal and offset.
     """
@@ -26,7 +26,10 @@ def count_near(points, planes, tolerance, counts):
 
 @kernel
 def measure_heights(depth, slope_x, slope_y, slope, offset, out):
-    """Height of every pixel above a plane, out (H, W): (slope_x[x] + slope_y[y] + slope) * depth + offset, float32."""
+    """Compute the height of every pixel above a plane, out (H, W).
+
+    The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32.
+    """
     for y in range(depth.shape[0]):
         row, height, of_row = depth[y], out[y], slope_y[y]
         for x in range(row.size):
@@ -35,10 +38,10 @@ def measure_heights(depth, slope_x, slope_y, slope, offset, out):
 
 @kernel
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
-    """On which side of a plane every pixel lies: out (H, W) uint8 is MISSING, BELOW, ON or ABOVE.
+    """Classify every pixel relative to a plane: out (H, W) uint8 is MISSING, BELOW, ON or ABOVE.
 
-    Its height is (slope_x[x] + slope_y[y] + slope) * depth + offset, all float32 in metres. It lies on the plane within
-    max(least, noise * depth^2).
+    The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, all float32 in metres. A pixel is ON the plane if
+    its height is within max(least, noise * depth^2).
     """
     for y in range(depth.shape[0]):
         row, side, of_row = depth[y], out[y], slope_y[y]
@@ -52,12 +55,14 @@ def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
 
 @kernel
 def sum_normals(labels, depth, wanted, camera, reach, sums):
-    """Sum the surface normals of each region, and the directions that they are seen from.
+    """Sum the surface normals of each region, and the directions of its lines of sight.
 
-    labels (H, W) int32. depth (H, W) float32 metres. wanted (R,) uint8: other regions stay as they are. camera (4,)
-    float64: fx, fy, cx, cy. Slopes are taken over `reach` pixels to both sides, within one region. sums (R, 7) float64,
-    zero before: pixels with a normal, the normals' X, Y, Z, and the same of unit vectors along the lines of sight.
-    Normals point away from the camera, as lines of sight do.
+    Slopes are measured over `reach` pixels to both sides, within one region. Normals point away from the camera, as
+    lines of sight do.
+
+    labels (H, W) int32. depth (H, W) float32 metres. wanted (R,) uint8: regions with 0 are skipped. camera (4,)
+    float64: fx, fy, cx, cy. sums (R, 7) float64, initially zero. Columns: number of pixels with a normal, sum of
+    normals X, Y, Z, sum of unit vectors along the lines of sight X, Y, Z.
     """
     fx, fy, cx, cy = camera
     for y in range(reach, labels.shape[0] - reach):

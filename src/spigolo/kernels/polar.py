@@ -1,4 +1,4 @@
-"""Boundaries as seen from a point: depth on both sides of an edge, and the shortest closed path around the point."""
+"""Kernels for depth on both sides of an edge, and for the shortest closed path around a point in polar coordinates."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def line_through(n, s, ss, d, sd):
-    """Intercept and slope of the line of least squares from its sums. A level one where all points coincide."""
+    """Return intercept and slope of the least-squares line from its sums. The slope is 0 if all points coincide."""
     spread = n * ss - s * s
     if spread <= 1e-9 * n * n:
         return d / n, 0.0
@@ -21,10 +21,12 @@ def line_through(n, s, ss, d, sd):
 def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, out):
     """Fit lines to the disparity on both sides of every edge pixel, along its normal.
 
-    edges (H, W) uint8. direction (H, W) uint8: row of normals (K, 2) float64, unit vectors (n_y, n_x). disparity (H, W)
-    float32, 0 if missing. Pixels within `radius` count, those nearer than `strip` to the edge line with the weight
-    `weak`. A side needs the weight `least`. out (H, W, 4) float32: disparity at the edge and its slope per pixel on the
-    side that the normal points to, then on the other one. It is 0 everywhere if a side has too little weight.
+    Pixels within `radius` count. Pixels nearer than `strip` to the edge line have the weight `weak`. A side requires at
+    least the weight `least`.
+
+    edges (H, W) uint8. direction (H, W) uint8: index into normals (K, 2) float64, unit vectors (n_y, n_x). disparity
+    (H, W) float32, 0 if missing. out (H, W, 4) float32: disparity at the edge and its slope per pixel, first on the
+    side that the normal points to, then on the other side. All values are 0 if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -59,9 +61,9 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
 
 @inlined
 def advance(total, across, low, high, reached, origin):
-    """Cheapest way to each radius low..high-1 of the next ray from any radius of this one, and which it is from.
+    """Compute the cheapest path to each radius low..high-1 of the next ray from any radius of this ray, and its origin.
 
-    To go from radius k to k + 1, or back, costs across[k]. So two sweeps see all ways.
+    A step between radius k and k + 1 in either direction costs across[k]. Two sweeps therefore cover all paths.
     """
     best, source = np.inf, low
     for k in range(low, high):
@@ -82,7 +84,9 @@ def advance(total, across, low, high, reached, origin):
 
 @inlined
 def go_around(radial, angular, low, high, total, reached, origin):
-    """Take what radii of ray 0 cost (total) around all rays within low..high. reached: what it costs to be back."""
+    """Continue the costs of the radii on ray 0 (total) around all rays within low..high. reached: cost after one
+    turn.
+    """
     rays = radial.shape[0]
     for t in range(1, rays + 1):
         here, before = t % rays, t - 1
@@ -94,12 +98,14 @@ def go_around(radial, angular, low, high, total, reached, origin):
 
 @kernel
 def closed_path(radial, angular, least, most, best):
-    """The cheapest closed path around the origin of a polar map with one radius, least..most, on every ray.
+    """Find the cheapest closed path around the origin of a polar map, with one radius in least..most on every ray.
 
-    radial (T, R): cost to cross ray t between radii k - 1 and k. angular (T, R): cost to pass radius k between rays
-    t and t + 1, the last and the first being neighbours. Both float32, not negative. best (T,) int32. Returns the cost.
-    Cheapest paths need not cross each other, so that one through a start leaves two smaller problems. Starts that
-    cannot be reached for less than the best path, even from anywhere, are left out.
+    Cheapest paths need not cross each other, so a path through a start divides the problem into two smaller ones. A
+    start is skipped if even the cheapest way to reach it costs more than the best path.
+
+    radial (T, R): cost of crossing ray t between radii k - 1 and k. angular (T, R): cost of passing radius k between
+    rays t and t + 1, where the last and the first ray are neighbours. Both are float32 and not negative. best (T,)
+    int32. Returns the cost.
     """
     rays, radii = radial.shape
     paths = np.empty((radii + 2, rays), np.int32)
@@ -107,7 +113,7 @@ def closed_path(radial, angular, least, most, best):
     total, reached, bound = np.empty(radii), np.zeros(radii), np.zeros(radii)
     origin = np.empty((rays, radii), np.int32)
     turned = np.arange(0, -rays, -1) % rays
-    for way in range(2):  # to come back to a start costs at least this, in either direction
+    for way in range(2):  # lower bound of the cost of a turn, in either direction
         there, across = (radial, angular) if way == 0 else (radial[turned], angular[(turned - 1) % rays])
         total[:] = np.inf
         total[least : most + 1] = there[0, least : most + 1]

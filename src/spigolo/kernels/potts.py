@@ -1,8 +1,8 @@
-"""A Potts model of an image and its Metropolis updates (Abramov et al. 2012).
+"""Kernels for a Potts model of an image with Metropolis updates (Abramov et al. 2012).
 
-Every pixel has a spin, one of a few numbers. Neighbours of equal spin lower the energy by their interaction J, which is
-positive where they look alike and negative where they differ: E = -sum of J over all pairs of equal spin.
-Interactions lie in planes as the weights of a graph do (`spigolo.stages.graph`). Pairs that leave the image have 0.
+Every pixel has a spin, which is one of a few numbers. The energy is E = -sum of J over all neighbouring pairs of equal
+spin. The interaction J is positive if the pixels look alike and negative if they differ. Interactions are stored in
+planes like the weights of a graph (`spigolo.stages.graph`). Pairs that leave the image have 0.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from spigolo.kernels._jit import inlined, kernel
 NEIGHBOURS = 8
 LOW_BITS = np.uint64(0xFFFFFFFF)
 ODD_A, ODD_B, ODD_C = np.uint64(0x9E3779B1), np.uint64(0x85EBCA77), np.uint64(0xC2B2AE3D)
-"""Multipliers that spread counters over 32 bits (primes that xxHash and MurmurHash use)."""
+"""Multipliers that spread counters over 32 bits (primes from xxHash and MurmurHash)."""
 TO_UNIT = 1.0 / (1 << 32)
 
 
 @inlined
 def scatter_bits(value):
-    """Mix 32 bits, kept in a uint64 so that no product overflows, until counters look random."""
+    """Mix 32 bits until counters look random. The bits are kept in a uint64, so that no product overflows."""
     value = ((value ^ (value >> np.uint64(15))) * ODD_B) & LOW_BITS
     value = ((value ^ (value >> np.uint64(13))) * ODD_C) & LOW_BITS
     return value ^ (value >> np.uint64(16))
@@ -28,7 +28,7 @@ def scatter_bits(value):
 
 @inlined
 def draw(seed, sweep, pixel, which):
-    """32 random bits that depend on these four alone: the same in any order of the pixels."""
+    """Return 32 random bits that depend only on the four arguments, so the order of the pixels does not matter."""
     first = scatter_bits((np.uint64(seed) * ODD_A + np.uint64(sweep)) & LOW_BITS)
     second = scatter_bits((first * ODD_A + np.uint64(pixel)) & LOW_BITS)
     return scatter_bits((second * ODD_A + np.uint64(which)) & LOW_BITS)
@@ -36,24 +36,24 @@ def draw(seed, sweep, pixel, which):
 
 @inlined
 def color_interaction(distance, mean, repulsion):
-    """J of two colours: 1 where they are one, 0 at the mean distance, never below `-repulsion`."""
+    """Return J of two colours: 1 for equal colours, 0 at the mean distance, at least `-repulsion`."""
     return max(np.float32(1.0) - distance / mean, -repulsion)
 
 
 @inlined
 def is_step(z_here, z_there, step, step_per_m):
-    """True if two depths lie farther apart than noise and a slanted plane explain. Missing depth is no step."""
+    """Return True if two depths differ more than noise and a slanted plane explain. Missing depth is not a step."""
     near = min(z_here, z_there)
     return near > 0.0 and abs(z_here - z_there) > max(step, step_per_m * near * near)
 
 
 @kernel
 def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalty, dy, dx, out):
-    """J of every pair of one plane.
+    """Compute J of every pair of one plane.
 
     distance (H, W) float32 of the colours of a pair, +inf without a pair. depth (H, W) metres, 0 = missing. mean,
-    repulsion: as `color_interaction` has them. Depth that differs by more than step (m) and step_per_m (1/m) times its
-    square repels by `penalty`. out (H, W) float32.
+    repulsion: as in `color_interaction`. Depths that differ by more than step (m) and by more than step_per_m (1/m)
+    times the squared depth repel by `penalty`. out (H, W) float32.
     """
     height, width = depth.shape
     mean, repulsion, penalty = np.float32(mean), np.float32(repulsion), np.float32(penalty)
@@ -67,7 +67,9 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
 
 @inlined
 def look_around(spins, planes, y, x, spin, force):
-    """Read spins and interactions of the 8 neighbours of a pixel. They are -1 and 0 outside the image."""
+    """Read spins and interactions of the 8 neighbours of a pixel into two arrays. Outside the image they are -1
+    and 0.
+    """
     height, width = spins.shape
     k = 0
     for dy in range(-1, 2):
@@ -78,7 +80,7 @@ def look_around(spins, planes, y, x, spin, force):
             if v < 0 or u < 0 or v >= height or u >= width:
                 spin[k], force[k] = -1, 0.0
             else:
-                # the pair is kept at the end that the planes look from: right, down, down-right, up-right
+                # a pair is stored at its first pixel: planes are right, down, down-right, up-right
                 plane = 0 if dy == 0 else (1 if dx == 0 else (2 if dy == dx else 3))
                 from_here = dx > 0 or (dx == 0 and dy > 0)
                 spin[k] = spins[v, u]
@@ -98,7 +100,7 @@ def energy(spin, force, of):
 
 @inlined
 def best_other(spin, force, own, stranger):
-    """The spin of least energy that is not the own one: of a neighbour, the first of equals, or a stranger's."""
+    """Return the spin of lowest energy other than the own one: the first best spin of a neighbour, or a random one."""
     best, least = stranger, energy(spin, force, stranger)
     for k in range(NEIGHBOURS):
         if spin[k] >= 0 and spin[k] != own:
@@ -110,12 +112,13 @@ def best_other(spin, force, own, stranger):
 
 @kernel
 def sweep(spins, planes, values, temperature, seed, number):
-    """One Metropolis sweep: every pixel is offered the best other spin, a quarter of the pixels after the other.
+    """Run one Metropolis sweep. Every pixel is offered the best other spin, in four groups of pixels.
 
-    It takes it where that raises the energy by dE <= 0, else with probability exp(-dE / temperature). Pixels of a
-    quarter, every second one of every second row, are no neighbours: their order does not matter.
-    spins (H, W) int32, changed. planes (4, H, W) float32. values: spins are 0..values-1. seed, number of the sweep:
-    what is drawn depends on them. Returns how many spins changed.
+    A change of energy dE <= 0 is always accepted, and else with probability exp(-dE / temperature). A group has every
+    second pixel of every second row. The pixels of a group are not neighbours, so their order does not matter.
+
+    spins (H, W) int32: changed in place. planes (4, H, W) float32. values: spins are 0..values-1. seed, number: seed
+    and number of the sweep, which determine the random bits. Returns the number of spins that changed.
     """
     height, width = spins.shape
     spin, force = np.empty(NEIGHBOURS, np.int32), np.empty(NEIGHBOURS, np.float32)

@@ -1,7 +1,7 @@
-"""Logarithm and power to base 2 as polynomials in float32: the same to the last bit on every machine, without branches.
+"""Kernels for base-2 logarithm and power as float32 polynomials, with identical bits on all machines and no branches.
 
-Interpolated at Chebyshev nodes. Against the true functions log2_1p errs by less than 2e-7, the power by less than 5e-7,
-so that a weight errs by less than 1e-6.
+The polynomials interpolate at Chebyshev nodes. The error of log2_1p is below 2e-7 and that of the power below 5e-7. The
+error of a weight is then below 1e-6.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LOG0, LOG1, LOG2, LOG3, LOG4, LOG5, LOG6, LOG7, LOG8 = (
     f32(-0.041945008878192476),
     f32(0.007395402127151254),
 )
-"""log2(1 + x) / x on [0, 1]."""
+"""Coefficients of log2(1 + x) / x on [0, 1]."""
 EXP0, EXP1, EXP2, EXP3, EXP4, EXP5, EXP6 = (
     f32(1.0000000025307443),
     f32(0.6931469327589502),
@@ -36,7 +36,7 @@ EXP0, EXP1, EXP2, EXP3, EXP4, EXP5, EXP6 = (
     f32(0.001239133189098083),
     f32(0.00021865784601545537),
 )
-"""2^x on [0, 1]."""
+"""Coefficients of 2^x on [0, 1]."""
 
 
 @inlined
@@ -48,7 +48,7 @@ def log2_1p(x):
 
 @inlined
 def log2(x):
-    """Base-2 logarithm of float32 x in (0, 1], from its exponent and the logarithm of its mantissa."""
+    """Return the base-2 logarithm of float32 x in (0, 1], from its exponent and the logarithm of its mantissa."""
     bits = f32(x).view(np.int32)
     exponent = np.int32(np.int32(bits >> MANTISSA_BITS) - EXPONENT_BIAS)
     mantissa = np.int32(np.int32(bits & MANTISSA) | ONE_BITS).view(np.float32)
@@ -57,7 +57,7 @@ def log2(x):
 
 @inlined
 def exp2(y):
-    """2^y for float32 y in [-126, 0]."""
+    """Return 2^y for float32 y in [-126, 0]."""
     whole = np.floor(y)
     f = y - whole
     power = (((((EXP6 * f + EXP5) * f + EXP4) * f + EXP3) * f + EXP2) * f + EXP1) * f + EXP0

@@ -1,4 +1,4 @@
-"""Triangle meshes drawn into a depth map."""
+"""Kernel that draws triangle meshes into a depth map."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from spigolo.kernels.registration import ROUNDING, inverse_depth_at, triangle
 
 @kernel
 def draw_mesh(points, triangles, out):
-    """Draw the triangles of a mesh where nothing nearer is. One with a corner too near for the camera is left out.
+    """Draw the triangles of a mesh where no surface is nearer. Triangles with a corner too near the camera are skipped.
 
-    points (V, 3): u, v in pixels and 1 / Z, 0 if too near. triangles (T, 3) int32. out (H, W) metres, 0 before.
+    points (V, 3): u, v in pixels and 1 / Z, 0 if too near. triangles (T, 3) int32. out (H, W) metres, initially zero.
     """
     height, width = out.shape
     for t in range(triangles.shape[0]):

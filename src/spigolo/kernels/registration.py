@@ -1,4 +1,4 @@
-"""Depth of one camera moved into the image of another, as the surfaces that it samples."""
+"""Kernels that map the surfaces of a depth map into the image of another camera."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 NEAREST_M = 0.01
-"""Surfaces nearer to the colour camera than this would fill its image."""
+"""Minimum distance of a surface from the colour camera, m. Nearer surfaces would fill the image."""
 FARTHEST_PX = 1e9
-"""Distance in pixels from the image beyond which a point is no measurement. A loop must not begin there."""
+"""Maximum distance in pixels of a point from the image. This limit keeps loops over pixels short."""
 ROUNDING = 1e-6
-"""Margin beyond the edges of a triangle within which it covers a pixel centre, as a share of its height."""
+"""Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
-"""Twice the area of the smallest triangle that is drawn."""
+"""Minimum of twice the area of a triangle that is drawn, px^2."""
 
 
 @inlined
 def project(x, y, z, P):
-    """(u, v, 1 / Z) in the target image of the point at depth z of pixel (x, y) of the source.
+    """Return (u, v, 1 / Z) in the target image of pixel (x, y) of the source at depth z.
 
-    1 / Z = 0 if it is too near, or nowhere near the image. Along a plane 1 / Z is linear in the image.
+    1 / Z is 0 if the point is too near or far outside the image. Along a plane, 1 / Z is linear in the image.
     """
     Z = (P[2, 0] * x + P[2, 1] * y + P[2, 2]) * z + P[2, 3]
     if not Z >= NEAREST_M:
@@ -35,19 +35,19 @@ def project(x, y, z, P):
 
 @inlined
 def one_surface(a, b, step_m, step_share):
-    """True if two depths are valid and less than a step apart."""
+    """Return True if two depths are valid and differ by less than a step."""
     return a > 0.0 and b > 0.0 and abs(a - b) <= max(step_m, step_share * min(a, b))
 
 
 @inlined
 def middle(a, b):
-    """Depth halfway in the image between two pixels of one plane."""
+    """Return the depth halfway in the image between two pixels of one plane."""
     return 2.0 * a * b / (a + b)
 
 
 @inlined
 def triangle(a, b, c):
-    """Its corner a, the sides to b and c in the image and in 1 / Z, and one over its area (0 if it has none)."""
+    """Return corner a, the sides to b and c in the image and in 1 / Z, and 1 / area of a triangle (0 without area)."""
     b_x, b_y, c_x, c_y = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
     area = b_x * c_y - b_y * c_x
     scale = 1.0 / area if abs(area) > SMALLEST_PX2 else 0.0
@@ -56,7 +56,7 @@ def triangle(a, b, c):
 
 @inlined
 def inverse_depth_at(x, y, t):
-    """1 / Z of a triangle at (x, y), 0 next to it."""
+    """Return 1 / Z of a triangle at (x, y), 0 outside it."""
     a_x, a_y, a_w, b_x, b_y, b_w, c_x, c_y, c_w, scale = t
     share_b = ((x - a_x) * c_y - (y - a_y) * c_x) * scale
     share_c = (b_x * (y - a_y) - b_y * (x - a_x)) * scale
@@ -66,7 +66,8 @@ def inverse_depth_at(x, y, t):
 
 @inlined
 def draw_quad(a, b, c, d, out):
-    """Draw the triangles a b c and a c d into out (H, W) metres where nothing nearer is, unless a corner is too near.
+    """Draw the triangles a b c and a c d into out (H, W) metres where no surface is nearer, unless a corner is too
+    near.
 
     The corners are projected points (u, v, 1 / Z).
     """
@@ -89,8 +90,8 @@ def draw_quad(a, b, c, d, out):
 def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
     """Draw the quarter of pixel (y, x) towards its neighbours to_y rows and to_x columns away.
 
-    It reaches half the way. At its corners lie the depths that it shares with those of the three neighbours which
-    are on its surface, and its own where they are not.
+    The quarter ends halfway to the neighbours. The depth at each corner is shared with the neighbours on the same
+    surface. Without such a neighbour it is the pixel's own depth.
     """
     height, width = depth.shape
     z = np.float64(depth[y, x])
@@ -128,16 +129,17 @@ def project_row(depth, y, P, points):
 
 @kernel
 def splat_depth(depth, P, step_m, step_share, out):
-    """Draw the surfaces of a depth map into the image of another camera, the nearest one winning.
+    """Draw the surfaces of a depth map into the image of another camera. The nearest surface wins.
 
-    Four neighbouring pixels on one surface make a quad between their projections. Among four others, each valid one
-    draws the quarter of itself that lies between them, so that a surface ends half a pixel behind its last pixel and
-    nothing is drawn across a step of more than max(step_m, step_share Z).
-    depth (h, w) metres. P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, 0 before.
+    Four neighbouring pixels on one surface form a quad between their projections. If they are not on one surface, each
+    valid pixel draws only its own quarter of the quad. A surface then ends half a pixel beyond its last pixel. Nothing
+    is drawn across a depth step of more than max(step_m, step_share Z).
+
+    depth (h, w) metres. P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, initially zero.
     """
     height, width = depth.shape
     above, here = np.zeros((width, 3)), np.zeros((width, 3))
-    for y in range(height + 1):  # cells by their lower right pixel (y, x), the outer ones included
+    for y in range(height + 1):  # cells are indexed by their lower right pixel (y, x)
         above, here = here, above
         if y < height:
             project_row(depth, y, P, here)

@@ -1,18 +1,22 @@
-"""RVL, in which ROS packs depth: lengths of runs and differences, in groups of three bits (Wilson 2017)."""
+"""Kernel for RVL, the compression of depth images in ROS: run lengths and differences in groups of three bits.
+
+Wilson 2017, "Fast Lossless Depth Image Compression".
+"""
 
 from __future__ import annotations
 
 from spigolo.kernels._jit import inlined, kernel
 
 MAX_GROUPS = 11
-"""Groups of three bits in a number of 32 bits."""
+"""Maximum number of three-bit groups in a 32-bit number."""
 
 
 @inlined
 def _number(words, at):
-    """Return the number whose first nibble is `at`, and the next nibble: -1 if the words end or it has too many bits.
+    """Return the number whose first nibble is `at`, and the index of the next nibble.
 
-    The upper bit of a nibble says that another one follows. The other three are part of the number, the lowest first.
+    The index is -1 if the words end or the number has too many bits. The upper bit of a nibble is set if another nibble
+    follows. The other three bits belong to the number, the lowest bits first.
     """
     value = 0
     for group in range(MAX_GROUPS):
@@ -28,10 +32,10 @@ def _number(words, at):
 
 @kernel
 def unpack_rvl(words, out):
-    """Unpack words (N,) uint32 into out (M,) uint16. Return whether they fill it: not if they end or go beyond.
+    """Unpack words (N,) uint32 into out (M,) uint16. Return True if they fill it exactly.
 
-    Zeros and other values alternate, each run after its length. A value is its difference to the last one that is not
-    zero, with the sign in the lowest bit.
+    Runs of zeros and of other values alternate, each one after its length. A value is the difference to the last value
+    other than zero, with the sign in the lowest bit.
     """
     at, written, last = 0, 0, 0
     while written < out.size:

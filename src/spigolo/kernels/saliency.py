@@ -1,4 +1,4 @@
-"""Centre-surround saliency of Montabone & Soto 2010."""
+"""Kernels for centre-surround saliency of Montabone & Soto 2010."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def whole_quotient(dividend, inverse):
-    """Dividend // divisor of whole numbers from 1 / divisor: the half keeps exact quotients from being cut."""
+    """Return dividend // divisor of integers from 1 / divisor. Adding one half keeps exact quotients exact."""
     return np.int32((dividend + 0.5) * inverse)
 
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Sum of a band of rows up to each column, from two rows of an integral image, repeated `pad` times outwards."""
+    """Compute the sum of a band of rows up to each column from an integral image, padded by `pad` repeated values."""
     columns = above.size
     strip[:pad] = 0
     inner = strip[pad : pad + columns]
@@ -26,7 +26,7 @@ def lay_strip(above, below, pad, strip):
 
 @inlined
 def measure_areas(rows, half, width, areas, inverses):
-    """Pixels of the clipped window around each column, and 1 / (those less the centre)."""
+    """Compute the pixels of the clipped window around each column, and 1 / (pixels without the centre)."""
     for x in range(width):
         areas[x] = rows * (min(x + half + 1, width) - max(x - half + 1, 0))
         inverses[x] = 1.0 / max(areas[x] - 1.0, 1.0)
@@ -34,7 +34,7 @@ def measure_areas(rows, half, width, areas, inverses):
 
 @inlined
 def difference_row(gray, left, right, areas, inverses, out):
-    """Centre less the mean of its window, which does not count the centre, cut towards 0 to whole grey levels."""
+    """Compute the centre minus the mean of its window without the centre, truncated to whole grey levels."""
     for x in range(out.size):
         excess = areas[x] * gray[x] - (right[x] - left[x])
         level = whole_quotient(abs(excess), inverses[x])
@@ -46,8 +46,8 @@ def center_surround(gray, integral, surrounds, on, off):
     """Sum over all surrounds how much brighter (on) and darker (off) each pixel is than its surround.
 
     gray (H, W) uint8. integral (H+1, W+1) int32 of gray. surrounds (S,): half-sizes n of 2n x 2n windows (rows
-    y-n+1..y+n, clipped). The centre pixel does not count. Each difference is cut to a whole grey level. on and off (H,
-    W) int32.
+    y-n+1..y+n, clipped). The centre pixel does not count. Each difference is truncated to a whole grey level. on and
+    off (H, W) int32.
     """
     height, width = gray.shape
     pad = min(surrounds.max(), width)
@@ -74,9 +74,9 @@ def center_surround(gray, integral, surrounds, on, off):
 
 @kernel
 def join_levels(on, off, out):
-    """Scales on and off (H, W) int32 to a largest value of 255 each, cut to whole levels, and adds them up to 255.
+    """Scale on and off (H, W) int32 to a maximum of 255 each, truncate them, and add them up to at most 255.
 
-    out (H, W) uint8. A map that is 0 throughout stays so.
+    out (H, W) uint8. A map of zeros stays zero.
     """
     inverse_on, inverse_off = 1.0 / max(on.max(), 1), 1.0 / max(off.max(), 1)
     for y in range(on.shape[0]):

@@ -1,4 +1,4 @@
-"""Depth-dependent smoothing (Holzer et al. 2012; eqs. 5-8)."""
+"""Kernels for depth-dependent smoothing (Holzer et al. 2012, eqs. 5-8)."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from spigolo.kernels._jit import inlined, kernel
 
 @kernel
 def mark_steps(depth, error_per_m, step_factor, out):
-    """Holzer's depth-change map: out[y, x] = 0 where depth steps to the right or lower neighbour or is missing, else 1.
+    """Compute Holzer's depth-change map: out is 0 at a depth step to the right or lower neighbour or at missing depth,
+    else 1.
 
-    A step is a difference of at least step_factor * alpha * d^2, d the depth of the pixel itself in metres.
-    The map is inverted, as the distance transform that follows measures the distance to the nearest zero.
+    A step is a difference of at least step_factor * alpha * d^2, with d the depth of the pixel itself in metres. The
+    map is inverted, because the following distance transform measures the distance to the nearest zero.
     """
     height, width = depth.shape
     for y in range(height):
@@ -26,7 +27,9 @@ def mark_steps(depth, error_per_m, step_factor, out):
 
 @inlined
 def down_and_up(mask, cap, steps):
-    """Rows to the nearest zero of `mask` (H, W) in the same column, up to `cap`. steps (H, W) int16."""
+    """Compute the number of rows to the nearest zero of `mask` (H, W) in the same column, up to `cap`. steps (H, W)
+    int16.
+    """
     height, width = mask.shape
     for y in range(height):
         row, before = steps[y], steps[max(y - 1, 0)]
@@ -40,10 +43,10 @@ def down_and_up(mask, cap, steps):
 
 @kernel
 def distance_to_zero(mask, cap, steps, out):
-    """Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
+    """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    out (H, W) float32. steps (H, W) int16 is scratch. Exact: along columns first, then the least of
-    (columns away)^2 + (rows away)^2 along each row, as far as the row's largest distance reaches.
+    out (H, W) float32. steps (H, W) int16 is scratch. The result is exact. The distance is computed along columns
+    first, then as the minimum of (columns away)^2 + (rows away)^2 along each row, up to the row's largest distance.
     """
     height, width = mask.shape
     down_and_up(mask, cap, steps)
@@ -65,9 +68,9 @@ def distance_to_zero(mask, cap, steps, out):
 
 @kernel
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
-    """Smoothing area map S(y, x) = min(beta alpha d^2, T / sqrt 2), rounded, kept inside the image.
+    """Compute the smoothing area map S(y, x) = min(beta alpha d^2, T / sqrt 2), rounded and limited to the image.
 
-    depth in metres, distance T in pixels to the nearest depth step or missing pixel.
+    d is the depth in metres, and T the distance in pixels to the nearest depth step or missing pixel.
     """
     height, width = depth.shape
     for y in range(height):
@@ -79,7 +82,9 @@ def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius,
 
 @inlined
 def box_sum(integral, y, x, r):
-    """Sum over rows y-r..y+r and columns x-r..x+r from an integral image with a leading zero row and column."""
+    """Return the sum over rows y-r..y+r and columns x-r..x+r from an integral image with a leading zero row and
+    column.
+    """
     return (
         integral[y + r + 1, x + r + 1]
         - integral[y + r + 1, x - r]
@@ -90,7 +95,7 @@ def box_sum(integral, y, x, r):
 
 @inlined
 def box_row(integral, y, x, r, n, out):
-    """`box_sum` of n pixels of one radius from column x on."""
+    """Compute `box_sum` of n pixels with the same radius from column x on."""
     above, below = integral[y - r], integral[y + r + 1]
     a, b, c, d = above[x - r :], above[x + r + 1 :], below[x - r :], below[x + r + 1 :]
     for k in range(n):
@@ -108,10 +113,10 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eq. 8, or eq. 5 if nothing is left out. Mean depth of each pixel's window, without the left-out pixels.
+    """Eq. 8, or eq. 5 if no pixel is left out. Compute the mean depth of each pixel's window without left-out pixels.
 
-    depth_integral float64 and left_out_integral int32 (H+1, W+1). A missing pixel stays missing: smoothing fills no
-    shadow. Pixels are taken in runs of equal radius, so that the compiler makes vectors of them.
+    depth_integral float64 and left_out_integral int32 (H+1, W+1). A missing pixel stays missing, as smoothing does not
+    fill shadows. Pixels are processed in runs of equal radius, so that the compiler vectorises the loop.
     """
     height, width = depth.shape
     total, counted = np.empty(width), np.empty(width)

@@ -1,7 +1,7 @@
-"""Edges in the exact order of (float32 weight, edge number).
+"""Kernels that sort edges exactly by (float32 weight, edge number).
 
-An edge is packed into 64 bits, its weight's above what names its ends: the bits of non-negative float32 sort as the
-weights do.
+An edge is packed into 64 bits, with the bits of its weight above those of its pixel and plane. Bits of non-negative
+float32 numbers sort in the order of the numbers.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from spigolo.kernels.merging import weight_bits
 
 @inlined
 def digit_of(edge, base, shift, mask):
-    """One digit of an edge's weight, whose bits count from `base`."""
+    """Return one digit of an edge's weight, with bits counted from `base`."""
     return ((weight_bits(edge) - base) >> shift) & mask
 
 
 @kernel
 def scatter(edges, base, shift, mask, starts, out):
-    """One stable pass of a radix sort: orders packed edges (E,) by the digit at `shift`, 2^b - 1 = mask.
+    """Run one stable pass of a radix sort: sort packed edges (E,) by the digit at `shift`, 2^b - 1 = mask.
 
-    base, shift, mask uint64. starts (2^b,) uint32 is scratch. out (E,).
+    base, shift, mask uint64. starts (2^b,) uint32 is scratch memory. out (E,).
     """
     starts[:] = 0
     for k in range(edges.size):

@@ -1,4 +1,4 @@
-"""Buffers that are kept between frames, so that no frame has to ask the system for tens of megabytes anew."""
+"""Buffers that are kept between frames, so that not every frame allocates tens of megabytes again."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ LARGEST_HEAP_BLOCK = 32 * 2**20 - 2**13
 
 
 class Workspace:
-    """Named pieces of scratch memory. One per thread. No result ever lies in it."""
+    """Named pieces of scratch memory, one Workspace per thread. Results are never stored in it."""
 
     def __init__(self) -> None:
         keep_freed_memory()
         self._memory: dict[str, npt.NDArray[np.uint8]] = {}
 
     def array(self, name: str, size: int, dtype: npt.DTypeLike) -> npt.NDArray[Any]:
-        """An array (size,) with whatever values the last user left. The same memory as long as it is large enough.
+        """Return an array (size,) with arbitrary content. The memory is reused as long as it is large enough.
 
-        Two arrays of one name, whatever their type, are the same memory.
+        Two arrays with the same name share memory, even if their types differ.
         """
         bytes_ = size * np.dtype(dtype).itemsize
         held = self._memory.get(name)
@@ -31,14 +31,15 @@ class Workspace:
 
     @property
     def size_bytes(self) -> int:
-        """Return the number of bytes that it holds at the moment."""
+        """Return the current size in bytes."""
         return sum(memory.nbytes for memory in self._memory.values())
 
 
 def keep_freed_memory() -> None:
-    """Let the C library keep the memory that a frame frees for the next one, up to 64 MB.
+    """Let the C library keep up to 64 MB of freed memory for the next frame.
 
-    glibc gives freed memory back to the system above twice the size of the largest block freed so far. That costs a
-    frame up to a fifth of its time. This frees a large block that was never touched. On other systems it does nothing.
+    glibc returns freed memory to the system if it exceeds twice the size of the largest block freed so far. Allocating
+    the memory again costs up to a fifth of the time of a frame. This function frees a large block that was never
+    touched. On other systems it has no effect.
     """
     np.empty(LARGEST_HEAP_BLOCK, np.uint8)

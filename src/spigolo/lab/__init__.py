@@ -1,4 +1,4 @@
-"""The laboratory: data sets, evaluation, experiments, fitting, benchmarks, rendered scenes.
+"""Laboratory: data sets, evaluation, experiments, fitting, benchmarks, rendered scenes.
 
-Only the command line imports it: `segment` needs none of it.
+Only the command line imports it. `segment` does not need it.
 """

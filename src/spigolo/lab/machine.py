@@ -17,7 +17,9 @@ from spigolo.batch.engine import cores
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """cores: those this process may use. load: of the last minute, 0 = idle. None if the system does not say."""
+    """Machine that runs this process. cores: those that the process may use. load: of the last minute, 0 = idle, or
+    None.
+    """
 
     cpu: str
     cores: int
@@ -26,13 +28,13 @@ class Machine:
     versions: dict[str, str]
 
     def __str__(self) -> str:
-        """One line of what does not change from hour to hour."""
+        """Return one line of the properties that do not change over hours."""
         versions = ", ".join(f"{name} {version}" for name, version in self.versions.items())
         return f"{self.cpu}, {self.cores} CPUs; {self.system}; {versions}"
 
 
 def this_machine(**versions: str) -> Machine:
-    """The one this runs on, now. versions: of what else is to be told, by name."""
+    """Return the current machine. versions: further versions to report, indexed by name."""
     versions |= {
         "python": platform.python_version(),
         "numpy": np.__version__,
@@ -45,7 +47,7 @@ def this_machine(**versions: str) -> Machine:
 
 
 def processor() -> str:
-    """Its name, as the system tells it."""
+    """Return the name of the processor as reported by the system."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

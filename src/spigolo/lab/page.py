@@ -1,4 +1,4 @@
-"""A page of blocks, as HTML and as Markdown."""
+"""Page of blocks, written as HTML and Markdown."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A figure, and in smaller print what goes with it. strong: worth seeing first."""
+    """Value in a table, with an addition in smaller print. strong: emphasised."""
 
     text: str
     note: str = ""
@@ -19,43 +19,43 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Heading:
-    """A heading of a section."""
+    """Heading of a section."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Paragraph:
-    """A paragraph of plain text."""
+    """Paragraph of plain text."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
 class Items:
-    """A list of sentences."""
+    """List of sentences."""
 
     sentences: Sequence[str]
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows under a head. The first `names` columns hold text, the others figures. Equal names print once."""
+    """Rows under a head. The first `names` columns hold text, the others values. Repeated names are printed once."""
 
     head: Sequence[str]
     """Names of the columns."""
     rows: Sequence[Sequence[Cell]]
-    """Cells by row."""
+    """Cells, row by row."""
     names: int = 1
     """Number of columns that hold text."""
     title: str = ""
-    """Title, if it stands alone."""
+    """Title for a table without a heading above it."""
     note: str = ""
     """Note below the table."""
 
     @property
     def sides(self) -> list[Literal["left", "right"]]:
-        """Alignment of each column."""
+        """Return the alignment of each column."""
         return ["left" if k < self.names else "right" for k in range(len(self.head))]
 
 
@@ -66,7 +66,7 @@ def cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A picture next to the page, with its caption."""
+    """Picture next to the page, with its caption."""
 
     path: str
     caption: str
@@ -86,7 +86,7 @@ Block = Heading | Paragraph | Items | Table | Gallery
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """A title and what follows."""
+    """Page with a title and blocks."""
 
     title: str
     blocks: Sequence[Block]
@@ -122,7 +122,7 @@ figcaption { color: var(--dim); font-size: .9em; margin-top: .3rem; }
 
 
 def to_html(page: Page) -> str:
-    """The page as one HTML file. Pictures lie next to it."""
+    """Return the page as one HTML file. Pictures are separate files next to it."""
     title = escape(page.title)
     body = "\n".join(_html(block) for block in page.blocks)
     return (
@@ -133,12 +133,12 @@ def to_html(page: Page) -> str:
 
 
 def to_markdown(page: Page) -> str:
-    """The page as Markdown. Pictures lie next to it."""
+    """Return the page as Markdown. Pictures are separate files next to it."""
     return "\n\n".join([f"# {page.title}", *(_markdown(block) for block in page.blocks)]) + "\n"
 
 
 def to_text(table: Table) -> str:
-    """The table for a terminal, columns aligned. Additions to a figure stand in parentheses."""
+    """Return the table for a terminal, with aligned columns. Additions to a value are in parentheses."""
     cells = [list(table.head), *([_text_cell(cell) for cell in row] for row in table.rows)]
     widths = [max(len(row[k]) for row in cells) for k in range(len(table.head))]
     pads = [str.ljust if k < table.names else str.rjust for k in range(len(widths))]
@@ -232,7 +232,7 @@ def _markdown_cell(cell: Cell) -> str:
 
 
 def _plain(text: str) -> str:
-    """Text that Markdown leaves as it is."""
+    """Return text with Markdown's special characters escaped."""
     for mark in ("\\", "|", "*", "_", "`", "<", "[", "]"):
         text = text.replace(mark, f"\\{mark}")
     return " ".join(text.split())

@@ -1,12 +1,12 @@
-"""Methods that can be compared, ours one of them. Each takes a frame and returns a segmentation.
+"""Segmentation methods for comparison, including ours. Each takes a frame and returns a segmentation.
 
     import spigolo as sp
 
     sp.METHODS["rao2010"](frame)  # with its own parameters
     sp.METHODS["rao2010"].replace(k=200)(frame)
 
-All return the same type, and their regions are judged by the same rules. `segment_around` is `mishra2009`, which
-segments around a given point instead of a whole frame.
+All methods return the same type, and their regions are judged by the same rules. `segment_around` is `mishra2009`,
+which segments around a given point instead of a whole frame.
 """
 
 from __future__ import annotations
@@ -42,4 +42,4 @@ __all__ = [
 METHODS: dict[str, Method] = {
     method.name: method for method in (Toscana2016(), Felzenszwalb2004(), Rao2010(), Abramov2012(), Mishra2012())
 }
-"""Methods by name, with their own parameters. `replace` gives a method other parameters."""
+"""Methods with default parameters, indexed by name. `replace` returns a method with other parameters."""

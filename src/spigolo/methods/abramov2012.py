@@ -1,8 +1,8 @@
 """Abramov et al. 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
-Only their abstract and the timings of their papers were available. The interactions, the penalty of a depth step and
-the joining of domains follow a public re-implementation. All numbers are our choice. One frame at a time: their
-tracking of labels by optical flow saves sweeps and changes no single frame's equilibrium.
+Only the abstract and the timings of their papers were available. The interactions, the penalty of a depth step and the
+joining of domains follow a public re-implementation. All values are our choice. Frames are processed independently.
+Label tracking by optical flow, as in their papers, saves sweeps and does not change the equilibrium of a single frame.
 """
 
 from __future__ import annotations
@@ -25,73 +25,75 @@ from spigolo.stages.graph import OFFSETS
 from spigolo.stages.regions import Regions
 
 LEAST_MEAN = 1e-6
-"""Minimum mean difference, so that a frame of one colour is not divided by zero."""
+"""Minimum mean colour difference, which prevents a division by zero in frames of a single colour."""
 
 
 class AbramovConfig(MethodConfig):
-    """Parameters of `abramov2012`. Colours are 0..255, interactions and temperatures are shares of the largest one."""
+    """Parameters of `abramov2012`. Colours are 0..255. Interactions and temperatures are shares of the largest
+    interaction.
+    """
 
     shrink: Annotated[int, Field(ge=1, le=8)] = 2
-    """Factor by which the model has fewer rows and columns than the frame. Labels are enlarged again. 2 makes 320x240
-    of 640x480, as in their paper. 1 takes four times as long.
+    """Factor by which rows and columns are reduced for the model. Labels are enlarged again. 2 makes 320x240 of
+    640x480, as in their paper. 1 takes four times as long.
     """
     sigma_px: NotNegative = 0.0
-    """Gaussian smoothing of colour in pixels of the model, on top of the mean that shrinking takes (our choice)."""
-    alpha: Positive = 2.5
-    """Attraction range of colours, in mean distances of neighbours. Colours that differ more repel (the public
-    re-implementation: 1 to 1.35, which leaves thousands of fragments, our choice).
-    """
-    repulsion: NotNegative = 1.0
-    """Maximum repulsion of two colours, so that a print does not outweigh all attraction (our choice, theirs has no
-    limit).
-    """
-    step_m: Positive | None = 0.02
-    """Depth difference in metres above which neighbours repel, whatever their colours. None ignores depth, also at the
-    start (the public re-implementation: 0.3, our choice, for things on a table).
-    """
-    step_per_m: NotNegative = 0.0083
-    """The same per squared distance, 1/m, so that noise and slanted planes make no step. The larger of both applies
+    """Sigma of the Gaussian smoothing of colour, in pixels of the model, after the mean by which the image is reduced
     (our choice).
     """
+    alpha: Positive = 2.5
+    """Range of attraction, as a multiple of the mean colour difference of neighbours. Colours that differ more repel
+    each other (our choice). The public re-implementation uses 1 to 1.35, which leaves thousands of fragments.
+    """
+    repulsion: NotNegative = 1.0
+    """Maximum repulsion of two colours. A lower limit keeps prints from outweighing all attraction (our choice, theirs
+    has no limit).
+    """
+    step_m: Positive | None = 0.02
+    """Minimum depth difference in metres at which neighbours repel each other regardless of colour. None ignores depth,
+    also at the start (our choice for table-tops, the public re-implementation: 0.3).
+    """
+    step_per_m: NotNegative = 0.0083
+    """Minimum depth difference per squared distance at which neighbours repel each other, 1/m, so that noise and
+    slanted planes do not count. The larger of this limit and `step_m` applies (our choice).
+    """
     penalty: NotNegative = 20.0
-    """Repulsion of a depth step (the public re-implementation: 250). It is lower here, because one such pair should not
-    end the attraction of hundreds (our choice).
+    """Repulsion across a depth step (our choice, the public re-implementation: 250). A lower value keeps a single pair
+    from outweighing the attraction of hundreds.
     """
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
-    """Values of a spin (theirs)."""
+    """Number of values of a spin (theirs)."""
     temperature: Positive = 1.0
     """Temperature of the first sweep (our choice)."""
     cooling: Annotated[float, Field(gt=0, le=1)] = 0.9
     """Factor on the temperature after each sweep (our choice)."""
     sweeps: Annotated[int, Field(ge=0, le=10_000)] = 60
-    """Sweeps before domains are joined (our choice)."""
+    """Number of sweeps before domains are joined (our choice)."""
     last_sweeps: Annotated[int, Field(ge=0, le=10_000)] = 10
-    """Sweeps after that (the public re-implementation),"""
+    """Number of sweeps after domains are joined (the public re-implementation)."""
     last_temperature: Positive = 0.05
-    """at this temperature (our choice)."""
+    """Temperature of the sweeps after domains are joined (our choice)."""
     piece_px2: Area_px2 = 20000.0
-    """Area below which regions are joined with each other, the most attractive first. Prints fall into pieces that are
-    more alike than the table around them (our addition, 0 leaves it out).
+    """Maximum area of regions that are joined with each other, px^2, the most attractive first. Prints break into such
+    pieces, which are more similar to each other than to the table (our addition, 0 switches it off).
     """
     piece_above: float = -2.0
-    """Least mean interaction for that: below lies what depth steps part (our addition)."""
+    """Minimum mean interaction for joining such pieces. Depth steps have lower values (our addition)."""
     min_size_px2: Area_px2 = 1500.0
-    """Smaller regions are joined to the neighbour that attracts them most (our choice)."""
+    """Minimum area of a region, px^2. Smaller regions join the neighbour that attracts them most (our choice)."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 7
     """Seed of all random draws. The same seed gives the same labels."""
 
 
 @dataclass(frozen=True)
 class Abramov2012(Baseline[AbramovConfig]):
-    """Spins cooled by Metropolis sweeps. Their domains are joined across borders that attract."""
+    """Potts model whose spins are cooled by Metropolis sweeps. Domains with attractive borders are joined."""
 
     name = "abramov2012"
     config: AbramovConfig = field(default_factory=AbramovConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of the model, enlarged to the frame. Border strength is the repulsion of the
-        interactions.
-        """
+        """Return the regions of the model, enlarged to the frame. The border strength is the repulsion."""
         height, width = frame.shape
         size = max(width // self.config.shrink, 1), max(height // self.config.shrink, 1)
         color = np.asarray(cv2.resize(frame.color, size, interpolation=cv2.INTER_AREA), np.uint8)
@@ -103,7 +105,7 @@ class Abramov2012(Baseline[AbramovConfig]):
         return Division(Regions(np.asarray(labels, np.int32), regions.count), np.asarray(contour, np.float32))
 
     def interactions(self, color: npt.NDArray[np.uint8], depth: DepthMap) -> Planes:
-        """J (4, H, W) of every pair of neighbours, from colour (H, W, 3) and depth (H, W) in metres."""
+        """Return the interactions J (4, H, W) of all neighbours, from colour (H, W, 3) and depth (H, W) in metres."""
         config = self.config
         distances = feature_graph(color_features(color, config.sigma_px), connectivity=8).weights
         there = np.isfinite(distances)
@@ -117,7 +119,10 @@ class Abramov2012(Baseline[AbramovConfig]):
         return planes
 
     def cool(self, depth: DepthMap, planes: Planes) -> Spins:
-        """Spins (H, W) after all sweeps, from interactions (4, H, W) and the depth (H, W) that they start from."""
+        """Return the spins (H, W) after all sweeps.
+
+        depth: initial state, (H, W). planes: interactions (4, H, W).
+        """
         config = self.config
         spins = _start(np.zeros_like(depth) if config.step_m is None else depth, config.spins, config.seed)
         for k in range(config.sweeps):
@@ -129,7 +134,7 @@ class Abramov2012(Baseline[AbramovConfig]):
         return spins
 
     def regions(self, spins: Spins, planes: Planes) -> Regions:
-        """Connected pixels of equal spin, pieces and small ones joined."""
+        """Return the connected areas of equal spin, after joining pieces and small areas."""
         areas, config = connected_areas(spins), self.config.at_size(spins.shape)
         piece, least = config.piece_px2, config.min_size_px2
 
@@ -138,7 +143,7 @@ class Abramov2012(Baseline[AbramovConfig]):
 
 
 def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
-    """Depth in `spins` steps from the nearest to the farthest, at random where it is missing."""
+    """Return depth quantised to `spins` levels from the nearest to the farthest. Missing pixels get random levels."""
     random = np.random.default_rng(seed).integers(spins, size=depth.shape, dtype=np.int32)
     valid = depth > 0
     if not valid.any():
@@ -150,7 +155,8 @@ def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
 
 
 def _repulsion(planes: Planes) -> npt.NDArray[np.float32]:
-    """Return how a pixel differs from its right and lower neighbour: 0 alike, 1/2 neither attracted nor repelled, up to
-    1.
+    """Return the difference of each pixel to its right and lower neighbour, from 0 to 1.
+
+    0 is full attraction, 1/2 is neutral, 1 is full repulsion.
     """
     return np.asarray(np.clip((1 - np.minimum(planes[0], planes[1])) / 2, 0, 1), np.float32)

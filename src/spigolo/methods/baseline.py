@@ -1,4 +1,4 @@
-"""Shared parts of the methods that ours is compared with: parameters, and the way from regions to an answer."""
+"""Common base of the methods for comparison: parameters, and the way from regions to a result."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ from spigolo.stages.regions import Regions
 
 _ADDED = OBJECTS_2.additions or Additions()
 RULES = Additions(support=_ADDED.support, rules=_ADDED.rules.replace(min_contour=None, min_contour_holes=None))
-"""The rules of OBJECTS_2 without the minimum contour: no other method has a boundary map."""
+"""Rules of OBJECTS_2 without the minimum contour, as the other methods have no boundary map."""
 
 C = TypeVar("C", bound="MethodConfig")
 
 
 class MethodConfig(Parameters):
-    """The parameters of a method.
+    """Base of the parameters of a method.
 
-    Lengths and areas in pixels are those of a 640x480 image. Areas (`_px2`) scale with the number of pixels.
+    Lengths and areas in pixels refer to a 640x480 image. Areas (`_px2`) scale with the number of pixels.
     """
 
     rejection: Rejection = OBJECTS_2.rejection
-    """Rules of the paper that reject regions. All methods share them, so that their regions are compared."""
+    """Rules of the paper that reject regions. All methods use the same rules, so that only the regions differ."""
     additions: Additions = RULES
-    """Support plane and rules of ours that reject regions, shared in the same way."""
+    """Support plane and our rules that reject regions. All methods use the same rules."""
 
 
 class Division(NamedTuple):
-    """A frame as divided by a method: regions, and the strength of borders, (H, W) float32 in [0, 1]."""
+    """Regions of a frame, and the strength of their borders, (H, W) float32 in [0, 1]."""
 
     regions: Regions
     contour: npt.NDArray[np.float32]
@@ -50,24 +50,24 @@ class Division(NamedTuple):
 
 @dataclass(frozen=True)
 class Baseline(Configured[C], ABC):
-    """A method that divides a frame into regions. The rules for all methods decide which of them are objects."""
+    """Method that divides a frame into regions. Common rules then decide which regions are objects."""
 
     name: ClassVar[str]
     preset: ClassVar[str] = ""
 
     @abstractmethod
     def divide(self, frame: Frame) -> Division:
-        """Regions of the whole frame, background and objects alike."""
+        """Return the regions of the whole frame, both background and objects."""
 
     def __call__(self, frame: Frame) -> Segmentation:
-        """The objects of a frame."""
+        """Return the objects of a frame."""
         check_frame(frame)
         regions, contour = self.divide(frame)
         additions = self.config.additions.at_size(frame.shape)
         plane = find_support(frame.depth, frame.camera, additions.support)
         scene = Scene(
             frame=frame,
-            depth=inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape)),  # as OBJECTS counts missing depth
+            depth=inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape)),  # as in OBJECTS
             contour=contour,
             plane=plane,
             rejection=self.config.rejection.at_size(frame.shape),

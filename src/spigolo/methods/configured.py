@@ -1,4 +1,4 @@
-"""A method with one configuration: its digest, its values, and copies with other values."""
+"""Base of methods with a single configuration."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ M = TypeVar("M", bound="Configured[Any]")
 
 @dataclass(frozen=True)
 class Configured(Generic[C]):
-    """A method with one configuration."""
+    """Method with a single configuration."""
 
     config: C
-    """The configuration."""
+    """Configuration of the method."""
 
     @property
     def digest(self) -> str:
-        """Hash of the configuration's values."""
+        """Digest of the configuration's values."""
         return self.config.digest
 
     @property
     def parameters(self) -> Mapping[str, Any]:
-        """The configuration's values as JSON has them."""
+        """Values of the configuration, ready for JSON."""
         return self.config.model_dump(mode="json")
 
     def replace(self: M, **changes: Any) -> M:
-        """Return the method with other values, by the rules of `Settings.replace`. Raises ConfigError."""
+        """Return the method with other values, as in `Settings.replace`. Raises ConfigError."""
         return replace(self, config=self.config.replace(**changes))

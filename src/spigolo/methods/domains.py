@@ -1,6 +1,6 @@
-"""Domains of equal spin, and the joining of neighbouring ones by the interactions across their borders.
+"""Domains of equal spin, and joining of neighbouring domains by the interactions across their borders.
 
-A lattice is (H, W). Interactions are its planes (4, H, W), one for each of `graph.OFFSETS`. B = borders.
+A lattice is (H, W). Interactions are (4, H, W), one plane for each offset of `graph.OFFSETS`. B = number of borders.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Ends = tuple[tuple[slice, slice], tuple[slice, slice]]
 
 
 def connected_areas(spins: Spins) -> Regions:
-    """Connected areas of equal spin: edges of weight 0 merge, all others are none."""
+    """Return the connected areas of equal spin. Only edges of weight 0 merge."""
     weights = np.full((len(OFFSETS), *spins.shape), np.inf, np.float32)
     for plane, offset in zip(weights, OFFSETS, strict=True):
         here, there = pair_ends(spins.shape, offset)
@@ -31,10 +31,10 @@ def connected_areas(spins: Spins) -> Regions:
 
 
 class Borders(NamedTuple):
-    """Borders between two domains. Every border is listed twice, once from either side.
+    """Borders between two domains. Every border is listed twice, once from each side.
 
-    domain (2, B): numbers of this domain and of the other one. area (2, B): their pixels. mean (B,): the interaction of
-    the pairs across the border.
+    domain (2, B): number of this domain and of the other one. area (2, B): their numbers of pixels. mean (B,): mean
+    interaction of the pixel pairs across the border.
     """
 
     domain: Counts
@@ -43,10 +43,10 @@ class Borders(NamedTuple):
 
 
 def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders], Mask]) -> Regions:
-    """Join neighbouring domains by their interactions (4, H, W) until none may join another one.
+    """Join neighbouring domains by their interactions (4, H, W) until no more joins are allowed.
 
-    Works in rounds. Every domain joins the neighbour with the largest mean interaction among those that it may join,
-    from its side. Then means are computed anew.
+    In each round, every domain joins the neighbour with the largest mean interaction among those that it may join. The
+    means are then computed again.
     """
     while True:
         borders = find_borders(domains, planes)
@@ -57,7 +57,7 @@ def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders],
 
 
 def find_borders(domains: Regions, planes: Planes) -> Borders:
-    """The borders between the domains of a lattice and what acts across them."""
+    """Return the borders between the domains of a lattice, with the interactions across them."""
     keys, forces = [], []
     for pairs, offset in zip(planes, OFFSETS, strict=True):
         here, there = pair_ends(domains.labels.shape, offset)
@@ -75,15 +75,15 @@ def find_borders(domains: Regions, planes: Planes) -> Borders:
 
 
 def _join_best(count: int, domain: Counts, mean: npt.NDArray[np.float64]) -> Counts:
-    """The first domain that each of `count` ends up with when every one joins its neighbour with the largest mean.
+    """Return the new number of each of `count` domains after each one joins its neighbour with the largest mean.
 
-    domain (2, B): who may join whom.
+    domain (2, B): the first one may join the second one. The new number is that of the first domain in the group.
     """
     one, other = domain
-    order = np.lexsort((domain.max(0), domain.min(0), mean))  # the best comes last and stays
+    order = np.lexsort((domain.max(0), domain.min(0), mean))  # the best border comes last and overwrites the others
     best = np.arange(count)
     best[one[order]] = other[order]
-    # no two borders are equal in that order, so that circles have two members
+    # the order has no ties, so cycles have exactly two members
     mutual = (best[best] == np.arange(count)) & (np.arange(count) < best)
     best[mutual] = np.flatnonzero(mutual)
     while not np.array_equal(best, best[best]):
@@ -94,7 +94,7 @@ def _join_best(count: int, domain: Counts, mean: npt.NDArray[np.float64]) -> Cou
 
 
 def pair_ends(shape: tuple[int, ...], offset: tuple[int, int]) -> Ends:
-    """Return the places of the first and the second pixels of all pairs of an offset."""
+    """Return the slices of the first and of the second pixels of all pairs with an offset."""
     (height, width), (dy, dx) = shape, offset
     rows = slice(max(0, -dy), max(height - max(0, dy), 0)), slice(max(0, dy), max(height + min(0, dy), 0))
     return (rows[0], slice(0, max(width - dx, 0))), (rows[1], slice(dx, width))

@@ -1,4 +1,4 @@
-"""Features of pixels and the graph of their distances, for the methods that weigh edges by eq. 1."""
+"""Pixel features and the graph of their distances, for methods with edge weights by eq. 1."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ Features = npt.NDArray[np.float32]
 
 
 def color_features(image: Color, sigma_px: float) -> Features:
-    """Return R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`. 0 smooths nothing."""
+    """Return R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`. 0 does not smooth."""
     return np.ascontiguousarray(smooth(image.astype(np.float32), sigma_px).transpose(2, 0, 1))
 
 
 def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
-    """Depth (H, W) in levels of a colour channel, NaN if it is missing, smoothed as colour is, over valid pixels."""
+    """Return depth (H, W) in levels of a colour channel, smoothed like colour over valid pixels. NaN is missing."""
     valid = (depth > 0).astype(np.float32)
     mean = smooth(depth, sigma_px) / np.maximum(smooth(valid, sigma_px), np.float32(1e-6))
     return np.where(valid > 0, mean * np.float32(levels_per_m), np.float32(np.nan))
 
 
 def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.float32]:
-    """Smooth an image (H, W) or (H, W, C) by a Gaussian that reaches 4 sigma. The border is repeated outside."""
+    """Smooth an image (H, W) or (H, W, C) by a Gaussian with a radius of 4 sigma. The image border is replicated."""
     if sigma_px == 0:
         return image
     size = 2 * math.ceil(4 * sigma_px) + 1
@@ -37,7 +37,7 @@ def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.fl
 
 
 def feature_graph(features: Features, connectivity: int, k_xy: float = 0.0) -> Graph:
-    """The graph whose edges weigh what the features (C, H, W) of their ends differ by (eq. 1).
+    """Return the graph whose edge weights are the feature distances (eq. 1). features: (C, H, W).
 
     k_xy: weight of the pixel coordinates among the features, per pixel.
     """

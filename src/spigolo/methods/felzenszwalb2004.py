@@ -1,6 +1,6 @@
-"""Felzenszwalb & Huttenlocher 2004, *Efficient Graph-Based Image Segmentation*: what the paper starts from.
+"""Felzenszwalb & Huttenlocher 2004, *Efficient Graph-Based Image Segmentation*, on which the paper builds.
 
-Colour alone. Weights by eq. 1, regions by eqs. 2 and 3.
+The method uses only colour. Edge weights follow eq. 1, regions eqs. 2 and 3.
 """
 
 from __future__ import annotations
@@ -21,35 +21,35 @@ class FelzenszwalbConfig(MethodConfig):
     """Parameters of `felzenszwalb2004`. Colours are 0..255."""
 
     sigma_px: NotNegative = 0.8
-    """Gaussian smoothing of each channel (their paper, section 5). 0 smooths nothing."""
+    """Sigma of the Gaussian smoothing of each channel, px (their paper, section 5). 0 does not smooth."""
     k: NotNegative = 800.0
-    """Threshold gamma of eq. 3, colour difference times pixels. A larger k makes larger regions (their paper: 150 to
-    500; ours is the best of a few for whole objects on real frames).
+    """Threshold gamma of eq. 3, colour difference times pixels. Larger values make larger regions. Their paper uses 150
+    to 500. Ours was the best of several values for whole objects on real frames.
     """
     k_xy: NotNegative = 0.0
-    """Weight of a pixel's coordinates in eq. 1. Printed there among the features, which is 1. The cited method has none
-    on a grid, because they would add the same to all edges of a direction (our reading).
+    """Weight of a pixel's coordinates in eq. 1. As printed it is 1. The cited method has no coordinates on a grid, as
+    they would add a constant to all edges of one direction (our reading).
     """
     connectivity: Literal[4, 8] = 8
-    """Neighbours of a pixel (their paper)."""
+    """Number of neighbours of a pixel (their paper)."""
     min_size_px2: Area_px2 = 1500.0
-    """Smaller regions are joined to the neighbour over their lightest edge (found as k was)."""
+    """Minimum area of a region, px^2. Smaller regions join a neighbour across their lightest edge (chosen like `k`)."""
 
 
 @dataclass(frozen=True)
 class Felzenszwalb2004(Baseline[FelzenszwalbConfig]):
-    """Merging of pixels by colour difference."""
+    """Segmentation by merging pixels with small colour differences."""
 
     name = "felzenszwalb2004"
     config: FelzenszwalbConfig = field(default_factory=FelzenszwalbConfig)
 
     def graph(self, frame: Frame) -> Graph:
-        """Eq. 1. Its edges weigh the colour difference of their ends."""
+        """Eq. 1. Return the graph whose edge weights are colour differences."""
         features = color_features(frame.color, self.config.sigma_px)
         return feature_graph(features, self.config.connectivity, self.config.k_xy)
 
     def divide(self, frame: Frame) -> Division:
-        """Regions by internal difference."""
+        """Divide the frame into regions by internal difference."""
         graph = self.graph(frame)
         config = self.config.at_size(frame.shape)
         return Division(partition(graph, config.k, config.min_size_px2), weight_contour(graph))

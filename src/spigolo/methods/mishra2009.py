@@ -1,11 +1,11 @@
-"""Mishra et al. 2009, *Active Segmentation With Fixation*: the object around a given point.
+"""Mishra et al. 2009, *Active Segmentation With Fixation*: segmentation of the object around a given point.
 
-The boundary map is seen from the point in polar coordinates. There, the border of a small object is as long as that of
-a large one. The inside is cut from the outside at the lowest cost.
+The boundary map is transformed to polar coordinates around the point. In polar coordinates, the border of a small
+object is as long as that of a large object. The inside is separated from the outside at the lowest cost.
 
-Costs are as in their paper and released code. Our reading: the contour crosses each ray once, so it is star-shaped. The
-cheapest cut of this kind is a shortest closed path, and dynamic programming finds it exactly. A general minimum cut may
-fold back. The polar map is read from a widened boundary map. Their code splats edge by edge.
+Costs follow their paper and released code. In our reading, the contour crosses each ray once, so it is star-shaped.
+Dynamic programming finds the optimal contour of this kind as a shortest closed path. A general minimum cut may cross a
+ray several times. We sample the polar map from a widened boundary map. Their code draws each edge into the polar map.
 """
 
 from __future__ import annotations
@@ -29,30 +29,32 @@ from spigolo.stages.regions import Regions
 Points = npt.NDArray[np.float64]
 
 RAYS = 360
-"""One for each degree (their released code)."""
+"""Number of rays, one per degree (their released code)."""
 LEAST_RADIUS_PX = 4
-"""A contour keeps this far from its fixation point: an edge through the point is no contour around it."""
+"""Minimum distance between a contour and its fixation point, px. An edge through the point is not a contour
+around it.
+"""
 
 
 class FixationConfig(BoundaryConfig):
     """Parameters of `mishra2009`."""
 
     blur_px: Positive = 1.0
-    """Sigma of the Gaussian that widens edges before rays cross them, which would slip through a thin line."""
+    """Sigma of the Gaussian that widens edges, px. Rays would pass through thin lines."""
     frame_edge: Share = 20 / 255
-    """Boundary along the border of the image (their released code)."""
+    """Boundary value at the border of the image (their released code)."""
     weakest: Share = 5 / 255
-    """Less is no edge (their released code)."""
+    """Minimum boundary value of an edge (their released code)."""
     gap_cost: NotNegative = 50.0
     """Cost of a ray without an edge (their released code)."""
     sharpness: NotNegative = 5.0
-    """Sharpness of the cost of an edge: an edge of probability p costs exp(-sharpness p) (2009, as a public
-    re-implementation has it; their released code: 20).
+    """Sharpness of the cost of an edge. An edge of probability p costs exp(-sharpness p). The value follows a public
+    re-implementation of the 2009 paper (their released code: 20).
     """
 
 
 def segment_around(frame: Frame, point: tuple[float, float], config: FixationConfig | None = None) -> ObjectMask:
-    """The object around a pixel (y, x), `mishra2009`: whatever rule its region breaks, the point says that it is one.
+    """Segment the object around a pixel (y, x) by `mishra2009`. The region is an object even if it violates a rule.
 
     Raises IndexError for a point outside the image.
     """
@@ -63,21 +65,21 @@ def segment_around(frame: Frame, point: tuple[float, float], config: FixationCon
 
 @dataclass(frozen=True)
 class _Around(Baseline[FixationConfig]):
-    """The object around a point, and the rest of the frame."""
+    """Method that divides a frame into the object around a point and the rest."""
 
     name = "mishra2009"
     point: tuple[int, int]
 
     def divide(self, frame: Frame) -> Division:
-        """The region around the point and the rest."""
+        """Return the region around the point, and the rest of the frame."""
         boundary = find_boundary(frame.color, frame.depth, frame.camera, self.config)
         contour = contour_around(edge_map(boundary, self.config), self.point, self.config)
         return Division(paint([inside(contour, frame.shape)], frame.shape), boundary.value)
 
 
 def edge_map(boundary: Boundary, config: FixationConfig) -> Floats:
-    """Boundary map (H, W) in [0, 1] as rays see it: edges widened, the border of the image an edge."""
-    gain = np.float32(math.sqrt(2 * math.pi) * config.blur_px)  # a straight line keeps its height
+    """Return the boundary map (H, W) in [0, 1] for rays. Edges are widened, and the image border is an edge."""
+    gain = np.float32(math.sqrt(2 * math.pi) * config.blur_px)  # keeps the value of a straight line
     edges = np.minimum(cv2.GaussianBlur(boundary.value, (0, 0), config.blur_px) * gain, np.float32(1))
     for border in (edges[0], edges[-1], edges[:, 0], edges[:, -1]):
         np.maximum(border, np.float32(config.frame_edge), out=border)
@@ -85,9 +87,9 @@ def edge_map(boundary: Boundary, config: FixationConfig) -> Floats:
 
 
 def contour_around(edges: Floats, point: tuple[int, int], config: FixationConfig) -> Points:
-    """The cheapest closed contour around a pixel (y, x): one point (y, x) on each of the 360 rays.
+    """Return the cheapest closed contour around a pixel (y, x), with one point (y, x) on each of the 360 rays.
 
-    edges: (H, W) as `edge_map` gives it.
+    edges: (H, W) as returned by `edge_map`.
     """
     height, width = edges.shape
     y, x = point
@@ -112,21 +114,23 @@ def _cost(a: Floats, b: Floats, config: FixationConfig) -> Floats:
 
 
 def inside(contour: Points, shape: tuple[int, int]) -> Mask:
-    """The pixels (H, W) of a contour of points (y, x) and within."""
+    """Return the pixels (H, W) on and inside a contour of points (y, x)."""
     mask = np.zeros(shape, np.uint8)
     cv2.fillPoly(mask, [np.rint(contour[:, ::-1]).astype(np.int32)], 1)
     return mask.view(bool)
 
 
 def innermost(mask: Mask) -> tuple[int, int]:
-    """The pixel (y, x) of a mask that is farthest from what is outside."""
+    """Return the pixel (y, x) of a mask with the largest distance to the outside."""
     depth = cv2.distanceTransform(np.pad(mask, 1).view(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
     y, x = np.unravel_index(int(depth.argmax()), mask.shape)
     return int(y), int(x)
 
 
 def paint(masks: list[Mask], shape: tuple[int, int]) -> Regions:
-    """Regions by their first pixel: the masks (H, W), later ones over earlier ones, and what they leave."""
+    """Return the regions of masks (H, W), numbered by first pixel. Later masks cover earlier ones. The rest is one
+    region.
+    """
     labels = np.zeros(shape, np.int32)
     for k, mask in enumerate(masks, start=1):
         labels[mask] = k

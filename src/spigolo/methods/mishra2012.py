@@ -1,11 +1,13 @@
-"""Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: points inside objects, and the objects around them.
+"""Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: choice of points inside objects, and segmentation
+there.
 
-At a depth border the nearer side is the owner, so it points into an object. The region that `mishra2009` finds around
-such a point is a simple object if borders that it owns, or contact boundaries, enclose it.
+At a depth border, the nearer side owns the border. A border so indicates a point inside an object. `mishra2009` finds
+the region around that point. The region is a simple object if it is enclosed by borders that it owns or by contact
+boundaries.
 
 Only an outline of the text was available. The choice of points and the acceptance of objects are our reading, and all
-numbers are our choice. Their method knows the camera's pose, which shows contact with the table. Here, contact is a
-valley of the depth.
+values are our choice. Their method detects contact with the table from the camera's pose. In our implementation, a
+contact is a valley of the depth.
 """
 
 from __future__ import annotations
@@ -25,38 +27,40 @@ from spigolo.methods.ownership import Boundary, Floats, find_boundary
 from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 
 HARDLY = 0.5
-"""Half of what is asked of a contour is enough to look again."""
+"""Share of the required contour quality that is enough for a second fixation."""
 BESIDE_PX = 3.0
-"""Maximum distance in pixels between a contour and the edge that it follows."""
+"""Maximum distance between a contour and the edge that it follows, px."""
 VOTES_PX = 9
-"""Votes are counted in a square of this width."""
+"""Width of the square in which votes are counted, px."""
 
 
 class SimpleConfig(FixationConfig):
-    """Parameters of `mishra2012`: those of `mishra2009`, and how points are chosen and objects accepted."""
+    """Parameters of `mishra2012`: those of `mishra2009`, the choice of points, and the acceptance of objects."""
 
     min_length_px: Annotated[int, Field(ge=1, le=10_000)] = 20
-    """Shorter fragments of strong edges point at nothing."""
+    """Minimum length of a fragment of strong edges, px. Shorter fragments do not vote for points."""
     shift_px: Positive = 18.0
-    """Distance of fixation points from a border, on the side that owns it."""
+    """Distance of fixation points from a border, px, on the side that owns the border."""
     max_fixations: Annotated[int, Field(ge=0, le=10_000)] = 40
-    """The most points that are tried."""
+    """Maximum number of fixation points that are tried."""
     min_votes: NotNegative = 8.0
-    """Minimum number of border pixels that point at a fixation point. A straight border by itself gives 9."""
+    """Minimum number of border pixels that vote for a fixation point. A single straight border gives 9."""
     refixate: bool = True
-    """Look again from the innermost point of what was found."""
+    """Repeat the segmentation from the innermost point of the region that was found."""
     min_strong: Share = 0.5
-    """Least share of the contour that is strong and owned by the inside, or a contact boundary."""
+    """Minimum share of the contour that is a contact boundary, or a strong edge owned by the inside."""
     max_iou: Share = 0.5
-    """Maximum IoU of two objects. Among two that overlap more, the one with more evidence stays."""
+    """Maximum intersection over union of two objects. If two overlap more, the one with the higher contour share
+    stays.
+    """
     min_area_px2: Area_px2 = 500.0
-    """Smaller ones are none."""
+    """Minimum area of an object, px^2."""
     max_area: Share = 0.2
-    """Larger shares of the frame are surfaces that objects stand on."""
+    """Maximum area of an object as a share of the frame. Larger regions are surfaces on which objects stand."""
 
 
 class Found(NamedTuple):
-    """An object (H, W) and the share of its contour that speaks for it."""
+    """Mask (H, W) of an object, and the share of its contour that supports it."""
 
     mask: Mask
     strong: float
@@ -64,14 +68,14 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Mishra2012(Baseline[SimpleConfig]):
-    """Objects around the points that depth borders point at. The rest of the frame is one region."""
+    """Segmentation around points that are indicated by depth borders. The rest of the frame is one region."""
 
     name = "mishra2012"
     config: SimpleConfig = field(default_factory=SimpleConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the rest of the frame and every simple object. If two overlap, the one with more evidence gets the
-        pixels.
+        """Return the rest of the frame and every simple object. If two overlap, the one with the higher contour
+        share gets the pixels.
         """
         config = self.config.at_size(frame.shape)
         boundary = find_boundary(frame.color, frame.depth, frame.camera, config)
@@ -80,7 +84,7 @@ class Mishra2012(Baseline[SimpleConfig]):
 
 
 def find_simple(boundary: Boundary, config: SimpleConfig) -> list[Found]:
-    """The simple objects of a frame, the best founded first."""
+    """Return the simple objects of a frame, the one with the highest contour share first."""
     kept: list[Found] = []
     for found in sorted(_look_around(boundary, config), key=lambda f: -f.strong):
         if all(_iou(found.mask, other.mask) <= config.max_iou for other in kept):
@@ -89,7 +93,7 @@ def find_simple(boundary: Boundary, config: SimpleConfig) -> list[Found]:
 
 
 def _look_around(boundary: Boundary, config: SimpleConfig) -> Iterator[Found]:
-    """Objects around the points that most borders point at, one after the other."""
+    """Yield the objects around fixation points, in descending order of votes."""
     votes, edges, judge = count_votes(boundary, config), edge_map(boundary, config), Judge(boundary, config)
     for _ in range(config.max_fixations):
         y, x = np.unravel_index(int(votes.argmax()), votes.shape)
@@ -105,9 +109,10 @@ def _look_around(boundary: Boundary, config: SimpleConfig) -> Iterator[Found]:
 
 
 def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
-    """Count the border pixels that point at each pixel (H, W): the point `shift_px` from them on the owner's side.
+    """Return the number of border pixels that vote for each pixel (H, W).
 
-    Borders without an owner count only if there are no others. They point to both sides.
+    A border pixel votes for the point at a distance of `shift_px` on the owner's side. Borders without an owner count
+    only if there are no others. Such borders vote for both sides.
     """
     owned = boundary.side != 0
     strong = (boundary.strong & owned if owned.any() else boundary.strong).view(np.uint8)
@@ -126,7 +131,7 @@ def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
 
 
 class Judge:
-    """Judge of points: finds the region around a point, and the share of its contour that supports it."""
+    """Evaluation of fixation points: finds the region around a point, and the share of its contour that supports it."""
 
     def __init__(self, boundary: Boundary, config: SimpleConfig) -> None:
         self.boundary, self.config = boundary, config
@@ -139,7 +144,7 @@ class Judge:
         self.number[self.nearest[self.y, self.x]] = np.arange(self.y.size)
 
     def __call__(self, edges: Floats, point: tuple[int, int]) -> Found | None:
-        """Return the region around a pixel (y, x). None if its area is out of bounds or it owns hardly any of its
+        """Return the region around a pixel (y, x). None if its area is out of range or it owns too little of its
         border.
         """
         config, shape = self.config, edges.shape
@@ -152,8 +157,9 @@ class Judge:
         return Found(mask, strong) if strong >= HARDLY * config.min_strong else None
 
     def share(self, contour: Points, point: tuple[int, int]) -> float:
-        """Return the share of a contour that has a strong edge next to it, owned by its inside or by nobody. Points
-        count by their length.
+        """Return the share of a contour next to a strong edge whose owner is the inside or unknown.
+
+        Contour points are weighted by their length.
         """
         height, width = self.distance.shape
         y, x = np.rint(contour).astype(int).T

@@ -1,9 +1,9 @@
 """Probability that an edge is the border of an object, and the side that owns it, for the methods of Mishra et al.
 
-Their probability is a logistic function of the difference of mean disparities of two half-discs. Here, a line is fitted
-to each half-disc and compared at the edge (our reading). So the texture of a slanted table shows no step. If both lines
-form a valley there is a contact boundary. Their texts name contact boundaries, but the available parts do not define
-them.
+Their probability is a logistic function of the difference in mean disparity between two half-discs. In our
+implementation, a line is fitted to each half-disc, and both lines are compared at the edge (our reading). The slope of
+a table is then not a step. If both lines form a valley, the edge is a contact boundary. Their texts name contact
+boundaries, but the available parts do not define them.
 """
 
 from __future__ import annotations
@@ -27,56 +27,65 @@ Floats = npt.NDArray[np.float32]
 
 ORIENTATIONS = 8
 NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) * (math.pi / ORIENTATIONS)])
-"""Normals (n_y, n_x) of the orientations that edges are rounded to. Rows are counted downwards."""
+"""Normals (n_y, n_x) of the quantised edge orientations. y points downwards."""
 NOMINAL_FOCAL = 0.9
-"""Focal length as a share of the image width where the camera is not known."""
+"""Assumed focal length as a share of the image width if the camera is not known."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels next to the edge line, whose depth is smeared (their released code)."""
+"""Weight of pixels next to the edge line, where depth is smeared (their released code)."""
 LEAST_WEIGHT = 20.0
-"""A half-disc with fewer measured pixels says nothing (our choice)."""
+"""Minimum weight of measured pixels in a valid half-disc (our choice)."""
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
-"""Steps per pixel of disparity for Canny, the response of the Scharr mask to a slope of 1, and the ratio of Canny's
+"""Levels per pixel of disparity for Canny, response of the Scharr filter to a slope of 1, and ratio of Canny's
 thresholds.
 """
 
 
 class BoundaryConfig(MethodConfig):
-    """Parameters of the boundary probability. Disparities are pixels of a stereo pair with the camera's focal length.
+    """Parameters of the boundary probability. Disparities are in pixels of a stereo pair with the camera's focal
+    length.
 
-    Disparity grows with nearness as the depth noise of triangulating sensors does, so that one threshold holds at all
-    distances: 0.3 px are 7 mm at 1 m.
+    The depth noise of triangulating sensors is constant in disparity, so one threshold is valid at all distances: 0.3
+    px are 7 mm at 1 m.
     """
 
     depth: bool = True
-    """False weighs edges by their colour contrast alone and knows no owner: what depth is worth."""
+    """Use depth. If false, edges are weighted only by colour contrast and have no owner, to measure the benefit of
+    depth.
+    """
     baseline_m: Positive = 0.075
-    """Baseline of the stereo pair that depth is expressed for, a Kinect's (our choice)."""
+    """Baseline of the virtual stereo pair, m. The default is that of a Kinect (our choice)."""
     half_disc: Positive = 0.015
     """Radius of the half-discs as a share of the image diagonal (their released code)."""
     near_line: Share = 0.4
-    """Pixels nearer to the edge line than this share of the radius hardly count (their released code)."""
+    """Distance from the edge line, as a share of the radius, below which pixels have a small weight (their released
+    code).
+    """
     steepness: Positive = 10.0
-    """beta_1 of the logistic function, 1/px (their released code)."""
+    """Steepness beta_1 of the logistic function, 1/px (their released code)."""
     step_px: Positive = 0.3
-    """beta_2: the disparity step that is a border with probability 1/2 (their released code)."""
+    """Disparity step beta_2 at which the border probability is 1/2, px (their released code)."""
     valley_px: Positive | None = 0.6
-    """The same for the depth of a valley: what both lines rise by over the radius, together. None: no contact."""
+    """Depth of a valley at which the contact probability is 1/2, px: the sum of the rise of both lines over the radius.
+    None: no contact boundaries.
+    """
     texture: Share = 50 / 255
-    """Least value of every edge, also where depth shows nothing (their released code)."""
+    """Minimum value of every edge, also without a depth difference (their released code)."""
     max_shadow_px: Length_px = 60
-    """Widest shadow that takes the depth of its farther side, as in `DepthContours`."""
+    """Maximum width of a shadow that gets the depth of its farther side, px, as in `DepthContours`."""
     disparity_slope: Positive = 0.08
-    """Least disparity gradient, in px per px, of an edge of the disparity map, where colour shows none (our choice)."""
+    """Minimum disparity gradient of an edge in the disparity map, px per px. Such edges are added to the colour edges
+    (our choice).
+    """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boundary:
     """Edges and their owners, all (H, W).
 
-    value: float32 in [0, 1], the probability at edge pixels, else 0. strong: edges that are borders with a probability
-    above one half. normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: int8. It is 1 if the side
-    that the normal points to owns the edge because it is nearer, and -1 if the other one does. It is 0 if no side is
-    known to own it: at contact boundaries, and without depth.
+    value: float32 in [0, 1], the probability at edge pixels, else 0. strong: edges with a border probability above 1/2.
+    normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: int8, the owner of the edge, which is the
+    nearer side: 1 for the side that the normal points to, -1 for the other side, and 0 if the owner is not known
+    (contact boundaries, no depth).
     """
 
     value: Floats
@@ -86,7 +95,7 @@ class Boundary:
 
 
 def find_boundary(image: Color, depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -> Boundary:
-    """The boundary map of an image (H, W, 3) with its depth (H, W) in metres."""
+    """Return the boundary map of an image (H, W, 3) with depth (H, W) in metres."""
     canny, gx, gy = scharr_canny(image, EdgesConfig())
     if not config.depth:
         return _by_contrast(canny, gx, gy)
@@ -121,7 +130,7 @@ def _by_depth(
 
 
 def _by_contrast(canny: Mask, gx: Gradient, gy: Gradient) -> Boundary:
-    """Edges by their gradient alone, as a share of the 95th percentile of the frame's edges."""
+    """Return edges weighted only by their gradient, as a share of the 95th percentile of the frame's edges."""
     size = np.hypot(gx.astype(np.float32), gy.astype(np.float32))
     largest = float(np.percentile(size[canny], 95)) if canny.any() else 1.0
     value = np.where(canny, np.minimum(size / np.float32(largest), 1), np.float32(0))
@@ -139,7 +148,7 @@ def _disparity(depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -
 
 
 def _disparity_edges(disparity: Floats, slope: float) -> tuple[Mask, Gradient, Gradient]:
-    """Edges of a disparity map (H, W) and the gradients along x and y that they were found on."""
+    """Return the edges of a disparity map (H, W), and the gradients along x and y from which they were computed."""
     smooth = cv2.GaussianBlur(disparity, (5, 5), 0) * np.float32(LEVELS_PER_PX)
     largest = np.iinfo(np.int16).max
     gx, gy = (
@@ -151,7 +160,7 @@ def _disparity_edges(disparity: Floats, slope: float) -> tuple[Mask, Gradient, G
 
 
 def _orientation(gx: Gradient, gy: Gradient) -> npt.NDArray[np.uint8]:
-    """Row of NORMALS that is nearest to each gradient, whatever its polarity."""
+    """Return the index in NORMALS that is nearest to each gradient, regardless of its sign."""
     angle = np.arctan2(gy.astype(np.float32), gx.astype(np.float32)) * np.float32(ORIENTATIONS / math.pi)
     return (np.rint(angle).astype(np.int32) % ORIENTATIONS).astype(np.uint8)
 

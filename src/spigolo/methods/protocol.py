@@ -1,4 +1,4 @@
-"""The interface of a method: a frame in, a segmentation out."""
+"""Interface of a method, which takes a frame and returns a segmentation."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from spigolo.objects.segmentation import Segmentation
 
 
 class Method(Protocol):
-    """A method with its parameters. It can be pickled, because worker processes get a copy each.
+    """Method with its parameters. Methods can be pickled for worker processes.
 
-    name: of the method. preset: of its parameters, "" for those without a name. digest: changes with any of their
-    values. parameters: the values, as JSON has them.
+    name: name of the method. preset: name of its parameters, "" without a name. digest: text that changes with any
+    parameter value. parameters: values of the parameters, ready for JSON.
     """
 
     @property

@@ -1,8 +1,8 @@
-"""Rao et al. 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth component next to R, G and B.
+"""Rao et al. 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth channel in addition to R, G, B.
 
-This is their segmentation alone. Their system then chooses graspable segments with a trained classifier. Only the
-paper's summary of their text was available. The scale of depth, the treatment of missing depth and all numbers are our
-reading.
+This module implements only their segmentation. Their system then chooses graspable segments with a trained classifier.
+Only the paper's summary of their text was available. The scale of depth, the treatment of missing depth and all values
+are our reading.
 """
 
 from __future__ import annotations
@@ -22,20 +22,21 @@ class RaoConfig(FelzenszwalbConfig):
     """Parameters of `rao2010`: those of `felzenszwalb2004` and the scale of depth."""
 
     levels_per_m: NotNegative = 1200.0
-    """Weight of a metre of depth difference, in levels of a colour channel. 0 ignores depth (found in the same way as
-    k).
-    """
+    """Weight of one metre of depth difference, in levels of a colour channel. 0 ignores depth (chosen like `k`)."""
 
 
 @dataclass(frozen=True)
 class Rao2010(Felzenszwalb2004):
-    """Merging of pixels by the difference of colour and depth. Missing depth makes no difference (our reading)."""
+    """Segmentation by merging pixels with small differences of colour and depth.
+
+    Edges to missing depth have a depth difference of 0 (our reading).
+    """
 
     name = "rao2010"
     config: RaoConfig = field(default_factory=RaoConfig)
 
     def graph(self, frame: Frame) -> Graph:
-        """The weights of eq. 1 with depth among the features."""
+        """Return the graph with weights of eq. 1, with depth among the features."""
         config = self.config
         color = color_features(frame.color, config.sigma_px)
         depth = depth_feature(frame.depth, config.sigma_px, config.levels_per_m)

@@ -1,4 +1,4 @@
-"""Toscana & Rosa 2016, the method of this package, as one of several."""
+"""Toscana & Rosa 2016, the method of this package, with the interface of all methods."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, repr=False)
 class Toscana2016(Configured[Config]):
-    """Toscana & Rosa 2016 with one configuration. Every thread keeps its buffers from frame to frame."""
+    """Toscana & Rosa 2016 with one configuration. Each thread keeps its buffers between frames."""
 
     name: ClassVar[str] = "toscana2016"
     config: Config = OBJECTS
@@ -28,7 +28,7 @@ class Toscana2016(Configured[Config]):
         return self.config.name
 
     def __call__(self, frame: Frame) -> Segmentation:
-        """The objects of a frame."""
+        """Return the objects of a frame."""
         if not hasattr(self._own, "segmenter"):
             self._own.segmenter = Segmenter(self.config)
         segmenter: Segmenter = self._own.segmenter
@@ -38,5 +38,5 @@ class Toscana2016(Configured[Config]):
         return f"Toscana2016({self.preset} {self.digest})"
 
     def __reduce__(self) -> tuple[type[Toscana2016], tuple[Config]]:
-        """As a configuration: buffers stay behind."""
+        """Pickle only the configuration, without buffers."""
         return type(self), (self.config,)

@@ -1,1 +1,1 @@
-"""The output: measured regions, verdicts with their reasons, and the answer."""
+"""Output: measured regions, verdicts with reasons, and the result."""

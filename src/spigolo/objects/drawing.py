@@ -1,4 +1,4 @@
-"""Objects drawn over the colour image."""
+"""Drawings of objects over the colour image."""
 
 from __future__ import annotations
 
@@ -19,19 +19,22 @@ Tint = npt.NDArray[np.uint8]
 
 
 def palette(count: int) -> npt.NDArray[np.uint8]:
-    """Return colours (count, 3) RGB that differ well from their neighbours in number."""
+    """Return RGB colours (count, 3) in which neighbouring numbers differ clearly."""
     return np.array([tint_of(number) for number in range(1, count + 1)], np.uint8).reshape(-1, 3)
 
 
 def tint_of(number: int) -> Tint:
-    """Return the colour (3,) RGB of a number, from 1."""
+    """Return the RGB colour (3,) of a number. Numbers start at 1."""
     hue = (0.02 + (number - 1) * GOLDEN_RATIO) % 1.0
     color = colorsys.hsv_to_rgb(hue, 0.9, 0.92) if number % 2 else colorsys.hsv_to_rgb(hue, 0.75, 1.0)
     return np.asarray(np.round(np.array(color) * 255), np.uint8)
 
 
 def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
-    """Draw masks (H, W) by number over an image (H, W, 3): background dimmed, each object tinted and outlined."""
+    """Draw masks (H, W) over an image (H, W, 3). The background is dimmed, and each object is tinted and outlined.
+
+    masks: indexed by the number that determines the colour.
+    """
     picture = (color * np.float32(0.45)).astype(np.uint8)
     for number, mask in masks.items():
         tint = tint_of(number)
@@ -42,7 +45,7 @@ def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
 
 
 def draw_numbers(picture: Color, masks: Mapping[int, Mask]) -> None:
-    """Write each number into its mask, in place."""
+    """Write the number of each mask into it, in place."""
     for number, mask in masks.items():
         _draw_number(picture, number, mask, tint_of(number), _scale(picture))
 
@@ -52,7 +55,7 @@ def _scale(picture: Color) -> float:
 
 
 def _draw_number(picture: Color, number: int, mask: Mask, tint: Tint, scale: float) -> None:
-    """Write a number in a disc at the innermost pixel, which lies on the object even if its centroid does not."""
+    """Write a number in a disc at the innermost pixel of the mask. The centroid may lie outside the object."""
     inside = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)
     y, x = np.unravel_index(int(inside.argmax()), inside.shape)
     center = int(x) - 1, int(y) - 1

@@ -1,4 +1,4 @@
-"""Facts about every region, in the image and in space."""
+"""Measurements of every region, in the image and in space."""
 
 from __future__ import annotations
 
@@ -24,57 +24,65 @@ from spigolo.stages.regions import Regions
 Labels = npt.NDArray[np.int32]
 
 SPREAD_OF_SQUARE = 12
-"""The square of a rectangle's side as a multiple of the variance along it."""
+"""Ratio of the squared side of a rectangle to the variance along that side."""
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Share of the image with measured pixels at which a score reaches 63 % of its limit (our choice)."""
+"""Share of measured pixels in the image at which the depth term of a score reaches 63 % of its maximum (our choice)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class RegionFacts:
-    """The facts of one region, measured in the image and in space."""
+    """Measurements of one region in the image and in space."""
 
     region: int
     """Number of the region in `Segmentation.regions`."""
     score: float
-    """Evidence for an object, in [0, 1] (`region_score`)."""
+    """Score of the region as an object, in [0, 1] (`region_score`)."""
     area_px: int
-    """Number of its pixels."""
+    """Number of pixels of the region."""
     box_px: tuple[int, int, int, int]
     """Bounding box (y0, x0, y1, x1) in pixels, the last two exclusive."""
     centroid_px: tuple[float, float]
     """Centroid (y, x) in pixels."""
     centroid_m: tuple[float, float, float] | None
-    """Mean (X, Y, Z) of its measured points in metres. None without any, or without intrinsics."""
+    """Mean (X, Y, Z) of the region's measured points in metres. None without measured points or intrinsics."""
     spread_px2: tuple[float, float]
-    """Eigenvalues (lambda1, lambda2) of the covariance of its pixel coordinates, px^2."""
+    """Eigenvalues (lambda1, lambda2) of the covariance of the pixel coordinates, px^2."""
     eccentricity: float
-    """sqrt(1 - lambda2 / lambda1), in [0, 1]. 0 is round, 1 is a line."""
+    """Eccentricity sqrt(1 - lambda2 / lambda1), in [0, 1]. 0 is round, 1 is a line."""
     missing: float
-    """Share of its pixels without measured depth."""
+    """Share of the region's pixels without measured depth."""
     unfilled: float
-    """Share of its pixels without depth after in-painting."""
+    """Share of the region's pixels without depth after in-painting."""
     dark: float
-    """Share of its pixels in the three darkest of 32 brightness bins."""
+    """Share of the region's pixels in the three darkest of 32 brightness bins."""
     above: float | None
-    """Share of its measured pixels above the support plane. None without a plane."""
+    """Share of the region's measured pixels above the support plane. None without a plane."""
     inside: float | None
-    """Share of its pixels inside the region of interest. None without one."""
+    """Share of the region's pixels inside the region of interest. None without a region of interest."""
     contour: float
-    """Mean boundary along its border, in [0, 1]."""
+    """Mean boundary value along the region's border, in [0, 1]."""
     cut: float | None
-    """Share of its contour on the image border. None if walls are not checked or the region is low."""
+    """Share of the region's outline on the image border. None if walls are not checked or the region is low."""
     hides: float | None
-    """Share of its own outline beyond which depth steps back. None as for `cut`, or with too little depth."""
+    """Share of the region's own outline beyond which depth is larger by a step.
+
+    None if walls are not checked, the region is low, or too little of its outline has depth.
+    """
     ledge: float | None
-    """Share of its outline along which the height above the support steps. None without a plane or enough depth."""
+    """Share of the region's outline along which the height above the support changes by a step. None without a plane or
+    enough depth.
+    """
     lean_deg: float | None
-    """Angle of its mean surface normal to the line of sight, degrees. None as for `hides`."""
+    """Angle between the region's mean normal and the line of sight, degrees.
+
+    None if walls are not checked, the region is low, or too little of its outline has depth.
+    """
     regions: Labels
     """Region numbers (H, W) of the whole frame."""
     frame: Frame
-    """The frame."""
+    """Frame of the region."""
     plane: Plane | None
-    """The support plane, if there is one."""
+    """Support plane, or None."""
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._summary()})"
@@ -86,17 +94,18 @@ class RegionFacts:
 
     @property
     def mask(self) -> Mask:
-        """Its pixels, (H, W) bool, a new array each time."""
+        """Pixels of the region, (H, W) bool. Each access makes a new array."""
         return np.asarray(self.regions == self.region)
 
     @property
     def distance_m(self) -> float | None:
-        """Distance of the centroid from the camera, None without depth."""
+        """Distance of the centroid from the camera in metres. None without depth or intrinsics."""
         return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
 
     @property
     def size_m(self) -> tuple[float, float] | None:
-        """Length and width of a rectangle with the same spread, seen straight on at the centroid's depth.
+        """Length and width of a rectangle with the region's spread, facing the camera at the centroid's depth, in
+        metres.
 
         None without depth or intrinsics.
         """
@@ -108,12 +117,12 @@ class RegionFacts:
         return length, width
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the measured facts by name, ready for json.dumps."""
+        """Return the measurements by name, ready for json.dumps."""
         facts = {name: getattr(self, name) for name in MEASURED}
         return {name: list(fact) if isinstance(fact, tuple) else fact for name, fact in facts.items()}
 
     def points_m(self) -> npt.NDArray[np.float32]:
-        """Return its measured points (N, 3) in the camera's frame, in raster order. In-painted depth is never used.
+        """Return the region's measured points (N, 3) in the camera's frame, in raster order, without in-painted depth.
 
         Raises CameraError for a frame without intrinsics.
         """
@@ -122,7 +131,8 @@ class RegionFacts:
         return self.frame.camera.back_project(self.frame.depth, self.mask)
 
     def oriented_box(self) -> OrientedBox | None:
-        """Return the box around its measured surface, trimmed against flying pixels. It stands upright on the support.
+        """Return the box around the region's measured surface, without flying pixels. The box stands upright on the
+        support.
 
         None with fewer than 10 measured pixels, or without intrinsics.
         """
@@ -133,7 +143,7 @@ class RegionFacts:
 
 
 MEASURED = tuple(f.name for f in fields(RegionFacts) if f.name not in ("regions", "frame", "plane"))
-"""Names of the facts that `RegionFacts.to_dict` returns."""
+"""Names of the measurements that `RegionFacts.to_dict` returns."""
 
 
 def measure_regions(
@@ -146,9 +156,9 @@ def measure_regions(
     stance: Stance | None = None,
     plane: Plane | None = None,
 ) -> list[RegionFacts]:
-    """Measure the facts of every region, by number.
+    """Measure every region. Results are indexed by region number.
 
-    depth: (H, W) after in-painting. contour: (H, W) as `contour_cue` returns it. above: (H, W), measured pixels above
+    depth: (H, W) after in-painting. contour: (H, W) as returned by `contour_cue`. above: (H, W), measured pixels above
     the support. inside: two masks (H, W), the pixels in the region of interest and the pixels that count. plane: the
     support.
     """
@@ -178,11 +188,11 @@ def measure_regions(
 
 
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
-    """Return the facts of regions whose outlines have moved. facts: in the order of their new numbers.
+    """Measure regions again after their outlines have changed.
 
-    depth: (H, W) after in-painting.
+    facts: earlier measurements, indexed by new region number. depth: (H, W) after in-painting.
 
-    Facts that describe the mask are measured again. Facts that a region was judged by stay: score, above, inside,
+    Measurements that describe the mask are updated. Measurements that decided the verdict stay: score, above, inside,
     contour, cut, hides, ledge and lean_deg.
     """
     places = _places(regions, depth, frame, _sum_points(regions, frame))
@@ -190,7 +200,9 @@ def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, dept
 
 
 def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
-    """Return the facts of every region that describe its mask, by name. points: (R, 4) as `_sum_points` returns it."""
+    """Return the measurements that describe each region's mask, by name. points: (R, 4) as returned by
+    `_sum_points`.
+    """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)
     n = np.maximum(sums[:, 0], 1)
@@ -219,25 +231,27 @@ def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray
 def region_score(
     contour: npt.NDArray[np.float64], measured: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
 ) -> npt.NDArray[np.float64]:
-    """Score each region (R,) as an object, in [0, 1]: contour times depth support.
+    """Return the score (R,) of each region as an object, in [0, 1].
 
-    contour x (1 - exp(-measured / 0.98 %)) x share above the support plane (1 without a plane). measured: the region's
-    measured pixels as a share of the image. Larger surfaces with a closed contour, off the table, are more often whole
-    objects.
+    The score is contour x (1 - exp(-measured / 0.98 %)) x share above the support plane. The last factor is 1 without a
+    plane.
+
+    measured: the region's measured pixels as a share of the image. Large surfaces with a closed contour above the
+    support are more often whole objects.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """Return the map (H, W) in [0, 1] that borders are measured by: the boundary map, or without one the weights."""
+    """Return the map (H, W) in [0, 1] that measures borders: the boundary map, or the weights if there is none."""
     return weight_contour(graph) if cues.boundary is None else cues.boundary
 
 
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
-    """A cue of borders (H, W) in [0, 1] from weights alone.
+    """Return a boundary map (H, W) in [0, 1] that is computed only from edge weights.
 
-    The larger of the right and lower edge of each pixel counts, as a share of their 95th percentile.
+    Each pixel gets the larger weight of its right and lower edge, divided by the 95th percentile of all pixels.
     """
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)
@@ -247,14 +261,19 @@ def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
 
 
 def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Return the mean of a cue (H, W) along the border of each region (R,), 0 for a region without neighbours."""
+    """Return the mean of a map (H, W) along the border of each region (R,). The mean is 0 for a region without
+    neighbours.
+    """
     sums = np.zeros((regions.count, 2))
     moments.sum_contours(regions.labels, contour, sums)
     return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
 
 
 def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
-    """lambda1 >= lambda2 (px^2) and eccentricity of each region from its moments (R, 6), covariance divided by N."""
+    """Return lambda1 >= lambda2 (px^2) and the eccentricity of each region from its moments (R, 6).
+
+    The covariance is divided by N.
+    """
     n, y, x, yy, yx, xx = sums.T
     n = np.maximum(n, 1)
     a, b, c = yy / n - (y / n) ** 2, yx / n - y * x / n**2, xx / n - (x / n) ** 2
@@ -265,8 +284,9 @@ def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.floa
 
 
 def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
-    """Return the number of measured pixels and the sum of their X, Y, Z for each region (R, 4). Without a camera only
-    the count is right.
+    """Return the number of measured pixels and the sums of their X, Y, Z for each region (R, 4).
+
+    Without a camera only the number is valid.
     """
     sums = np.zeros((regions.count, 4))
     moments.sum_depth(regions.labels, frame.depth, kernel_numbers(frame.camera), sums)

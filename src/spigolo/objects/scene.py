@@ -1,4 +1,4 @@
-"""The scene that regions are judged in: the frame, the depth, the support plane and the rules."""
+"""Scene of a frame: its depth, support plane and rules, by which regions are judged."""
 
 from __future__ import annotations
 
@@ -19,57 +19,57 @@ from spigolo.stages.regions import Regions
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Scene:
-    """The evidence that regions are judged by, whatever method made them. Corrections by hand need it again."""
+    """Maps and rules by which regions of any method are judged. Corrections by hand use them again."""
 
     frame: Frame
-    """The frame."""
+    """Frame whose regions are judged."""
     depth: DepthMap
-    """Depth (H, W) in metres, in-painted where that is on. 0 counts as missing."""
+    """Depth (H, W) in metres, in-painted if in-painting is on. 0 counts as missing."""
     contour: npt.NDArray[np.float32]
-    """Strength (H, W) in [0, 1] of a border at each pixel."""
+    """Boundary value (H, W) in [0, 1] of each pixel."""
     plane: Plane | None
-    """The support plane, if there is one."""
+    """Support plane, or None."""
     rejection: Rejection
-    """The paper's rules, sized for the image."""
+    """Rules of the paper, sized for the image."""
     additions: Additions | None
     """Our rules, sized for the image. None without additions."""
     preset: str
-    """Name of the parameters that the regions come from."""
+    """Name of the preset that the regions were made with."""
     digest: str
-    """Hash of their values."""
+    """Digest of the preset's values."""
     left_out: tuple[str, ...] = ()
     """Cues that need intrinsics and were left out."""
     above: Mask | None = None
     """Measured pixels (H, W) above the support plane. None without a plane."""
     inside: tuple[Mask, Mask] | None = None
-    """Pixels (H, W) in the region of interest, and those that count. None without a region of interest."""
+    """Pixels (H, W) in the region of interest, and the pixels that count. None without a region of interest."""
 
     @property
     def support(self) -> Support | None:
-        """The numbers of the support plane, if it was looked for."""
+        """Parameters of the support plane. None if no plane was searched."""
         return None if self.additions is None else self.additions.support
 
     @property
     def rules(self) -> Rules:
-        """Our rules."""
+        """Our rules, all off without additions."""
         return Rules() if self.additions is None else self.additions.rules
 
     def measure(self, regions: Regions) -> list[RegionFacts]:
-        """Measure the facts of these regions."""
+        """Return the measurements of each region."""
         stance = self._stance(regions)
         return measure_regions(
             regions, self.depth, self.frame, self.contour, self.above, self.inside, stance, self.plane
         )
 
     def on_support(self, labels: Labels) -> Mask | None:
-        """Return the background pixels (H, W) on the support plane. None without one."""
+        """Return the background pixels (H, W) on the support plane. None without a plane."""
         camera = self.frame.camera
         if self.plane is None or self.support is None or camera is None:
             return None
         return np.asarray(support_mask(self.plane, self.frame.depth, camera, self.support) & (labels == 0))
 
     def all_left_out(self) -> tuple[str, ...]:
-        """Return all that was left out because there are no intrinsics."""
+        """Return the names of all features that were left out because intrinsics are missing."""
         if self.frame.camera is not None:
             return ()
         support = ("support plane",) if self.support is not None else ()
@@ -88,12 +88,14 @@ class Scene:
 
 
 def find_above(frame: Frame, plane: Plane | None, additions: Additions | None) -> Mask | None:
-    """Return the measured pixels (H, W) above the support plane. None without one."""
+    """Return the measured pixels (H, W) above the support plane. None without a plane."""
     if plane is None or additions is None or additions.support is None or frame.camera is None:
         return None
     return above_mask(plane, frame.depth, frame.camera, additions.support)
 
 
 def find_inside(frame: Frame, roi: Roi | None) -> tuple[Mask, Mask] | None:
-    """Return the pixels (H, W) in the region of interest, and those that count. None without one."""
+    """Return the pixels (H, W) in the region of interest, and the pixels that count. None without a region of
+    interest.
+    """
     return None if roi is None else roi_mask(roi, frame)

@@ -1,4 +1,4 @@
-"""From regions to objects: every region is measured and judged (section III-F)."""
+"""Selection of objects: every region is measured and judged (section III-F)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
-"""Depths out of this range are out of the range of every RGB-D camera."""
+"""Depth range that covers the range of every RGB-D camera, metres."""
 SAMPLED = 8
 
 
@@ -38,9 +38,9 @@ def set_scene(
     sized: Config,
     roi: Roi | None = None,
 ) -> Scene:
-    """Gather the evidence that the regions of a frame are judged by.
+    """Collect the maps and parameters by which the regions of a frame are judged.
 
-    sized: the parameters in pixels of this image. roi: regions outside are rejected.
+    sized: parameters in pixels of this image. roi: regions outside it are rejected.
     """
     return Scene(
         frame=frame,
@@ -58,10 +58,11 @@ def set_scene(
 
 
 def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArray[np.float32]:
-    """Return the map that borders are measured by.
+    """Return the map that measures borders.
 
-    In a halved frame, a border that misses its line by a pixel misses it by two of the full frame. So the maximum of
-    the neighbours counts there, which makes the mean along a border equal to that of the full frame.
+    In a halved frame, an offset of one pixel between border and boundary is two pixels of the full frame. The map
+    therefore takes the maximum over neighbouring pixels. The mean along a border is then equal to that of the full
+    frame.
     """
     contour = contour_cue(cues, graph)
     if additions is None or additions.resolution == "full":
@@ -70,7 +71,7 @@ def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArr
 
 
 def _for_holes(additions: Additions | None, contours: Contours | None) -> Additions | None:
-    """Return the additions with the minimum contour of frames whose holes have contours, where these have."""
+    """Return the additions. If hole outlines are contours in this frame, use the minimum contour for such frames."""
     if additions is None or contours is None or not contours.in_holes or additions.rules.min_contour_holes is None:
         return additions
     rules = additions.rules.model_copy(update={"min_contour": additions.rules.min_contour_holes})
@@ -79,7 +80,7 @@ def _for_holes(additions: Additions | None, contours: Contours | None) -> Additi
 
 @stage("objects")
 def select_objects(regions: Regions, scene: Scene) -> Segmentation:
-    """Measure the regions of any method, and return each as an object or with the reason for its rejection."""
+    """Measure all regions, from any method. Return each one as an object or with the reason for its rejection."""
     warn_of_depth(scene.frame)
     facts = scene.measure(regions)
     if not scene.frame.depth.any():
@@ -89,7 +90,7 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
 
 
 def warn_of_depth(frame: Frame) -> None:
-    """Warn of depth in which nothing can be found, as far as a few thousand pixels show."""
+    """Warn of implausible depth in which no object can be found, judged from a few thousand pixels."""
     if not frame.depth.any():
         warn("the frame has no depth at all, so nothing in it is an object")
         return

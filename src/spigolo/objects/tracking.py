@@ -1,4 +1,4 @@
-"""Ids of objects that last from frame to frame, by overlap and position in space, matched one to one (ours)."""
+"""Object ids that persist across frames, matched one to one by overlap and position in space (ours)."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from spigolo.objects.segmentation import ObjectMask, Segmentation
 KEPT_FRAMES = 15
 """Number of frames for which an object that is not found keeps its id (our choice)."""
 REACH_M = 0.05
-"""Distance at which closeness falls to 37 %, metres (our choice)."""
+"""Distance at which the closeness term falls to 37 %, metres (our choice)."""
 MIN_AFFINITY = 0.15
-"""Affinity below which two objects are never the same (our choice)."""
+"""Minimum affinity of two detections of the same object (our choice)."""
 MAX_SIZE_RATIO = 4.0
-"""Ratio of areas above which two objects are never the same (our choice)."""
+"""Maximum ratio of areas of two detections of the same object (our choice)."""
 
 Matrix = npt.NDArray[np.float64]
 
 
 @dataclass(slots=True)
 class Track:
-    """One object as it was last seen."""
+    """Last detection of one object."""
 
     id: int
-    """Number that lasts."""
+    """Id of the object."""
     area_px: int
-    """Number of its pixels."""
+    """Number of pixels."""
     center_m: npt.NDArray[np.float64] | None
     """Centroid (X, Y, Z), metres. None without depth or intrinsics."""
     unseen: int = 0
@@ -37,7 +37,7 @@ class Track:
 
 
 class Tracker:
-    """Gives the objects of each frame the ids of the same objects in earlier frames."""
+    """Tracker that gives objects the ids of the same objects in earlier frames."""
 
     def __init__(self) -> None:
         self._tracks: list[Track] = []
@@ -45,7 +45,7 @@ class Tracker:
         self._next = 1
 
     def follow(self, result: Segmentation) -> Segmentation:
-        """Return the answer with ids."""
+        """Return a copy of the result with ids."""
         if self._image is not None and self._image.shape != result.labels.shape:
             self._tracks, self._image = [], None
         pairs = match(self._affinity(result)) if self._tracks else {}
@@ -70,7 +70,7 @@ class Tracker:
         return np.where((ratio <= MAX_SIZE_RATIO) & (both >= MIN_AFFINITY), both, 0)
 
     def _drift(self, result: Segmentation, overlap: Matrix) -> npt.NDArray[np.float64]:
-        """Return the median shift (3,) of objects that clearly overlap: that of a moving camera."""
+        """Return the median shift (3,) in metres of clearly overlapping objects, which is due to camera motion."""
         shifts = [
             np.subtract(o.centroid_m, center)
             for k, o in enumerate(result)
@@ -81,7 +81,7 @@ class Tracker:
         return np.median(shifts, axis=0) if shifts else np.zeros(3)
 
     def _remember(self, result: Segmentation, ids: list[int], found: dict[int, int]) -> None:
-        """Keep the objects of this frame, and for a while those of earlier ones that were not found."""
+        """Keep the objects of this frame, and for `KEPT_FRAMES` frames also those that were not found."""
         lost = [(k, t) for k, t in enumerate(self._tracks) if k not in found and t.unseen < KEPT_FRAMES]
         image = np.zeros(result.labels.shape, np.int32)
         number_of = np.zeros(len(self._tracks) + 1, np.int32)
@@ -98,7 +98,10 @@ class Tracker:
 
 
 def match(affinity: Matrix) -> dict[int, int]:
-    """Return columns by rows, one to one, the largest affinity first. Pairs of affinity 0 do not match."""
+    """Match rows to columns one to one, largest affinity first. Return columns indexed by row.
+
+    Pairs of affinity 0 do not match.
+    """
     pairs: dict[int, int] = {}
     taken: set[int] = set()
     for flat in np.argsort(-affinity, axis=None, kind="stable"):

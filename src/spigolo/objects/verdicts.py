@@ -1,4 +1,4 @@
-"""Which regions are no objects, each with its reason (section III-F)."""
+"""Rules that reject regions, each with its reason (section III-F)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from spigolo.settings.paper import Rejection
 
 
 class Reason(str, Enum):
-    """Why a region is no object, in the order in which the rules are asked."""
+    """Reason why a region is not an object, in the order in which the rules are checked."""
 
     NO_DEPTH = "no depth"
     OUTSIDE = "outside the region of interest"
@@ -34,9 +34,9 @@ Verdict = tuple[Reason, str]
 
 
 def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
-    """Return the first rule that a region breaks, and a sentence with its numbers. None: it breaks none.
+    """Return the first rule that a region violates, and a sentence with its values. None if it violates no rule.
 
-    paper: the rules of section III-F. ours: our own. Both are sized for the image.
+    paper: the rules of section III-F. ours: our own rules. Both are sized for the image.
     """
     return (
         _judge_place(facts, support)
@@ -48,7 +48,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
 
 
 def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
-    """Judge the place: in the region of interest, and above the support."""
+    """Check the position: inside the region of interest, and above the support."""
     if facts.inside is not None and facts.inside < LEAST_INSIDE:
         why = f"only {facts.inside:.0%} of it lies in the region of interest (minimum {LEAST_INSIDE:.0%})"
         return Reason.OUTSIDE, f"outside: {why}"
@@ -59,7 +59,7 @@ def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
 
 
 def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
-    """Judge the stance: not a wall, and within a contour (ours)."""
+    """Check that the region is not a wall and that its contour is strong enough (ours)."""
     if rules.wall is not None and (why := _lacks_stance(facts, rules.wall)):
         return Reason.WALL, f"wall: {why}"
     if rules.min_contour is not None and facts.contour < rules.min_contour and not _is_ledge(facts, rules.ledge):
@@ -69,7 +69,10 @@ def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
 
 
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
-    """Return why a tall region is a wall: it hides little, or it is a rail that the image cuts off."""
+    """Return the reason why a tall region is a wall, or None.
+
+    A wall hides little behind it, or is a rail that the image border cuts off.
+    """
     lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)
     least = rule.min_hides + rule.min_hides_cut * cut + slant
@@ -88,7 +91,10 @@ def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
 
 
 def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
-    """Judge the extent, in metres where there is such a limit and intrinsics, else in pixels, and the eccentricity."""
+    """Check the size and the eccentricity.
+
+    The size is checked in metres if there is such a limit and intrinsics are known, and else in pixels.
+    """
     large, small = facts.spread_px2
     length, width = facts.size_m or (None, None)
     in_metres = ours.metric and length is not None
@@ -103,7 +109,7 @@ def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict |
 
 
 def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
-    """Judge the pixels: their depth and brightness."""
+    """Check the depth and the brightness of the pixels."""
     missing = _above(Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, MISSING)
     if missing is None and rules.max_dark is not None and facts.dark >= rules.max_dark:
         return Reason.DARK, f"dark: {facts.dark:.0%} of it in the three darkest bins (maximum {rules.max_dark:.0%})"

@@ -1,1 +1,1 @@
-"""The ROS 2 node: frames from topics, answers in standard messages. rclpy comes from the user's ROS."""
+"""ROS 2 node: frames from topics, results in standard messages. rclpy comes from the user's ROS installation."""

@@ -1,4 +1,4 @@
-"""Results as messages with the header of their colour image."""
+"""Results as ROS messages with the header of their colour image."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ from spigolo.ros.messages import POINT, fill_cloud, fill_image, fill_pose, point
 TEXT_HEIGHT_M = 0.03
 OPACITY = 0.4
 MAX_NUMBER = 65535
-"""The largest number of an image in mono16."""
+"""Maximum object number in a mono16 image."""
 
 
 def number_of(o: ObjectMask) -> int:
-    """Return the number of an object in every message: its id if it has one, else its label. Ids begin again at 1."""
+    """Return the number of an object in all messages: its id if it has one, else its label. Ids restart at 1 after the
+    maximum.
+    """
     return (o.number - 1) % MAX_NUMBER + 1
 
 
 def label_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return the number of the object at each pixel as an Image in mono16: 0 = background."""
+    """Return the number of the object at each pixel as a mono16 Image. 0 is background."""
     numbers = np.zeros(len(result) + 1, np.uint16)
     for o in result:
         numbers[o.label] = number_of(o)
@@ -34,23 +36,25 @@ def label_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def overlay_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return the colour image with the objects tinted and numbered, as an Image in rgb8."""
+    """Return the colour image with tinted and numbered objects as an rgb8 Image."""
     return fill_image(kinds.sensor.Image(), header, result.overlay(), "rgb8")
 
 
 def mask_image(kinds: Kinds, header: Any, found: ObjectMask) -> Any:
-    """Return the mask of an object as an Image in mono8: 255 = object."""
+    """Return the mask of an object as a mono8 Image. 255 is the object."""
     return fill_image(kinds.sensor.Image(), header, found.mask.astype(np.uint8) * np.uint8(255), "mono8")
 
 
 def object_clouds(kinds: Kinds, header: Any, result: Segmentation) -> Iterator[Any]:
-    """Yield a PointCloud2 for each object in the order of labels. Without intrinsics there are none."""
+    """Yield a PointCloud2 for each object in the order of labels. Clouds require intrinsics."""
     for records in _records(result):
         yield fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, records)
 
 
 def cloud(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return one PointCloud2 with the points of all objects in the order of labels. The field `label` numbers them."""
+    """Return one PointCloud2 with the points of all objects in the order of labels. The field `label` holds the
+    number.
+    """
     everything = np.concatenate([np.empty(0, POINT), *_records(result)])
     return fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, everything)
 
@@ -63,7 +67,7 @@ def _records(result: Segmentation) -> Iterator[Any]:
 
 
 def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return a MarkerArray: a box and a number for each object, after a marker that deletes those of the last frame."""
+    """Return a MarkerArray: first a marker that deletes the previous ones, then a box and a number for each object."""
     assert kinds.visualization is not None
     kind = kinds.visualization.Marker
     clear = kind()
@@ -87,7 +91,7 @@ def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def detections(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return a Detection3DArray: box, score and number of each object. The class is "object"."""
+    """Return a Detection3DArray with box, score and number of each object. The class is "object"."""
     assert kinds.vision is not None
     found = []
     for o, box in _boxes(result):
@@ -106,7 +110,7 @@ def detections(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
-    """Yield each object that has an oriented box, with it."""
+    """Yield each object that has an oriented box, and the box."""
     for o in result:
         box = o.oriented_box()
         if box is not None:
@@ -114,7 +118,7 @@ def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
 
 
 class Answers:
-    """The topics on which results are published. Those to which nobody listens cost no time, except the labels."""
+    """Publishers of results. Topics without subscribers cost no time, except the labels."""
 
     def __init__(self, node: Any, kinds: Kinds, qos: Any) -> None:
         self._kinds = kinds
@@ -143,5 +147,5 @@ class Answers:
                 self._objects.publish(message)
 
     def publish_mask(self, header: Any, found: ObjectMask) -> None:
-        """Publish the mask of the object at a click."""
+        """Publish the mask of the object that was clicked."""
         self._mask.publish(mask_image(self._kinds, header, found))

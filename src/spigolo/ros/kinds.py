@@ -1,4 +1,4 @@
-"""The message packages of the user's ROS 2 installation, imported when a node starts."""
+"""Message packages of the user's ROS 2 installation, imported when a node starts."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ MISSING = (
 
 @dataclass(frozen=True, slots=True)
 class Kinds:
-    """Python packages of ROS 2. The optional ones are None where they are not installed."""
+    """Python packages of ROS 2. Optional packages are None if they are not installed."""
 
     rclpy: Any
-    """The client library."""
+    """Client library rclpy."""
     interfaces: Any
-    """rcl_interfaces.msg: parameters."""
+    """Package rcl_interfaces.msg with parameters."""
     sensor: Any
-    """sensor_msgs.msg: images, camera information, point clouds."""
+    """Package sensor_msgs.msg with images, camera information and point clouds."""
     geometry: Any
-    """geometry_msgs.msg: clicks."""
+    """Package geometry_msgs.msg with clicked points."""
     services: Any | None
-    """std_srvs.srv: the service `segment`."""
+    """Package std_srvs.srv for the service `segment`."""
     visualization: Any | None
-    """visualization_msgs.msg: markers."""
+    """Package visualization_msgs.msg with markers."""
     vision: Any | None
-    """vision_msgs.msg: detections."""
+    """Package vision_msgs.msg with detections."""
 
 
 def find_kinds() -> Kinds:
-    """Import the packages. Raises SpigoloError, which says how to install them."""
+    """Import the packages. Raises SpigoloError with instructions for their installation."""
     for module in ("rclpy", "rclpy.node", "rclpy.qos", "rclpy.executors", "rclpy.parameter"):
         _required(module)
     return Kinds(

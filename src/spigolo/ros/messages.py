@@ -1,6 +1,6 @@
-"""NumPy arrays as ROS messages, without cv_bridge. `sources.ros_images` has the way back.
+"""Conversion of NumPy arrays to ROS messages without cv_bridge. `sources.ros_images` converts the other way.
 
-Nothing here imports ROS: a new message is given to be filled.
+This module does not import ROS. The caller passes a new message to be filled.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy.typing as npt
 from spigolo.frames.frame import Color
 
 POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4"), ("label", "<u4")])
-"""A point of a cloud. RViz and PCL read `rgb` as a float of the same bytes."""
+"""Record of a point in a cloud. RViz and PCL read `rgb` as a float with the same bytes."""
 UINT32, FLOAT32 = 6, 7
-"""Constants of sensor_msgs/PointField."""
+"""Constants of sensor_msgs/PointField for data types."""
 
 Points = npt.NDArray[np.float32]
 
@@ -67,7 +67,7 @@ def fill_pose(message: Any, center_m: npt.NDArray[np.float64], R: npt.NDArray[np
 
 def quaternion(R: npt.NDArray[np.float64]) -> tuple[float, float, float, float]:
     """Return the rotation (3, 3) as a unit quaternion x, y, z, w."""
-    # the largest eigenvector of this symmetric matrix (Bar-Itzhack 2000), stable at every angle
+    # eigenvector of the largest eigenvalue of this symmetric matrix (Bar-Itzhack 2000), stable at every angle
     K = np.array(
         [
             [R[0, 0] - R[1, 1] - R[2, 2], R[1, 0] + R[0, 1], R[2, 0] + R[0, 2], R[2, 1] - R[1, 2]],
@@ -86,7 +86,7 @@ def _field(message: Any, name: str, offset: int, kind: int) -> Any:
 
 
 def _bytes(values: npt.NDArray[Any]) -> array.array[int]:
-    """Return the bytes as the array type that rclpy takes without checking each of them."""
+    """Return the bytes as an array type that rclpy accepts without checking each byte."""
     out = array.array("B")
     out.frombytes(np.ascontiguousarray(values).tobytes())
     return out

@@ -1,4 +1,6 @@
-"""The node: colour, aligned depth and CameraInfo in; labels, overlay, markers, clouds and masks out."""
+"""ROS 2 node that reads colour, aligned depth and CameraInfo and publishes labels, overlay, markers, clouds and
+masks.
+"""
 
 from __future__ import annotations
 
@@ -25,29 +27,29 @@ from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from spigolo.stream import Segmenter, warm_up
 
 STATUS_S = 10.0
-"""Time between two lines about what was received and answered, s."""
+"""Interval between log lines about received and processed pairs, s."""
 QUIET_S = 5.0
-"""Time between two reports of broken pairs, s."""
+"""Minimum interval between reports of unusable pairs, s."""
 TAKE_S = 0.2
 KEPT = 5
-"""Minimum number of messages kept for each topic, so that a burst does not separate a pair."""
+"""Minimum queue length of each topic, so that a burst does not separate a pair."""
 TOPICS = ("color", "depth", "camera_info")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """The newest result, for clicks."""
+    """Newest result, for clicks."""
 
     pair: Pair
-    """The messages that it was made from."""
+    """Messages from which the result was computed."""
     result: Segmentation
-    """The objects."""
+    """Result of the segmentation."""
     state: State
-    """The parameters."""
+    """Parameters of the segmentation."""
 
 
 class SpigoloNode:
-    """Receives on the thread that spins and segments on a thread of its own."""
+    """Node that receives messages on the spinning thread and segments on a second thread."""
 
     def __init__(self, kinds: Kinds, overrides: Mapping[str, Any]) -> None:
         parameter = kinds.rclpy.parameter.Parameter
@@ -86,7 +88,7 @@ class SpigoloNode:
         node.create_timer(STATUS_S, self._report)
 
     def start(self) -> None:
-        """Compile, then begin to segment."""
+        """Compile the kernels, then start segmentation."""
         warm_up(self._parameters.state.config)
         self._worker.start()
         config = self._parameters.state.config
@@ -94,12 +96,12 @@ class SpigoloNode:
         self._log.info(f"ready with {config.name} {config.digest}, listening to {topics}")
 
     def stop(self) -> None:
-        """End the thread that segments."""
+        """Stop the segmentation thread."""
         self._ended.set()
         if self._worker.is_alive():
             self._worker.join(10)
 
-    # what comes in
+    # subscriptions
 
     def _on_color(self, message: Any) -> None:
         self._add("color", message)
@@ -122,10 +124,10 @@ class SpigoloNode:
     def _apply(self, state: State) -> None:
         self._matcher.tolerance_ns = round(state.options.tolerance_s * 1e9)
 
-    # what is done
+    # segmentation
 
     def _work(self) -> None:
-        """Segment pair after pair until the node ends."""
+        """Segment one pair after the other until the node ends."""
         try:
             while not self._ended.is_set():
                 pair = None if self._info is None else self._waiting.take(TAKE_S)
@@ -138,7 +140,7 @@ class SpigoloNode:
             self._kinds.rclpy.try_shutdown()
 
     def _segment(self, pair: Pair) -> Answer | str:
-        """Segment a pair and publish the result. For a pair that cannot be segmented, return why."""
+        """Segment a pair and publish the result. If that fails, return the reason as text."""
         with self._busy:
             state = self._parameters.state
             if self._segmenter.ids != state.options.ids:
@@ -158,7 +160,7 @@ class SpigoloNode:
         return self._answer
 
     def _current(self) -> Answer | str:
-        """Return the answer for clicks: the newest one, or with `continuous` off one for the newest pair."""
+        """Return the result for clicks: the newest one or, with `continuous` off, a result for the newest pair."""
         state, answer, pair = self._parameters.state, self._answer, self._newest
         if pair is None or self._info is None:
             return self._lacking()
@@ -166,14 +168,14 @@ class SpigoloNode:
         return answer if fresh and answer is not None else self._segment(pair)
 
     def _lacking(self) -> str:
-        """Return what is missing for a frame."""
+        """Return a text about the missing inputs of a frame."""
         silent = [self.node.resolve_topic_name(name) for name, count in self._received.items() if not count]
         return f"no message on {', '.join(silent)}" if silent else "no pair of colour and depth within the tolerance"
 
-    # what is asked
+    # services and clicks
 
     def _on_segment(self, _: Any, response: Any) -> Any:
-        """Serve `segment`: segment the newest pair."""
+        """Handle the service `segment`: segment the newest pair."""
         pair = self._newest
         found = self._lacking() if pair is None or self._info is None else self._segment(pair)
         response.success = isinstance(found, Answer)
@@ -181,7 +183,7 @@ class SpigoloNode:
         return response
 
     def _on_click(self, message: Any) -> None:
-        """Publish the mask of the object at a pixel, x to the right and y down."""
+        """Publish the mask of the object at the clicked pixel, x to the right and y down."""
         found = self._current()
         if isinstance(found, str):
             self._log.warning(f"a click was ignored: {found}")
@@ -194,7 +196,7 @@ class SpigoloNode:
         self._answers.publish_mask(found.pair.color.header, object_mask)
 
     def _report(self) -> None:
-        """Log what was received and answered."""
+        """Log the numbers of received and processed pairs."""
         if self._newest is None or self._info is None:
             self._log.warning(f"nothing to segment: {self._lacking()}{self._hint()}")
             return
@@ -205,7 +207,7 @@ class SpigoloNode:
         )
 
     def _hint(self) -> str:
-        """Return the mend where a publisher's quality of service does not fit, or nobody publishes."""
+        """Return advice if no publisher exists or its quality of service does not match."""
         for name in (topic for topic, count in self._received.items() if not count):
             publishers = self.node.get_publishers_info_by_topic(self.node.resolve_topic_name(name))
             if not publishers:
@@ -216,7 +218,7 @@ class SpigoloNode:
 
 
 def _frame_of(pair: Pair, info: Any, options: Options) -> Frame:
-    """Return the frame of a pair. Raises FrameError or CameraError for messages that make none."""
+    """Return the frame of a pair. Raises FrameError or CameraError for unusable messages."""
     depth = depth_of(pair.depth)
     scale = options.depth_scale if depth.dtype.kind == "u" else None
     camera = info

@@ -1,4 +1,4 @@
-"""Pairs of colour and depth images of one moment, and the queue in which they wait."""
+"""Pairs of colour and depth images of the same time, and their queue."""
 
 from __future__ import annotations
 
@@ -10,18 +10,20 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pair:
-    """A colour and a depth message of one moment."""
+    """Colour and depth message of the same time."""
 
     color: Any
-    """The colour image. The answer has its header."""
+    """Colour image. Results get its header."""
     depth: Any
-    """The depth image, registered to it."""
+    """Depth image, registered to colour."""
     arrived_s: float
     """Time at which the pair was complete, s, on the clock `time.perf_counter`."""
 
 
 class Waiting:
-    """Pairs between the thread that receives and the one that segments. A new pair pushes the oldest one out."""
+    """Queue of pairs between the receiving and the segmenting thread. A new pair replaces the oldest one if it is
+    full.
+    """
 
     def __init__(self, length: int) -> None:
         self.dropped = 0
@@ -29,14 +31,14 @@ class Waiting:
         self._changed = threading.Condition()
 
     def put(self, pair: Pair) -> None:
-        """Add a pair. If the queue is full, the oldest one is dropped and counted."""
+        """Add a pair. If the queue is full, the oldest pair is dropped and counted."""
         with self._changed:
             self.dropped += len(self._pairs) == self._pairs.maxlen
             self._pairs.append(pair)
             self._changed.notify()
 
     def take(self, timeout_s: float) -> Pair | None:
-        """Return the oldest pair. None if there is none within the time."""
+        """Return the oldest pair. None if there is none within the timeout."""
         with self._changed:
             self._changed.wait_for(lambda: bool(self._pairs), timeout_s)
             return self._pairs.popleft() if self._pairs else None

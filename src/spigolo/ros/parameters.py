@@ -1,4 +1,4 @@
-"""Every field of the configuration as a ROS parameter, checked when it is set."""
+"""Fields of the configuration as ROS parameters, validated when they are set."""
 
 from __future__ import annotations
 
@@ -16,33 +16,36 @@ from spigolo.settings.parameters import NotNegative, Positive, Settings
 from spigolo.settings.presets import OBJECTS, PRESETS, preset
 
 FIXED = ("queue", "reliable")
-"""Options that hold from the start of the node to its end."""
+"""Options that cannot change while the node runs."""
 ON, OFF = "on", "none"
-"""Values of a stage's parameter."""
+"""Values of the parameter that switches a stage on or off."""
 
 
 class Options(Settings):
-    """The node's own parameters."""
+    """Parameters of the node itself."""
 
     preset: str = "OBJECTS"
     """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. Setting it resets all fields to those of the preset."""
     continuous: bool = True
-    """Segment every pair. If false, only the service `segment` and clicks do."""
+    """Segment every pair. If false, segment only on a call of the service `segment` and on clicks."""
     tolerance_s: NotNegative = 0.015
-    """Maximum difference between the stamps of a colour and a depth image, s. A value below half the time between
-    two frames never pairs images of different frames."""
+    """Maximum difference between the stamps of a colour and a depth image, s. A value below half the frame period never
+    pairs images of different frames.
+    """
     depth_scale: Positive = 0.001
-    """Metres per unit of integer depth. 0.001 is ROS's millimetres."""
+    """Metres per unit of integer depth. 0.001 is ROS's standard, millimetres."""
     rectified: bool = False
-    """The images are rectified: take the matrix P of CameraInfo and ignore the distortion D."""
+    """Treat the images as rectified: use the matrix P of CameraInfo and ignore the distortion D."""
     ids: bool = False
-    """Number objects by ids that last while they stay in view, in all messages. If false, the numbers are 1..N by score
-    and change from frame to frame. Setting it begins with id 1."""
+    """Number objects in all messages by ids that persist while the objects stay in view. If false, numbers are 1..N by
+    score and change from frame to frame. Setting it restarts the ids at 1.
+    """
     queue: Annotated[int, Field(ge=1, le=1000)] = 1
-    """Maximum number of pairs that wait for their turn. 1: the newest wins and no delay builds up. Read-only."""
+    """Maximum number of waiting pairs. 1 keeps only the newest pair, so no delay builds up. Read-only."""
     reliable: bool = True
     """Subscribe with the RELIABLE quality of service. Drivers that publish with best effort require false.
-    Read-only."""
+    Read-only.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,9 +53,9 @@ class State:
     """All parameters of a node."""
 
     options: Options
-    """Those of the node."""
+    """Parameters of the node."""
     config: Config
-    """Those of the method."""
+    """Parameters of the method."""
 
 
 def first_state(name: str = "OBJECTS") -> State:
@@ -61,7 +64,7 @@ def first_state(name: str = "OBJECTS") -> State:
 
 
 def descriptions(config: Config = OBJECTS) -> dict[str, str]:
-    """Return the name and meaning of every parameter: the options, and the fields that any preset can have."""
+    """Return the name and help text of every parameter: the options, and the fields that any preset can have."""
     found = {name: " ".join((field.description or "").split()) for name, field in Options.model_fields.items()}
     for one in (config, *PRESETS.values()):
         found = field_names(one) | found
@@ -69,7 +72,7 @@ def descriptions(config: Config = OBJECTS) -> dict[str, str]:
 
 
 def values_of(state: State) -> dict[str, Any]:
-    """Return the value of every parameter as ROS takes it. Fields that the preset does not have are "none"."""
+    """Return the value of every parameter as ROS expects it. Fields that the preset does not have are "none"."""
     options = state.options.model_dump()
     return {name: options[name] if name in options else _stored(state, name) for name in descriptions(state.config)}
 
@@ -84,7 +87,9 @@ def _stored(state: State, name: str) -> Any:
 
 
 def changed(state: State, changes: Mapping[str, Any]) -> State:
-    """Return the state with changed parameters, a preset first. Raises ConfigError for a wrong name or value."""
+    """Return the state with changed parameters. If a preset is among them, it is set first. Raises ConfigError for a
+    wrong name or value.
+    """
     known = descriptions(state.config)
     unknown = next((name for name in changes if name not in known), None)
     if unknown is not None:
@@ -97,16 +102,16 @@ def changed(state: State, changes: Mapping[str, Any]) -> State:
 
 
 def _given(config: Config, name: str, value: Any) -> Any:
-    """Return a value from ROS as the configuration takes it."""
+    """Return a value from ROS in the form that the configuration expects."""
     if value == ON:
-        return {}  # what the stage has, or its defaults
+        return {}  # keep the stage's values, or its defaults
     if isinstance(value, str):
         return value_of_text(value)
     return value if isinstance(value, bool | int | float) else list(value)
 
 
 class NodeParameters:
-    """Declares the parameters of a node and keeps `state` equal to them."""
+    """Parameters of a node, declared in ROS. `state` always has the same values."""
 
     def __init__(self, node: Any, kinds: Kinds, on_change: Callable[[State], None]) -> None:
         self._node, self._kinds, self._on_change = node, kinds, on_change
@@ -127,12 +132,12 @@ class NodeParameters:
     def _descriptor(self, name: str, meaning: str) -> Any:
         descriptor = self._kinds.interfaces.ParameterDescriptor()
         descriptor.description = meaning
-        descriptor.dynamic_typing = True  # a whole number for a float, "none" for any
+        descriptor.dynamic_typing = True  # accept integers for floats, and "none" for any type
         descriptor.read_only = name in FIXED
         return descriptor
 
     def _set(self, parameters: list[Any]) -> Any:
-        """Check new values. The reason of a refusal goes back to the caller."""
+        """Validate and set new values. The caller receives the reason of a refusal."""
         answer = self._kinds.interfaces.SetParametersResult
         if self._syncing:
             return answer(successful=True)
@@ -148,7 +153,7 @@ class NodeParameters:
         return answer(successful=True)
 
     def _store(self, names: set[str]) -> None:
-        """Write values that follow from others into the node's parameters."""
+        """Store values that follow from other parameters into the node's parameters."""
         values = values_of(self.state)
         kind = self._kinds.rclpy.parameter.Parameter
         self._syncing = True

@@ -1,4 +1,4 @@
-"""The numbers of the method: one frozen model for each stage with unit, range and origin, and the presets."""
+"""Parameters of the method: one frozen model for each stage, with units, ranges and origins, and the presets."""
 
 from __future__ import annotations
 

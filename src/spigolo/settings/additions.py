@@ -1,6 +1,6 @@
-"""The numbers of our additions to the paper. `Config.additions` is None in the paper's presets.
+"""Parameters of our additions to the paper. `Config.additions` is None in the paper's presets.
 
-Lengths in pixels are those of a 640x480 image. They grow with the image where `Additions.lengths_grow` is set.
+Lengths in pixels refer to a 640x480 image, and grow with the image if `Additions.lengths_grow` is set.
 """
 
 from __future__ import annotations
@@ -23,21 +23,26 @@ from spigolo.settings.parameters import (
 
 
 class Facing(Settings):
-    """Direction that a plane must face to be a support: things stand on it."""
+    """Required direction of a support plane. Objects can stand only on a plane that faces up."""
 
     up: tuple[float, float, float] | None = None
-    """Upward direction in the camera's frame (X right, Y down, Z forward), of any length. None assumes a camera that
-    looks level or down and is not turned on its side."""
+    """Upward direction in the camera's frame (X right, Y down, Z forward), of any length. With None, the camera is
+    assumed to look level or down, and not to be turned on its side.
+    """
     max_tilt_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
     """Maximum angle between the plane's normal and `up`, degrees."""
     max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
-    """Angle of the normal to the image's vertical plane, degrees, beyond which a plane faces sideways. Without `up`
-    only."""
+    """Maximum angle between the plane's normal and the image's vertical plane, degrees. A plane beyond it faces
+    sideways. Used only without `up`.
+    """
     max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
-    """Maximum angle, degrees, by which the normal may point down in the image. A larger one is a ceiling. Without `up`
-    only."""
+    """Maximum angle by which the plane's normal may point down in the image, degrees. A plane beyond it is a ceiling.
+    Used only without `up`.
+    """
     min_share_sideways: Share = 0.5
-    """Minimum share of the measured pixels on a plane that faces sideways. The camera may be mounted on its side."""
+    """Minimum share of the measured pixels that a sideways plane must cover to be accepted. Such a large plane means
+    that the camera is mounted on its side.
+    """
 
     @model_validator(mode="after")
     def _up_points_somewhere(self) -> Facing:
@@ -47,75 +52,84 @@ class Facing(Settings):
 
 
 class Support(Settings):
-    """The support plane: the largest plane of the frame, and the test which pixels stand above it."""
+    """Detection of the support plane, which is the largest plane of the frame, and of the pixels above it."""
 
     min_height_m: Positive = 0.008
-    """Minimum height above the plane, m. Lower pixels belong to the plane."""
+    """Minimum height of an object pixel above the plane, m. Lower pixels belong to the plane."""
     noise_per_m: NotNegative = 0.0056
-    """The same per squared distance, 1/m: twice the depth error. The larger of both limits holds."""
+    """Minimum height above the plane per squared distance, 1/m: twice the depth error. The larger of this limit and
+    `min_height_m` applies.
+    """
     min_above: Share = 0.6
-    """Minimum share of a region's measured pixels that stand above the plane."""
+    """Minimum share of a region's measured pixels that lie above the plane. Regions with a smaller share are
+    rejected.
+    """
     min_share: Share = 0.15
-    """Minimum share of the measured pixels that lie on a support plane."""
+    """Minimum share of the frame's measured pixels that lie on the support plane. Smaller planes are ignored."""
     contour: bool = True
-    """Add the outline of all that stands above the plane to the boundary map."""
+    """Add the outline of everything above the plane to the boundary map."""
     stacked_share: Positive | None = None
-    """Minimum size of a plane above the largest one and parallel to it, as a share of the largest one's pixels. A plane
-    of that size is taken instead: the table rather than the floor. None takes the largest plane.
+    """Minimum size of a second plane that is parallel to the largest one and above it, as a share of the pixels of the
+    largest one. The second plane is then the support: the table instead of the floor. None: always the largest plane.
     """
     facing: Facing | None = None
-    """Skip planes on which nothing can stand: ceilings and side walls. None skips none."""
+    """Skip planes on which nothing can stand, such as ceilings and side walls. None: skip no plane."""
     min_things: Share | None = None
-    """Minimum share of the measured pixels that stand on the largest plane. With fewer, the next plane with so many
-    things is taken: the floor of a bin rather than its wall. None takes the largest plane."""
+    """Minimum share of the measured pixels that stand on the largest plane. If fewer do, the next plane that reaches
+    this share is the support: the floor of a bin instead of its wall. None: always the largest plane.
+    """
     near_roi: NotNegative | None = None
-    """Margin around the region of interest, as a share of its size, in which the plane is looked for. None looks in the
-    whole frame."""
+    """Margin around the region of interest in which the plane is searched, as a share of the size of the region of
+    interest. None: search the whole frame.
+    """
     within_reach: bool = False
-    """Look for the plane only within `Rejection.max_distance_m`."""
+    """Search the plane only within `Rejection.max_distance_m`."""
     opaque: bool = False
-    """Skip planes that surround points below them, such as the front of a shelf, for the next largest plane. In frames
-    without much of their depth, also skip planes with more points below than on them."""
+    """Skip planes that surround points below them, such as the front of a shelf, and use the next largest plane. If
+    much of the depth is missing, also skip planes with more points below than on them.
+    """
 
 
 class Packing(Settings):
-    """Warning that a layer of packed objects was taken for the support."""
+    """Warning that a layer of packed objects may have been mistaken for the support."""
 
     min_share: Share = 0.6
-    """Minimum share of the measured pixels on the support."""
+    """Minimum share of the frame's measured pixels on the support for the warning."""
     min_edges: Share = 0.9
-    """Minimum share of the support close to a colour edge in it."""
+    """Minimum share of the support's pixels that lie close to a colour edge for the warning."""
     max_things: Share = 0.02
-    """Maximum share of the measured pixels that stand on the support."""
+    """Maximum share of the frame's measured pixels that stand on the support for the warning."""
 
 
 class DepthContours(Settings):
-    """Contours: depth steps and concave creases of the depth map alone, added to the boundary map.
+    """Contours that are added to the boundary map: depth steps and concave creases, found in the depth map only.
 
-    For this purpose a shadow gets the depth of its farther side, so that the contour of an object lies where its
-    shadow begins.
+    A shadow first gets the depth of its farther side, so that the contour of an object lies where its shadow begins.
     """
 
     max_shadow_px: Length_px = 60
-    """Widest shadow that gets the depth of its farther side, px."""
+    """Maximum width of a shadow that gets the depth of its farther side, px."""
     step_offset_px: Offset_px = 2
-    """Offset of the depth samples on both sides of a pixel, px."""
+    """Distance from a pixel to the depth samples on both sides of it, px."""
     step_m: NotNegative = 0.015
-    """Minimum bend of the depth that makes a step, m. Larger values give fewer contours."""
+    """Minimum bend of the depth at a step, m. Larger values give fewer contours."""
     step_per_m: NotNegative = 0.012
-    """The same per squared distance, 1/m, so that noise far away makes no step. The larger of both limits holds."""
+    """Minimum bend of the depth at a step per squared distance, 1/m, so that noise at long range makes no step. The
+    larger of this limit and `step_m` applies.
+    """
     crease_offset_px: Offset_px = 5
-    """Offset of the three points of a concave crease, px."""
+    """Distance between the three depth samples that measure a concave crease, px."""
     crease_low_deg: Angle_deg = 30.0
-    """Smallest angle of a crease, degrees."""
+    """Minimum angle of a concave crease, degrees."""
     crease_high_deg: Angle_deg = 140.0
-    """Largest angle of a crease, degrees. Larger values give more contours. 0 finds no creases."""
+    """Maximum angle of a concave crease, degrees. Larger values give more contours. 0 finds no creases."""
     crease_noise: NotNegative | None = None
-    """Minimum depth of a crease behind the chord of its sides, as a multiple of the frame's own depth noise. None:
-    every crease counts, however short its sides are in metres."""
+    """Minimum depth of a crease behind the line between its two sides, as a multiple of the frame's depth noise. None:
+    every crease counts, even if its sides are short.
+    """
     holes_from: Share | None = None
-    """Minimum share of missing depth from which hole outlines are contours too. The image edges inside holes then
-    become contours as well, so that regions do not leak through. None: off.
+    """Minimum share of missing depth in the frame at which hole outlines become contours. The image edges inside holes
+    then become contours too, so that regions do not leak through. None: off.
     """
 
 
@@ -123,66 +137,72 @@ class Merging(Settings):
     """Merging of regions over their whole common border."""
 
     max_mean: Share = 0.4
-    """Maximum mean boundary along the whole common border of two regions that merge. Larger values merge more."""
+    """Maximum mean boundary value along the common border of two regions that are merged. Larger values merge more."""
     line: Share = 0.35
-    """Minimum boundary of a pixel on a line."""
+    """Minimum boundary value of a pixel that counts as part of a line."""
     min_open_px2: Area_px2 = 200.0
-    """Minimum number of pixels off the lines in a region. A smaller one joins the neighbour with the weakest border."""
+    """Minimum number of a region's pixels that are not on lines. A region with fewer joins the neighbour with the
+    weakest border.
+    """
 
 
 class Vessel(Settings):
-    """The wall and the inside of a cup, bowl or pot.
+    """Conditions to join the wall and the inside of a cup, bowl or pot.
 
-    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of their length. It is
-    positive where the region curves away from the camera.
+    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of their length.
+    Hollowness is positive for a concave region and negative for a convex one.
     """
 
     min_behind_m: Positive = 0.02
-    """Minimum mean depth step from the wall to the inside, m."""
+    """Minimum mean depth step from the wall back to the inside, m."""
     max_hollow_front: float = -0.1
-    """Maximum hollowness of the wall, which bulges."""
+    """Maximum hollowness of the wall. The wall is convex, so the value is negative."""
     min_hollow_back: float = -0.11
-    """Minimum hollowness of the inside, which looks flat if only its back is seen or depth is missing."""
+    """Minimum hollowness of the inside. The inside looks flat if only its back is seen or depth is missing."""
     min_contrast: float = 0.15
-    """Minimum difference of both hollownesses."""
+    """Minimum difference between the hollowness of the inside and that of the wall."""
     top_m: NotNegative = 0.008
-    """Maximum height difference of both tops above the support, m."""
+    """Maximum height difference between the top of the wall and the top of the inside, m."""
     top_share: Share = 0.1
-    """The same as a share of the height. The larger of both limits holds."""
+    """Maximum height difference between both tops, as a share of their height above the support. The larger of this
+    limit and `top_m` applies.
+    """
     min_solidity: Share = 0.87
-    """Minimum solidity: the share of their convex hull that both regions fill together."""
+    """Minimum solidity of both regions together, which is the share of their convex hull that they fill."""
     sure_hollow_back: float = -0.01
-    """Hollowness above which a region is certainly an inside."""
+    """Hollowness above which a region is certainly the inside of a vessel."""
     sure_contrast: float = 0.25
-    """Minimum difference in hollowness to the wall for the same."""
+    """Minimum difference in hollowness to the wall for a region that is certainly an inside."""
     sure_solidity: Share = 0.75
-    """Minimum solidity once both hold."""
+    """Minimum solidity of wall and inside together if the region is certainly an inside."""
 
 
 class Cap(Settings):
-    """The upper face of an object, or the inside of a cup that the camera saw filled."""
+    """Conditions to join the upper face of an object with its side, or the inside of a filled cup with its wall."""
 
     max_gap_m: Positive = 0.025
     """Maximum mean depth step between both regions, m."""
     max_bend_m: float = 0.006
-    """Maximum mean depth of the border behind the chord of its sides, m. A larger one is a valley between two
-    objects."""
+    """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
+    two objects.
+    """
     top_share: Share = 0.2
-    """Maximum difference of both tops as a share of their height above the support."""
+    """Maximum height difference between both tops, as a share of their height above the support."""
     min_solidity: Share = 0.9
-    """Minimum solidity: the share of their convex hull that both regions fill together."""
+    """Minimum solidity of both regions together, which is the share of their convex hull that they fill."""
 
 
 class Smooth(Settings):
-    """A flat or convex surface that noise cut in two."""
+    """Conditions to join two parts of one flat or convex surface that noise separated."""
 
     max_gap_m: Positive = 0.025
     """Maximum mean depth step across the border, m."""
     max_bend_m: float = 0.0015
-    """Maximum mean depth of the border behind the chord of its sides, m. A larger one is a valley between two
-    objects."""
+    """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
+    two objects.
+    """
     max_boundary: Share = 0.75
-    """Maximum mean boundary along the border."""
+    """Maximum mean boundary value along the border."""
 
 
 class Joining(Settings):
@@ -195,123 +215,152 @@ class Joining(Settings):
     smooth: Smooth | None = None
     """Join regions whose surface continues across their border."""
     enclosed: Share | None = None
-    """Minimum share of a region's surroundings that belongs to one object for a region on the plane to join it."""
+    """Minimum share of a region's surroundings that one object must fill. The region then joins that object although it
+    lies on the support plane. None: off.
+    """
     reach_px: Offset_px = 4
-    """Offset of the samples on both sides of a border, px."""
+    """Distance from a border to the depth samples on both sides, px."""
     margin_px: Annotated[int, Field(ge=0, le=100), Grows()] = 3
-    """Distance of a chord's ends from the region's outline, px, where depth mixes object and background."""
+    """Distance between the ends of a chord and the region's outline, px. Depth near the outline mixes object and
+    background.
+    """
     min_border_px: Annotated[int, Field(ge=1), Grows()] = 12
     """Minimum length of a border, px. Shorter borders are not tested."""
     min_measured: Share = 0.5
-    """Minimum share of a border, and of a region, with depth."""
+    """Minimum share of a border's pixels, and of a region's pixels, with measured depth."""
     min_above: Share = 0.5
-    """Minimum share of a region's measured pixels above the support for it to be a part."""
+    """Minimum share of a part's measured pixels above the support. Regions with a smaller share are not joined."""
     max_share: Share = 0.25
-    """Maximum share of the image that a part may have."""
+    """Maximum share of the image that a part may cover. Larger regions are not joined."""
 
 
 class Wall(Settings):
-    """Rules against walls and rims of bins and shelves, which stand as tall as objects do.
+    """Rules that reject walls and rims of bins and shelves, which are as tall as objects.
 
-    An object stands free: along its own outline, depth steps back to what is behind. If the other side is nearer by a
+    An object stands free: the depth beyond its own outline is larger by a step. Where the other side is nearer by a
     step, the outline belongs to the object in front and does not count.
     """
 
     min_hides: Share = 0.15
-    """Minimum share of a region's own outline beyond which depth steps back. The image border hides nothing."""
+    """Minimum share of a region's own outline beyond which the depth is larger by a step. The image border does not
+    count as such a step.
+    """
     min_hides_cut: NotNegative = 0.7
-    """Increase of that minimum, times the share of the outline on the image border."""
+    """Increase of the minimum `min_hides`, per share of the outline that lies on the image border."""
     slant_deg: Angle_deg = 36.0
-    """Angle between a region's mean normal and the line of sight, degrees, above which the minimum increases. The faces
-    of a whole object look towards the camera on average. The side of a compartment is seen at a slant."""
+    """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The faces
+    of a whole object look towards the camera on average, in contrast to the side of a compartment.
+    """
     hides_per_deg: NotNegative = 0.025
-    """Increase of the minimum for each degree above `slant_deg`."""
+    """Increase of the minimum `min_hides` for each degree above `slant_deg`."""
     min_height_m: Positive = 0.06
-    """Height above the support, m, that 5 % of a region must reach to be tested. Low objects hide little. Without a
-    support every region is tested."""
+    """Minimum height above the support that 5 % of a region must reach for the test, m. Lower objects hide too little.
+    Without a support, every region is tested.
+    """
     min_measured: Share = 0.4
-    """Minimum share of a region's outline with depth on both sides for it to be tested."""
+    """Minimum share of a region's outline with depth on both sides. Regions with a smaller share are not tested."""
     reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
-    """Offset of the depth samples on both sides of the outline, px. It always grows with the image."""
+    """Distance from the outline to the depth samples on both sides, px. This length always grows with the image."""
     shadow_px: Annotated[int, Field(ge=0, le=1000), Grows(always=True)] = 60
-    """Widest gap without depth beyond an outline across which depth is compared, px. It always grows with the image."""
+    """Maximum width of missing depth beyond an outline across which depths are compared, px. This length always grows
+    with the image.
+    """
     step_m: NotNegative = 0.012
-    """Minimum step of depth, m, beyond the region's own slope there. It adds to `step_share`."""
+    """Minimum depth step beyond a region's outline, m, in addition to the slope of the region there. The limit is the
+    sum of `step_m` and of `step_share` times the distance.
+    """
     step_share: Share = 0.006
-    """The same as a share of the distance."""
+    """Minimum depth step beyond a region's outline, as a share of the distance. The limit is the sum of `step_m` and of
+    this share times the distance.
+    """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
-    """Maximum length over width of a region that the image cuts off. Longer ones are rails, rims or legs."""
+    """Maximum ratio of length to width of a region that the image border cuts off. Longer regions are rails, rims or
+    legs. None: no limit.
+    """
 
 
 class Ledge(Settings):
-    """Flat objects, whose outline is too low for the boundary map."""
+    """Rule that keeps flat objects, which are too low for a strong boundary."""
 
     min_share: Share = 0.5
-    """Minimum share of a region's outline along which its height above the support steps. Such a region is kept even if
-    its mean boundary is below `min_contour`."""
+    """Minimum share of a region's outline along which its height above the support changes by a step. Such a region is
+    kept even if its mean boundary value is below `min_contour`.
+    """
     step_m: Positive = 0.006
-    """Minimum step of height, m."""
+    """Minimum step in height at the outline, m."""
     step_per_m: NotNegative = 0.0056
-    """The same per squared distance, 1/m: twice the depth error. The larger of both limits holds."""
+    """Minimum step in height per squared distance, 1/m: twice the depth error. The larger of this limit and `step_m`
+    applies.
+    """
 
 
 class Rules(Settings):
-    """Our rules that reject regions, next to those of the paper. None switches a rule off."""
+    """Rules that reject regions, in addition to those of the paper. None switches a rule off."""
 
     wall: Wall | None = None
-    """Reject tall regions that hide nothing. Needs a support."""
+    """Reject tall regions that hide nothing behind them. Requires a support."""
     ledge: Ledge | None = None
-    """Keep flat regions with a weak contour if height steps along their outline. Needs a support and `wall`."""
+    """Keep flat regions with a weak boundary if the height changes by a step along their outline. Requires a support
+    and `wall`.
+    """
     min_contour: Share | None = None
-    """Minimum mean boundary along a region's border. A cost without boundary map uses the weights."""
+    """Minimum mean boundary value along a region's border. If the cost function reads no boundary map, the edge weights
+    are used.
+    """
     min_contour_holes: Share | None = None
-    """The same in frames whose holes have contours (`DepthContours.holes_from`), where hardly a region lacks them.
-    None: `min_contour` holds there too."""
+    """Minimum mean boundary value in frames whose hole outlines are contours (`DepthContours.holes_from`). In these
+    frames almost every region has contours. None: `min_contour` applies there too.
+    """
     metric: bool = False
-    """Judge sizes in metres wherever intrinsics are known. The limits in pixels then hold only without intrinsics."""
+    """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
     max_length_m: Positive | None = None
-    """Maximum length, m, of a rectangle with the region's spread at its distance."""
+    """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. None: no
+    limit.
+    """
     max_width_m: Positive | None = None
-    """Maximum width of that rectangle, m."""
+    """Maximum width of a region, m, estimated by the same rectangle as its length. None: no limit."""
 
 
 class Refinement(Settings):
-    """Outlines of objects, drawn again by colour if depth is missing or smeared.
+    """Refinement of object outlines by colour where depth is missing or smeared.
 
-    A band along the borders of objects is opened. A spanning forest over colour differences gives each open pixel to an
-    object or to the background. It grows from the pixels outside the band.
+    All pixels in a band along the borders of objects are assigned anew. A spanning forest over colour differences grows
+    from the pixels outside the band. The forest gives each pixel of the band to an object or to the background.
     """
 
     ramp_factor: NotNegative = 5.0
-    """Width of the band for each pixel of ramp. The ramp is the mean number of pixels between the near and the far
-    depth of the frame's depth steps. Wider ramps mean a coarser sensor: stereo smears steps, structured light hardly
-    does.
+    """Width of the band per pixel of ramp width. A ramp is a depth step that is spread over several pixels. Ramps are
+    wide in stereo depth and narrow in structured-light depth.
     """
     min_width_px: Length_px = 2
-    """Minimum width of the band on each side of a border, also without ramps."""
+    """Minimum width of the band on each side of a border, px, even if the frame has no ramps."""
     max_width_px: Length_px = 10
-    """Maximum width of the band on each side of a border."""
+    """Maximum width of the band on each side of a border, px."""
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
-    """Maximum width of the band at missing depth: shadows and rims of objects."""
+    """Maximum width of the band at missing depth, such as shadows and rims of objects, px."""
     near_hole_px: Length_px = 1
-    """Distance to missing depth up to which measured depth is not trusted either."""
+    """Distance to missing depth up to which measured depth is treated as unreliable, px."""
     reach_px: Offset_px = 8
-    """Length on each side of a border along which ramps are counted."""
+    """Length on each side of a border along which ramp widths are measured, px."""
     min_profiles: Annotated[int, Field(ge=1)] = 40
-    """Minimum number of depth steps to measure ramps from. With fewer, the band has its minimum width."""
+    """Minimum number of depth steps to measure ramp widths from. With fewer, the band has its minimum width."""
     max_opened: Share = 0.6
-    """Maximum share of the layers of a small object that is opened: its innermost pixels stay."""
+    """Maximum share of a small object's layers of pixels that belong to the band. The innermost layers stay."""
     min_solidity: Share | None = 0.5
-    """Minimum share of an object's convex hull that it fills for the background inside the hull to be opened."""
+    """Minimum solidity of an object, which is the share of its convex hull that it fills. Background inside the hull is
+    then assigned anew too. None: off.
+    """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Gaussian smoothing of the colour image before differences are taken. 0 smooths nothing."""
+    """Sigma of the Gaussian smoothing of the colour image before differences are taken, px. 0 does not smooth."""
     step_m: Positive = 0.018
-    """Depth difference between neighbours that counts as a full step."""
+    """Depth difference between neighbours that counts as a full step, m."""
     step_per_m: NotNegative = 0.0083
-    """The same per squared distance, 1/m. The larger of both applies."""
+    """Depth difference per squared distance that counts as a full step, 1/m. The larger of this limit and `step_m`
+    applies.
+    """
     step_weight: NotNegative = 40.0
-    """Weight of a full depth step between measured pixels, in grey levels of colour difference. A larger weight keeps
-    outlines on sharp steps.
+    """Weight of a full depth step between measured pixels, in grey levels of colour difference. Larger values keep
+    outlines on sharp depth steps.
     """
 
 
@@ -319,29 +368,33 @@ class Additions(Settings):
     """Our additions to the paper. Each is off by default."""
 
     support: Support | None = None
-    """Find the support plane. Regions that do not stand above it are no objects."""
+    """Find the support plane, and reject regions that do not stand above it."""
     packing: Packing | None = None
-    """Warn if a layer of packed objects was taken for the support. Nothing is rejected."""
+    """Warn if a layer of packed objects may have been mistaken for the support. No region is rejected."""
     contours: DepthContours | None = None
-    """Add depth steps and creases to the boundary map, if the cost function reads it."""
+    """Add depth steps and creases to the boundary map. Effective only if the cost function reads the map."""
     merging: Merging | None = None
-    """Merge regions over their whole common border, if the cost function reads the boundary map."""
+    """Merge regions over their whole common border. Effective only if the cost function reads the boundary map."""
     joining: Joining | None = None
-    """Join the parts of an object that the partition cut. Needs a support."""
+    """Join the parts of an object that the partition separated. Requires a support."""
     rules: Rules = Rules()
-    """Reject more regions than the paper does."""
+    """Reject more regions than the rules of the paper do."""
     refinement: Refinement | None = None
-    """Draw the outlines of objects again by colour if depth is missing or smeared."""
+    """Refine the outlines of objects by colour where depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0
-    """Depth difference per squared distance, 1/m, up to which eq. 9 counts none. Depth comes in steps, whose borders
-    would otherwise stay in a large region of equal depths."""
+    """Depth difference per squared distance that eq. 9 treats as zero, 1/m. Steps of quantised depth would otherwise
+    remain as borders inside large regions.
+    """
     line_px: Offset_px = 1
     """Width of the lines of E_F before they are blurred, px. 1 is eq. 20."""
     lengths_grow: bool = False
-    """Let lengths in pixels grow with the image, so that twice the resolution shows the same edges, twice as wide."""
+    """Let lengths in pixels grow with the image. An image of twice the resolution then shows the same edges, twice as
+    wide.
+    """
     resolution: Literal["full", "half"] = "full"
-    """Size at which the frame is partitioned. `half` takes half the width and height, and draws the outlines of objects
-    again at full size. A frame of 1280x720 then takes less than half of the time. Things of a few pixels are lost."""
+    """Image size at which the frame is partitioned. `half` halves width and height, and then refines the outlines of
+    objects at full size. At 1280x720, `half` takes less than half of the time, but loses objects of a few pixels.
+    """
 
     @model_validator(mode="after")
     def _has_support(self) -> Additions:

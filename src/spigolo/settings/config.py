@@ -1,4 +1,4 @@
-"""All parameters of the method: those of the paper, and our additions."""
+"""All parameters of the method: the paper's parameters, and our additions."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from spigolo.settings.parameters import Parameters, Settings, parse_toml
 
 
 class Config(Parameters):
-    """All parameters of the method. Frozen: `replace` returns a changed copy."""
+    """All parameters of the method. They are frozen, and `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. `replace` keeps it, so `digest` distinguishes the values."""
+    """Name of the preset. `replace` keeps it, so `digest` tells changed values apart."""
     depth: DepthConfig = DepthConfig()
     """Preparation and comparison of depth (eqs. 5-9)."""
     color: ColorConfig = ColorConfig()
     """Colour difference (eq. 4)."""
     saliency: SaliencyConfig = SaliencyConfig()
-    """Saliency (eq. 10), for costs that read it."""
+    """Saliency (eq. 10), for cost functions that read it."""
     edges: EdgesConfig = EdgesConfig()
-    """Object boundaries (eqs. 12-20), for costs that read them."""
+    """Object boundaries (eqs. 12-20), for cost functions that read them."""
     cost: Cost = BoundaryCost()
     """Weight of a graph edge (eqs. 22, 23)."""
     partition: Partition = Partition()
@@ -44,7 +44,7 @@ class Config(Parameters):
     rejection: Rejection = Rejection()
     """Rejection of regions (section III-F)."""
     additions: Additions | None = None
-    """Our additions. None is the paper's method."""
+    """Our additions. None: the paper's method."""
 
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:
@@ -53,13 +53,16 @@ class Config(Parameters):
         return self
 
     def at_size(self, shape: tuple[int, int], lengths: bool = False) -> Config:
-        """Return a copy for images (H, W). Lengths grow if `additions.lengths_grow` is set (`Settings.at_size`)."""
+        """Return a copy for images of shape (H, W). Lengths grow if `additions.lengths_grow` is set
+        (`Settings.at_size`).
+        """
         return super().at_size(shape, lengths or (self.additions is not None and self.additions.lengths_grow))
 
     def to_toml(self, base: str | None = None) -> str:
-        """Return the values as TOML, which `from_toml` reads.
+        """Return the values as TOML text that `from_toml` reads.
 
-        base: a preset's name. The text then has a line `base` and only the values that differ from that preset.
+        base: name of a preset. With `base`, the text has a line `base` and only the values that differ from that
+        preset.
         """
         import tomli_w
 
@@ -72,10 +75,10 @@ class Config(Parameters):
 
     @classmethod
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
-        """Read the TOML that `to_toml` writes. Raises ConfigError for keys that are not known.
+        """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys.
 
-        base: the configuration that the text changes. A line `base = "TABLE"` in the text names a preset
-        instead. Without both, a missing key keeps its default.
+        base: the configuration that the text changes. Instead, a line `base = "TABLE"` in the text may name a preset.
+        Without a base, a missing key keeps its default.
         """
         values = parse_toml(text)
         named = values.pop("base", None)
@@ -84,7 +87,9 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from those of `old`, nested. The word "none" stands for None."""
+    """Return the values of `new` that differ from those of `old`, as nested mappings. The word "none" stands for
+    None.
+    """
     changes: dict[str, Any] = {}
     for key, value in new.items():
         before = old.get(key)
@@ -100,7 +105,9 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _written(stage: Settings) -> dict[str, Any]:
-    """Return the values by name, without None if it is the default, else as the word "none": TOML has no null."""
+    """Return the values by field name. None is left out if it is the default, and else written as "none", as TOML has
+    no null.
+    """
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():
         value = getattr(stage, name)
@@ -112,18 +119,18 @@ def _written(stage: Settings) -> dict[str, Any]:
 
 
 BASES: dict[str, Config] = {}
-"""The presets by name, for the line `base` of a file. `presets` fills it."""
+"""Presets by name, for the line `base` of a file. The module `presets` fills it."""
 
 
 def base_preset(name: object) -> Config:
-    """Return the preset that a file's line `base` names. Raises ConfigError, which lists the names."""
-    importlib.import_module("spigolo.settings.presets")  # which is above this module, and fills BASES
+    """Return the preset that the line `base` of a file names. Raises ConfigError, which lists the names."""
+    importlib.import_module("spigolo.settings.presets")  # it imports this module, and fills BASES
     if str(name).upper() not in BASES:
         raise ConfigError(f"unknown preset {str(name)!r} as base: expected one of {', '.join(BASES)}")
     return BASES[str(name).upper()]
 
 
 def check_config(value: object) -> None:
-    """Raise ConfigError for any value that is not a configuration, such as a preset's name."""
+    """Raise ConfigError if a value is not a configuration, for example a preset's name."""
     if not isinstance(value, Config):
         raise ConfigError(f"expected a Config such as spigolo.TABLE or spigolo.preset(NAME), got {value!r}")

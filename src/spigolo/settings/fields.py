@@ -1,4 +1,4 @@
-"""The fields of a preset by dotted name, as flags, sliders and ROS parameters show them."""
+"""Fields of a preset by dotted name, for flags, sliders and ROS parameters."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from spigolo.settings.config import Config
 
 
 def field_names(config: Config) -> dict[str, str]:
-    """Return the dotted name and the meaning of every field that a preset can have."""
+    """Return the dotted name and the help text of every field that a preset can have."""
     return dict(_walk(config, ""))
 
 
 def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a model or a model's class. For an unset stage, yield those that setting one would create."""
+    """Yield the fields of a model or of a model class. For a stage that is off, yield the fields that it would have."""
     kind: type[BaseModel] = model if isinstance(model, type) else type(model)
     for name, field in kind.model_fields.items():
         value = None if isinstance(model, type) else getattr(model, name)
@@ -32,7 +32,9 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def value_at(config: Config, field: str) -> Any:
-    """Return the value at a dotted name. None for a field of a stage that is switched off or of another cost."""
+    """Return the value at a dotted name. None if the field belongs to a stage that is off or to another cost
+    function.
+    """
     value: Any = config
     for part in field.split("."):
         value = getattr(value, part, None)
@@ -40,7 +42,7 @@ def value_at(config: Config, field: str) -> Any:
 
 
 def value_of_text(text: str) -> Any:
-    """Return a value as TOML would read it. `1,2` is a list. Anything else is text."""
+    """Return the value that TOML reads from a text. `1,2` is a list. Text that is not TOML stays text."""
     if "," in text:
         return [value_of_text(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]
     if text.lower() == "none":

@@ -1,9 +1,9 @@
-"""The numbers of the paper, one frozen model for each stage. `settings.additions` has the numbers of our additions.
+"""Parameters of the paper, one frozen model for each stage. `settings.additions` has those of our additions.
 
 Each field states its unit, its range and the origin of its value. "Paper": printed in Toscana & Rosa 2016. "Authors'
-release": a fact about the code that they published. "Our choice": the paper is silent, see docs/paper.md. Lengths and
-areas in pixels are those of a 640x480 image. Areas grow with the image. Lengths grow with it only if
-`Additions.lengths_grow` is set, except those of in-painting, which always grow.
+release": taken from the code that they published. "Our choice": the paper does not say, see docs/paper.md. Lengths and
+areas in pixels refer to a 640x480 image. Areas grow with the image. Lengths grow only if `Additions.lengths_grow` is
+set, except those of in-painting, which always grow.
 """
 
 from __future__ import annotations
@@ -30,54 +30,62 @@ class Smoothing(Settings):
     """Depth-dependent smoothing of Holzer et al. 2012 with the paper's mean over valid pixels (eqs. 5-8)."""
 
     mean: Literal["valid", "plain", "none"] = "valid"
-    """Mean over the window: `valid` leaves missing pixels out (eq. 8), `plain` counts them as zeros (eq. 5), `none`
-    does not smooth."""
+    """Mean over the smoothing window. `valid` ignores missing pixels (eq. 8), `plain` counts them as zeros (eq. 5), and
+    `none` does not smooth.
+    """
     error_per_m: Positive = 0.0028
     """Depth error alpha per squared distance, 1/m. Larger values smooth more (authors' release)."""
     radius_per_error_px_m: Annotated[Positive, Grows()] = 1500.0
     """Smoothing radius beta per depth error, px/m. Larger values smooth more (authors' release)."""
     step_factor: Positive = 18.0
-    """Depth difference between neighbours that is a depth step, in depth errors. No window crosses a step (authors'
-    release)."""
+    """Minimum depth difference between neighbours at a depth step, as a multiple of the depth error. No window crosses
+    a step (authors' release).
+    """
     max_radius_px: Length_px = 10
-    """Largest smoothing radius, px. Wider windows round off the creases that eq. 18 measures (our choice)."""
+    """Maximum smoothing radius, px. Larger windows round off the creases that eq. 18 measures (our choice)."""
     skip_steps: bool = True
-    """Leave pixels on a depth step out of every mean, except with `plain` (authors' release)."""
+    """Leave pixels on a depth step out of every mean, except if `mean` is `plain` (authors' release)."""
 
 
 class Inpainting(Settings):
     """In-painting of small gaps (paper, section III-E). Large shadows stay missing. The limits are our choice."""
 
     sampling_holes: bool = True
-    """Close holes of one or two pixels first. A depth map warped to a larger colour image has a grid of them."""
+    """Fill holes of one or two pixels first. A depth map that was warped to a larger colour image has a grid of
+    them.
+    """
     max_area_px2: Area_px2 = 400.0
-    """Largest gap that is filled, px^2 at 640x480."""
+    """Maximum area of a gap that is filled, px^2 at 640x480."""
     max_radius_px: Annotated[Positive, Grows(always=True)] = 6.0
-    """Largest inscribed radius of a gap that is filled, px at 640x480."""
+    """Maximum inscribed radius of a gap that is filled, px at 640x480."""
     step_m: NotNegative = 0.03
-    """Depth range of a gap's rim, m, above which the gap crosses a depth step. Such a gap gets the far depth."""
+    """Minimum depth range of a gap's rim, m, at which the gap crosses a depth step. Such a gap gets the far depth."""
     step_share: Share = 0.03
-    """The same as a share of the distance. The larger of both limits holds."""
+    """Minimum depth range of a gap's rim at a depth step, as a share of the distance. The larger of this limit and
+    `step_m` applies.
+    """
 
 
 class DepthConfig(Settings):
     """Preparation and comparison of depth (eqs. 5-9)."""
 
     smoothing: Smoothing = Smoothing()
-    """Smoothing of the sensor's noise (eqs. 5-8)."""
+    """Smoothing of the sensor noise (eqs. 5-8)."""
     inpainting: Inpainting | None = None
-    """In-painting of small gaps. None fills nothing, as the paper does with the first cost function."""
+    """In-painting of small gaps. None fills no gaps, as the paper does with the first cost function."""
     depth_range: Positive | None = None
-    """Depth difference that counts as 1 in eq. 9, m. None takes the depth range of each frame (authors' release)."""
+    """Depth difference that counts as 1 in eq. 9, m. None: the depth range of each frame (authors' release)."""
 
 
 class ColorConfig(Settings):
     """Colour difference (eq. 4)."""
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of RGB, px. 0 does not smooth (authors' release, there after HSV)."""
+    """Sigma of the Gaussian smoothing of RGB, px. 0 does not smooth (authors' release, which smooths after the
+    conversion to HSV).
+    """
     k_dv: Positive = 4.5
-    """Weight of the difference in value, that is brightness (paper)."""
+    """Weight of the difference in value (brightness) (paper)."""
     k_ds: NotNegative = 0.1
     """Weight of the difference in hue and saturation (paper)."""
 
@@ -92,38 +100,40 @@ class SaliencyConfig(Settings):
 
 
 class EdgesConfig(Settings):
-    """Canny on Scharr gradients, and the test which of its pixels are object boundaries (eqs. 12-20)."""
+    """Canny on Scharr gradients, and the classification of its pixels as object boundaries (eqs. 12-20)."""
 
     canny_low: Share = 0.05
     """Low threshold of Canny as a share of the frame's largest gradient (authors' release)."""
     canny_high: Share = 0.075
     """High threshold of Canny as a share of the frame's largest gradient (authors' release)."""
     canny_floor: NotNegative = 60.0
-    """Minimum low threshold in units of the Scharr gradient, so that a plain frame shows no noise (our choice). The
-    high threshold keeps its ratio to the low one."""
+    """Minimum of the low threshold, in units of the Scharr gradient, so that a plain frame shows no noise (our choice).
+    The high threshold keeps its ratio to the low one.
+    """
     step_offset_px: Offset_px = 7
-    """Offset epsilon_rho of the depth samples on both sides of an edge, px (authors' release)."""
+    """Offset epsilon_rho from an edge to the depth samples on both sides, px (authors' release)."""
     step_m: Positive = 0.03
-    """Depth difference t_rho that makes a depth boundary, m. Larger values keep fewer edges (authors' release)."""
+    """Minimum depth difference t_rho at a depth boundary, m. Larger values keep fewer edges (authors' release)."""
     signed_step: bool = False
-    """Compare the signed difference, as printed in eq. 13. It misses edges seen from the near side."""
+    """Compare the signed difference, as printed in eq. 13. Edges that are seen from the near side are then missed."""
     missing_is_boundary: bool = False
-    """Count a missing sample as a depth step. By default missing depth is no evidence."""
+    """Count a missing depth sample as a depth step. By default a missing sample is ignored."""
     contact_offset_px: Offset_px = 5
     """Offset epsilon_e of the three points of the contact angle, px (authors' release)."""
     contact_low_deg: Angle_deg = 56.0
-    """Smallest contact angle t_theta_L, degrees (authors' release)."""
+    """Minimum contact angle t_theta_L, degrees (authors' release)."""
     contact_high_deg: Angle_deg = 154.0
-    """Largest contact angle t_theta_H, degrees (authors' release)."""
+    """Maximum contact angle t_theta_H, degrees (authors' release)."""
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
     """Sign of the contact angle. `tangent` takes the cross product along the edge and is right for every direction. `x`
-    takes its x component as printed in eq. 19, which is zero for upright edges. `none` keeps internal boundaries.
+    takes the x component as printed in eq. 19, which is zero for upright edges. `none` keeps internal boundaries.
     """
     boundary: Literal["soft", "thin"] = "soft"
-    """Boundary map: `soft` blurs E_F and rescales it to 1, which closes its gaps (authors' release), `thin` is
-    eq. 20."""
+    """Kind of boundary map. `soft` blurs E_F and rescales it to a maximum of 1, which closes gaps (authors' release).
+    `thin` is eq. 20.
+    """
     blur_px: Annotated[int, Field(ge=1, le=99), Grows(odd=True)] = 7
-    """Width of the Gaussian that makes the boundary map soft, px, odd (authors' release)."""
+    """Width of the Gaussian that blurs the soft boundary map, px, odd (authors' release)."""
 
     @model_validator(mode="after")
     def _ordered(self) -> EdgesConfig:
@@ -141,7 +151,7 @@ class SaliencyCost(Settings):
     """First cost function (eq. 22): colour, depth and saliency, for frames with large shadows."""
 
     kind: Literal["saliency"] = "saliency"
-    """Cost function that a table of a file means."""
+    """Kind of the cost function in preset files."""
     k_x: NotNegative = 1.05
     """Weight of the depth difference (paper)."""
     k_y: NotNegative = 1.5
@@ -149,20 +159,24 @@ class SaliencyCost(Settings):
     k_s: NotNegative = 0.5
     """Weight of the saliency (paper)."""
     ends: Ends = "max"
-    """Saliency of a graph edge: `i` at its first end, as printed, `max` the larger of both ends (our choice)."""
+    """Saliency of a graph edge. `i` takes the value at its first end, as printed. `max` takes the larger of both ends
+    (our choice).
+    """
 
 
 class BoundaryCost(Settings):
     """Second cost function (eq. 23): depth times colour, plus the boundary map, for frames with full depth."""
 
     kind: Literal["boundary"] = "boundary"
-    """Cost function that a table of a file means."""
+    """Kind of the cost function in preset files."""
     k_x: NotNegative = 7.5
     """Weight of the depth and colour term (paper)."""
     k_b: NotNegative = 0.66
-    """Weight of the boundary (paper)."""
+    """Weight of the boundary map (paper)."""
     ends: Ends = "max"
-    """Boundary of a graph edge: `i` at its first end, as printed, `max` the larger of both ends (our choice)."""
+    """Boundary value of a graph edge. `i` takes the value at its first end, as printed. `max` takes the larger of both
+    ends (our choice).
+    """
 
     @model_validator(mode="after")
     def _has_weight(self) -> BoundaryCost:
@@ -172,16 +186,18 @@ class BoundaryCost(Settings):
 
 
 class AutoCost(Settings):
-    """Choice between both cost functions by the depth missing within the working range, as the paper does by hand."""
+    """Automatic choice between both cost functions by the share of missing depth within the working range. The paper
+    chooses by hand.
+    """
 
     kind: Literal["auto"] = "auto"
-    """Cost function that a table of a file means."""
+    """Kind of the cost function in preset files."""
     full: BoundaryCost = BoundaryCost()
     """Cost function for frames with complete depth."""
     shadows: SaliencyCost = SaliencyCost()
     """Cost function for frames with large shadows."""
     max_missing: Share = 0.03
-    """Largest share of missing depth within the working range with which `full` is taken (our choice)."""
+    """Maximum share of missing depth within the working range at which `full` is used (our choice)."""
 
 
 Cost = Annotated[SaliencyCost | BoundaryCost | AutoCost, Field(discriminator="kind")]
@@ -193,12 +209,15 @@ class Partition(Settings):
     gamma: NotNegative = 0.0016
     """Threshold gamma of eq. 3, weight times pixels. Larger values give larger regions (paper: 5, 0.0016, 0.001)."""
     gamma_shadows: NotNegative | None = None
-    """Threshold gamma of frames with the `shadows` cost of an AutoCost, whose weights are larger by orders."""
+    """Threshold gamma of frames with the `shadows` cost of an AutoCost. The weights of that cost function are larger by
+    orders of magnitude.
+    """
     connectivity: Literal[4, 8] = 8
     """Neighbours of a pixel in the graph (authors' release)."""
     min_size_px2: Area_px2 = 500.0
-    """Smallest region, px^2 at 640x480. A smaller one joins the neighbour that it differs from least (authors'
-    release)."""
+    """Minimum area of a region, px^2 at 640x480. A smaller region joins its most similar neighbour (authors'
+    release).
+    """
 
 
 class Rejection(Settings):
@@ -213,7 +232,8 @@ class Rejection(Settings):
     max_eccentricity: Share | None = None
     """Maximum eccentricity sqrt(1 - lambda2 / lambda1). Larger values keep longer regions (authors' release: 0.978)."""
     max_missing: Share | None = None
-    """Maximum share of pixels without depth, after in-painting if that is on (paper: 0.3, without in-painting)."""
+    """Maximum share of pixels without depth. Missing depth is counted after in-painting if in-painting is on (paper:
+    0.3, without in-painting).
+    """
     max_dark: Share | None = None
-    """Share of pixels in the three darkest of 32 brightness bins, 0..23 of 255, that makes a region dark (paper:
-    0.3)."""
+    """Maximum share of pixels in the three darkest of 32 brightness bins, which are 0..23 of 255 (paper: 0.3)."""

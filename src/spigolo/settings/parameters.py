@@ -1,4 +1,4 @@
-"""The base of all parameter models: frozen, checked, with a one-line message for a wrong value."""
+"""Base of all parameter models. Models are frozen and validated, with a one-line message for a wrong value."""
 
 from __future__ import annotations
 
@@ -22,18 +22,20 @@ else:
     import tomli as tomllib
 
 VGA_PX = 640 * 480
-"""Pixels of the image that all lengths and areas in pixels are given for."""
+"""Number of pixels of the image to which all lengths and areas in pixels refer."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grows:
-    """Marks a length in pixels of a 640x480 image. odd: the length stays odd. always: see `Settings.at_size`."""
+    """Marker of a length in pixels of a 640x480 image. odd: the length stays odd. always: see `Settings.at_size`."""
 
     odd: bool = False
     always: bool = False
 
     def times(self, length: float, factor: float) -> float:
-        """Return the length in an image `factor` times larger. Whole numbers stay whole, and are 0 or at least 1."""
+        """Return the length in an image `factor` times larger. An integer stays an integer, which is either 0 or at
+        least 1.
+        """
         if isinstance(length, float):
             return length * factor
         if length == 0:
@@ -45,7 +47,7 @@ class Grows:
 
 @dataclass(frozen=True, slots=True)
 class GrowsAsArea:
-    """Marks an area in square pixels of a 640x480 image."""
+    """Marker of an area in square pixels of a 640x480 image."""
 
 
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -61,7 +63,9 @@ S = TypeVar("S", bound="Settings")
 
 
 class Settings(BaseModel):
-    """Parameters of one stage. Frozen: `replace` returns a changed copy. Raises ConfigError for a wrong value."""
+    """Parameters of one stage. They are frozen, and `replace` returns a changed copy. Raises ConfigError for a wrong
+    value.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
 
@@ -74,7 +78,9 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
-        """Read the word "none" as None if a field may be None: preset files and flags have no other word for it."""
+        """Read the word "none" as None for fields that may be None. Preset files and flags have no other word for
+        None.
+        """
         if not isinstance(values, Mapping):
             return values
         optional = {name for name, field in cls.model_fields.items() if type(None) in get_args(field.annotation)}
@@ -95,10 +101,10 @@ class Settings(BaseModel):
         return type(self)(**values)
 
     def at_size(self: S, shape: tuple[int, int], lengths: bool = False) -> S:
-        """Return a copy for images (H, W). Call it once: what has grown would grow again.
+        """Return a copy for images of shape (H, W). Call it only once, as lengths and areas would grow again.
 
-        Areas grow with the pixels of the image, and so do lengths that are marked `always`. The other lengths grow
-        with `lengths` only: all images of the paper have 640x480 pixels.
+        Areas grow with the number of pixels. Lengths marked `always` grow with the image too. Other lengths grow only
+        with `lengths`, as all images of the paper have 640x480 pixels.
         """
         area = shape[0] * shape[1] / VGA_PX
         return self if area == 1 else self._grown(area, lengths)
@@ -123,7 +129,7 @@ class Parameters(Settings):
 
     @property
     def digest(self) -> str:
-        """Eight hexadecimal digits that change with every value except the name."""
+        """Return eight hexadecimal digits that change with every value except the name."""
         values = json.dumps(self.model_dump(mode="json", exclude={"name"}), sort_keys=True)
         return hashlib.sha256(values.encode()).hexdigest()[:8]
 
@@ -137,7 +143,7 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    return value.model_dump() if isinstance(value, BaseModel) else deepcopy(value)  # the caller's stays as it is
+    return value.model_dump() if isinstance(value, BaseModel) else deepcopy(value)  # leave the caller's value unchanged
 
 
 def _nest(dotted: str, value: Any) -> Any:
@@ -147,7 +153,9 @@ def _nest(dotted: str, value: Any) -> Any:
 
 
 def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Change `values` in place, mapping by mapping. Another `kind` of cost replaces the whole mapping."""
+    """Merge `changes` into `values` in place, for nested mappings too. Another `kind` of cost replaces the whole
+    mapping.
+    """
     for key, new in changes.items():
         old = values.get(key)
         if isinstance(old, dict) and isinstance(new, Mapping) and new.get("kind", old.get("kind")) == old.get("kind"):
@@ -190,7 +198,7 @@ def _kinds(model: type[BaseModel]) -> set[str]:
 
 
 def _paths(model: type[BaseModel]) -> Iterator[str]:
-    """Yield the dotted names of a model's fields and of those of its stages."""
+    """Yield the dotted names of a model's fields, including the fields of its stages."""
     for name, field in model.model_fields.items():
         yield name
         for part in _parts(field.annotation):

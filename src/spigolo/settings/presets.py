@@ -1,8 +1,8 @@
-"""The presets: the paper's three, and OBJECTS for all other data.
+"""Presets: the three of the paper, and OBJECTS for all other data.
 
-SHELF, TABLE and CLUTTER carry the numbers that the paper prints for its three data sets. The authors' release has
-those that it does not print. OBJECTS adds our additions and is fitted to real frames of several sensors. It is
-versioned: OBJECTS_1 stays as it is, and OBJECTS is the newest.
+SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that it does not print
+come from the authors' release. OBJECTS adds our additions and is fitted to real frames of several sensors. OBJECTS is
+versioned: OBJECTS_1 never changes, and OBJECTS is the newest version.
 """
 
 from __future__ import annotations
@@ -108,8 +108,8 @@ OBJECTS_2 = OBJECTS_1.replace(
         "lengths_grow": True,
     },
 )
-"""OBJECTS_1 with the support plane, joined parts, rules against walls, sizes in metres, outlines by colour, and lengths
-that grow with the image.
+"""OBJECTS_1 plus the support plane, joined parts, rules against walls, sizes in metres, outlines refined by colour, and
+lengths that grow with the image.
 """
 
 OBJECTS = OBJECTS_2
@@ -135,15 +135,15 @@ SUMMARIES = {
 
 
 WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
-"""The tables of a file that holds a whole preset."""
+"""Names of the tables in a file that holds a whole preset."""
 
 
 def preset(name: str | Path) -> Config:
-    """Return the preset of that name, in upper or lower case, or the one in a TOML file.
+    """Return the preset of a name, in upper or lower case, or the preset in a TOML file.
 
     A line `base = "TABLE"` in the file starts from that preset. The file then holds only the differences, and "none"
-    switches a rule off. Without that line it holds all fields, as `to_toml` writes them. Raises ConfigError for a name
-    or key that is not known.
+    switches a rule off. Without that line the file holds all fields, as written by `to_toml`. Raises ConfigError for an
+    unknown name or key.
     """
     if str(name).upper() in PRESETS:
         return PRESETS[str(name).upper()]

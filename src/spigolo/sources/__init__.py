@@ -1,4 +1,4 @@
-"""Where frames come from: folders, published data sets, ROS bags, cameras. Each yields Frames.
+"""Sources of frames: folders, published data sets, ROS bags, cameras. Each source yields Frames.
 
     with sp.open_source("recording.mcap") as source:
         for frame in source:

@@ -1,6 +1,6 @@
-"""Recordings of ROS 1 and ROS 2 as a source, read by rosbags without ROS.
+"""Source for recordings of ROS 1 and ROS 2, read by rosbags without ROS.
 
-The stamps are read first, so that the number of frames is known and every image finds its nearest partner.
+All stamps are read first. The number of frames is then known, and every image is paired with its nearest partner.
 """
 
 from __future__ import annotations
@@ -26,29 +26,29 @@ from spigolo.sources.topics import IMAGE_TYPES, INFO_TYPE, Topics, choose_topics
 
 PIP = 'pip install "spigolo[bags]"'
 REALSENSE = "/device_0/sensor_"
-"""How the topics of a recording of the RealSense SDK begin."""
+"""Prefix of the topics in a recording of the RealSense SDK."""
 
 
 @dataclass(frozen=True, slots=True)
 class Content:
-    """What a first reading finds."""
+    """Content of a bag, found by a first pass over the file."""
 
     topics: Topics
-    """The topics that make frames."""
+    """Topics of colour, depth and CameraInfo."""
     partner: dict[tuple[str, int], int]
-    """Number of the pair by topic and number of the message."""
+    """Number of the pair, indexed by topic and message number."""
     stamps_ns: tuple[int, ...]
-    """Stamp of each pair's colour image."""
+    """Stamp of each pair's colour image, ns."""
     headless: frozenset[tuple[str, int]]
-    """Topic and number of the messages too short for a stamp."""
+    """Topic and number of each message that is too short for a stamp."""
     info: Any
-    """The first readable CameraInfo. None without one."""
+    """First readable CameraInfo message, or None."""
     cut: str
-    """Why the reading ended before the end of the file. Empty if it did not."""
+    """Reason why reading stopped before the end of the file. Empty if it did not stop."""
 
 
 class BagSource(SizedSource):
-    """The frames of a bag: pairs of colour and depth whose stamps differ by at most the tolerance."""
+    """Frames of a bag: pairs of colour and depth whose stamps differ by at most the tolerance."""
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
@@ -64,7 +64,7 @@ class BagSource(SizedSource):
             warn(f"{path}: no pair of {topics.color} and {topics.depth} within {options.tolerance_ms:g} ms")
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began, with the tolerance of pairs."""
+        """Return the counts since the last iteration began, with the pairing tolerance."""
         counts = super().report()
         return replace(counts, tolerance_ms=self.options.tolerance_ms)
 
@@ -89,7 +89,7 @@ class BagSource(SizedSource):
             self._skip(self.name, FileError(f"the recording cannot be read to its end: {content.cut}"))
 
     def _count_single(self, topic: str, number: int, data: bytes) -> None:
-        """Count a message without a partner as unmatched, or as broken if it cannot be read."""
+        """Count a message without a partner as unmatched, or as broken if it is unreadable."""
         name = f"{topic}, message {number}"
         if (topic, number) in self.content.headless:
             self._skip(name, FrameError(f"too short for a stamp ({len(data)} bytes)"))
@@ -122,17 +122,17 @@ class BagSource(SizedSource):
         return known_camera(given, width, height)
 
     def _decode(self, topic: str, data: bytes) -> Any:
-        """Return the array of an image message. Raises FrameError, whatever the deserialiser raises."""
+        """Return the array of an image message. Raises FrameError for any error of the deserialiser."""
         message = self._decoder.message(data, self._types[topic])
         read = depth_of if topic == self.content.topics.depth else color_of
         return read(message, self.options.max_pixels)
 
     def _messages(self, topics: Topics) -> Iterator[tuple[str, int, bytes]]:
-        """Yield topic, number and bytes of the image messages, as far as the file can be read."""
+        """Yield topic, number and bytes of the image messages, up to the first unreadable part of the file."""
         numbers = {topics.color: 0, topics.depth: 0}
         with closing(_open(self._path)) as reader:
             wanted = [c for c in reader.connections if c.topic in numbers]
-            with suppress(Exception):  # the survey has noted why a file cannot be read to its end
+            with suppress(Exception):  # the first pass has recorded why the file ends early
                 for connection, _, data in reader.messages(connections=wanted):
                     number = numbers[connection.topic]
                     numbers[connection.topic] += 1
@@ -155,39 +155,41 @@ class BagSource(SizedSource):
 
 
 class _Decoder:
-    """From serialised bytes to messages. Works on when the file is closed."""
+    """Deserialiser of messages. Messages can be read after the file is closed."""
 
     def __init__(self, reader: Any) -> None:
         self._reader, store = reader, reader.typestore
         self._deserialize = store.deserialize_cdr if reader.is2 else store.deserialize_ros1
 
     def message(self, data: bytes, kind: str) -> Any:
-        """Return a message. Raises FrameError, whatever the deserialiser raises."""
+        """Return a deserialised message. Raises FrameError for any error of the deserialiser."""
         try:
             return self._deserialize(data, kind)
-        except Exception as error:  # damaged bytes raise what their parsing meets
+        except Exception as error:  # damaged bytes may raise any exception
             raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
 
     def first(self, connections: Sequence[Any]) -> Any:
-        """Return the first message of connections that can be read. None without one."""
-        with suppress(Exception):  # the survey tells what is wrong with the file
+        """Return the first readable message of some connections, or None."""
+        with suppress(Exception):  # the first pass reports errors in the file
             for connection, _, data in self._reader.messages(connections=connections) if connections else ():
                 with suppress(FrameError):
                     return self.message(data, connection.msgtype)
         return None
 
     def holds_depth(self, connection: Any) -> bool:
-        """Return whether the first readable image of a topic is depth. Without one, the name decides."""
+        """Return True if the first readable image of a topic is depth. If no image is readable, the topic's name
+        decides.
+        """
         message = self.first([connection])
         return "depth" in connection.topic if message is None else is_depth(message)
 
 
 Stamps = dict[str, list[tuple[int, int]]]
-"""Stamp in nanoseconds and number of each message, by topic."""
+"""Stamp in nanoseconds and number of each message, indexed by topic."""
 
 
 def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[str, int]], str]:
-    """Return the stamps, the messages without one, and why the file cannot be read to its end, if so."""
+    """Return the stamps, the messages without a stamp, and the reason if the file is not readable to its end."""
     stamps: Stamps = {topics.color: [], topics.depth: []}
     numbers, headless = dict.fromkeys(stamps, 0), set()
     wanted = [c for c in reader.connections if c.topic in stamps]
@@ -200,13 +202,13 @@ def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[s
                 headless.add((topic, number))
             else:
                 stamps[topic].append((stamp, number))
-    except Exception as error:  # a damaged file raises what its parsing meets
+    except Exception as error:  # damaged files may raise any exception
         return stamps, frozenset(headless), _told(error)
     return stamps, frozenset(headless), ""
 
 
 def is_of_realsense(path: Path) -> bool:
-    """Return whether a bag was recorded by the RealSense SDK, whose depth is not registered to colour."""
+    """Return True if a bag was recorded by the RealSense SDK. Depth in such bags is not registered to colour."""
     with closing(_open(path)) as reader:
         return any(c.topic.startswith(REALSENSE) for c in reader.connections)
 
@@ -222,7 +224,7 @@ def _open(path: Path) -> Any:
         usual = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
         reader = reading.AnyReader([path], default_typestore=usual)
         reader.open()
-    except Exception as error:  # a damaged file raises what its parsing meets
+    except Exception as error:  # damaged files may raise any exception
         raise FileError(f"{path}: not a readable ROS bag ({_told(error)})") from None
     return reader
 
@@ -239,7 +241,7 @@ def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:
 
 
 def _camera_info(info: Any, topic: str) -> Any:
-    """Return CameraInfo in the form that fits a topic: that of P without distortion for rectified images."""
+    """Return CameraInfo in the form that suits a topic: for rectified images, matrix P without distortion."""
     projection = getattr(info, "p", None) if hasattr(info, "p") else getattr(info, "P", None)
     if "rect" not in topic.lower() or projection is None or not any(projection):
         return info

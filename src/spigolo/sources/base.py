@@ -1,4 +1,4 @@
-"""Source: an iterable of frames that counts what it could not use."""
+"""Base of all sources: iterables of frames that count unusable images."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from spigolo.sources.options import Options
 
 Own = TypeVar("Own", bound="Source")
 OnBroken = Callable[[str, SpigoloError], None]
-"""Called with the name of a frame or message that cannot be read, and the error."""
+"""Function that is called with the name of an unreadable frame or message, and the error."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,17 +23,17 @@ class Report:
     """Counts of a source since its iteration began."""
 
     frames: int
-    """Frames that were handed out."""
+    """Number of frames that were returned."""
     unmatched: int = 0
-    """Colour and depth images without a partner within the tolerance."""
+    """Number of colour and depth images without a partner within the tolerance."""
     broken: int = 0
-    """Frames or messages that could not be read."""
+    """Number of unreadable frames or messages."""
     dropped: int = 0
-    """Frames of a live source that were replaced by newer ones before they were asked for."""
+    """Number of frames of a live source that were replaced by newer ones before use."""
     tolerance_ms: float | None = None
     """Maximum difference between the stamps of a pair, ms. None if images are not paired by stamp."""
     pace: Pace | None = None
-    """Rate, and latency from arrival until the next frame was asked for. None for a recording."""
+    """Frame rate, and latency from arrival until the next frame is requested. None for a recording."""
 
     def __str__(self) -> str:
         within = "" if self.tolerance_ms is None else f" (no partner within {self.tolerance_ms:g} ms)"
@@ -49,25 +49,25 @@ class Report:
 class Source(ABC):
     """Frames of one folder, data set, recording or camera. Iterate over it, best inside `with`.
 
-    Frames that cannot be read are skipped, counted and passed to `on_broken`, which warns by default.
+    Unreadable frames are skipped, counted and passed to `on_broken`, which warns by default.
     """
 
     live = False
-    """Whether frames come from a camera, without an end."""
+    """True if frames come from a camera and have no end."""
 
     def __init__(self, name: str, options: Options) -> None:
         self.name = name
         """Name of the source, for messages."""
         self.options = options
-        """Options that it was opened with."""
+        """Options of the source."""
         self.intrinsics = ""
-        """Where the intrinsics come from. Empty if they were given, or are not known."""
+        """Origin of the intrinsics. Empty if they were given or are not known."""
         self.on_broken: OnBroken = _warn
         self._frames_done = self._unmatched = self._broken = 0
 
     @property
     def count(self) -> int | None:
-        """Number of frames. None if it is not known."""
+        """Return the number of frames. None if it is not known."""
         return None
 
     @abstractmethod
@@ -105,7 +105,7 @@ class Source(ABC):
 
 
 class SizedSource(Source):
-    """A source whose number of frames is known."""
+    """Source with a known number of frames."""
 
     def __init__(self, name: str, options: Options, count: int) -> None:
         super().__init__(name, options)
@@ -113,7 +113,7 @@ class SizedSource(Source):
 
     @property
     def count(self) -> int:
-        """Number of frames, broken ones included."""
+        """Return the number of frames, including broken ones."""
         return self._count
 
     def __len__(self) -> int:

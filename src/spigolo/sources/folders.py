@@ -1,4 +1,4 @@
-"""Image files and folders as a source."""
+"""Source for image files and folders."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spigolo.sources.paths import FramePaths, find_frames
 
 
 class FolderSource(SizedSource):
-    """The frames of image files and folders, in the order in which they are listed."""
+    """Frames of image files and folders, in the order in which they are listed."""
 
     def __init__(self, words: Sequence[str], options: Options) -> None:
         self.paths = find_frames(words)

@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """One slot between two threads. A newer item replaces one that was not taken."""
+    """Slot for one item between two threads. A newer item replaces an item that was not taken."""
 
     def __init__(self) -> None:
         self._ready = threading.Condition()
@@ -36,13 +36,13 @@ class Mailbox(Generic[T]):
             self._ready.notify()
 
     def end(self, error: BaseException | None = None) -> None:
-        """Tell the reader that nothing more comes, or why."""
+        """Signal the end to the reader, with an error if there is one."""
         with self._ready:
             self._ended = error or True
             self._ready.notify()
 
     def take(self) -> T | None:
-        """Return the newest item, waiting for one. None at the end. Raises the error of the sender."""
+        """Wait for the newest item and return it. None at the end. Raises the error of the sender."""
         with self._ready:
             self._ready.wait_for(lambda: self._item is not None or self._ended)
             item, self._item = self._item, None
@@ -52,10 +52,10 @@ class Mailbox(Generic[T]):
 
 
 class LiveSource(Source):
-    """Frames of a camera. Frames that arrive while one is worked on are dropped but for the newest.
+    """Frames of a camera. While a frame is processed, only the newest of the arriving frames is kept.
 
-    `report()` has the latency from the arrival of a frame until the next one is asked for, which is when the work on
-    it is done.
+    `report()` includes the latency from the arrival of a frame until the next frame is requested. At that time the
+    frame has been processed.
     """
 
     live = True
@@ -68,7 +68,7 @@ class LiveSource(Source):
 
     @abstractmethod
     def _receive(self) -> Iterator[Frame]:
-        """Yield the frames as they arrive, until the source is closed. Runs on a thread of its own."""
+        """Yield the frames as they arrive, until the source is closed. The method runs on a separate thread."""
 
     def close(self) -> None:
         """Stop the camera."""
@@ -103,7 +103,7 @@ class LiveSource(Source):
                 box.put((time.perf_counter(), frame))
         except SpigoloError as error:
             box.end(error)
-        except Exception as error:  # the reader's thread tells it
+        except Exception as error:  # raised again on the reader's thread
             box.end(SpigoloError(f"{self.name}: {' '.join(str(error).split())}"))
         else:
             box.end()

@@ -1,4 +1,4 @@
-"""`open_source`: from the name of a source to the source."""
+"""Opening of a source by its name (`open_source`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Uri = str | os.PathLike[str]
 def open_source(
     uri: Uri | Sequence[Uri], camera: CameraLike = None, depth_scale: float | None = None, **options: Any
 ) -> Source:
-    """Return the source of a name: an iterable of frames, best used inside `with`.
+    """Return the source of a name, which is an iterable of frames. Use it inside `with`.
 
     uri: image files (colour and depth), a folder of frames, a data set (`dataset:FOLDER`), a ROS bag (.bag, .db3,
     .mcap, or its folder), `realsense:`, `realsense:SERIAL`, `realsense:RECORDING`, `openni:` or `openni:ADDRESS`.
@@ -37,14 +37,16 @@ def open_source(
 
 
 def is_recording(path: Path) -> bool:
-    """Return whether a path is a ROS bag: a file by its suffix, or a folder with metadata.yaml and storage files."""
+    """Return True if a path is a ROS bag: a file with such a suffix, or a folder with metadata.yaml and storage
+    files.
+    """
     if path.is_dir():
         return (path / "metadata.yaml").is_file() and any(_bags_in(path))
     return path.suffix.lower() in OPENED
 
 
 def _parted(name: str) -> tuple[str, dict[str, str]]:
-    """Return a name without its options, and these. A path that exists has none."""
+    """Return a name without its options, and the options. A path that exists has no options."""
     before, mark, after = name.partition("?")
     if not mark or Path(name).exists():
         return name, {}
@@ -70,7 +72,7 @@ def _open(name: str, options: Options) -> Source:
 
 
 def _folder(path: Path, options: Options) -> Source:
-    """Return the source of a folder: its frames, the one bag in it, or a published data set."""
+    """Return the source of a folder: its frames, the only bag in it, or a published data set."""
     from spigolo.lab.datasets import Tum
 
     if Tum.matches(path):
@@ -92,11 +94,13 @@ def _published(path: Path, options: Options, error: FileError) -> Source:
     try:
         return PublishedSource(path, options)
     except FileError:
-        raise error from None  # it says what a folder of frames is
+        raise error from None  # the message describes folders of frames
 
 
 def _bag(path: Path, options: Options) -> Source:
-    """Return the source of a bag. Recordings of the RealSense SDK go to it, as it aligns depth to colour."""
+    """Return the source of a bag. Recordings of the RealSense SDK are opened by the SDK, which aligns depth to
+    colour.
+    """
     from spigolo.sources.bags import BagSource, is_of_realsense
 
     if not path.exists():

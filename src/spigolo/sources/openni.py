@@ -1,4 +1,4 @@
-"""Kinect v1, Xtion and other PrimeSense cameras, through OpenNI2. The device registers depth to colour."""
+"""Source for Kinect v1, Xtion and other PrimeSense cameras through OpenNI2. The device registers depth to colour."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ from spigolo.sources.pairing import StampMatcher
 PIP = 'pip install "spigolo[openni]"'
 LIBRARY = "install OpenNI2 (apt install libopenni2-0), or set OPENNI2_REDIST64 to the folder of its library"
 MILLIMETRES = 0.001
-"""Unit of depth that the device is set to, metres."""
+"""Unit of depth that is set on the device, metres."""
 WAIT_S = 0.5
-"""Time after which a stop of the source is looked at while no image arrives, s."""
+"""Interval in seconds at which the thread checks for a stop of the source while no image arrives."""
 PATIENCE_S = 10.0
 """Time without images after which a camera counts as lost, s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Image:
-    """An image that was copied out of the buffers of the device."""
+    """Image that was copied out of the buffers of the device."""
 
     kind: str
-    """"color" or "depth"."""
+    """Kind of image, "color" or "depth"."""
     stamp_ns: int
     """Time on the clock of the device, nanoseconds."""
     pixels: npt.NDArray[Any]
@@ -46,7 +46,7 @@ class Image:
 
 
 class OpenNICamera(LiveSource):
-    """A connected camera, by its OpenNI address or the first one. The newest frame is handed out."""
+    """Camera with an OpenNI address, or the first connected one. Iteration returns the newest frame."""
 
     def __init__(self, uri: str, options: Options) -> None:
         super().__init__(f"openni:{uri}", options)
@@ -57,7 +57,7 @@ class OpenNICamera(LiveSource):
             self.intrinsics = "the field of view that the device reports"
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began, with the tolerance of pairs."""
+        """Return the counts since the last iteration began, with the pairing tolerance."""
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
     def _receive(self) -> Iterator[Frame]:
@@ -81,7 +81,7 @@ class OpenNICamera(LiveSource):
         """Return the open device. Raises FileError."""
         try:
             return self._sdk.Device(self._uri.encode() or None)
-        except Exception as error:  # the binding has an error of its own for each module
+        except Exception as error:  # each module of the binding has its own exception
             found = [one.decode() for one in self._sdk.Device.enumerate_uris()]
             raise FileError(
                 f"{self.name} does not open ({_told(error)}). Connected: {', '.join(found) or 'none'}"
@@ -106,12 +106,12 @@ class OpenNICamera(LiveSource):
         stream = device.create_stream(sensor)
         if _numbers(stream.get_video_mode()) != wanted:
             stream.configure_mode(own.width, own.height, own.fps, pixels)
-        with suppress(self._error):  # a device that cannot mirror does not
+        with suppress(self._error):  # not every device can mirror
             stream.set_mirroring_enabled(False)
         return stream
 
     def _register(self, device: Any) -> None:
-        """Let the device register depth to colour, and expose both at the same time where it can."""
+        """Let the device register depth to colour, and expose both at the same time if it can."""
         mode = self._sdk.IMAGE_REGISTRATION_DEPTH_TO_COLOR
         if device.is_image_registration_mode_supported(mode):
             device.set_image_registration_mode(mode)
@@ -147,7 +147,7 @@ class OpenNICamera(LiveSource):
                 raise FileError(f"{self.name}: no image for {PATIENCE_S:.0f} s: check the cable, or plug it in again")
 
     def _camera(self, stream: Any) -> Camera | None:
-        """Return the intrinsics: given ones, or nominal ones from the field of view of the colour stream."""
+        """Return the given intrinsics, or nominal ones from the field of view of the colour stream."""
         own = self.options
         if own.camera is not None:
             return known_camera(own.camera, own.width, own.height)[0]
@@ -166,24 +166,24 @@ class OpenNICamera(LiveSource):
 
     @property
     def _error(self) -> type[Exception]:
-        """Return the error of the binding."""
+        """Return the exception class of the binding."""
         kind: type[Exception] = self._sdk.OpenNIError
         return kind
 
 
 def nominal_camera(width: int, height: int, horizontal_rad: float, vertical_rad: float) -> Camera:
-    """Return the pinhole camera of a field of view, its principal point in the middle."""
+    """Return the pinhole camera of a field of view, with its principal point in the middle."""
     angles_deg = math.degrees(horizontal_rad), math.degrees(vertical_rad)
     return Camera.from_fov(width, height, horizontal_deg=angles_deg[0], vertical_deg=angles_deg[1])
 
 
 def _numbers(mode: Any) -> tuple[int, int, int, int]:
-    """Return width, height, rate and pixel format of a mode."""
+    """Return width, height, rate and pixel format of a video mode."""
     return mode.resolutionX, mode.resolutionY, mode.fps, int(mode.pixelFormat)
 
 
 def _copied(image: Any, kind: str) -> Image:
-    """Return a copy of an image of the device, without the padding of its rows. Raises SpigoloError if it is cut."""
+    """Return a copy of a device image without row padding. Raises SpigoloError if the image is truncated."""
     size, step = (3 if kind == "color" else 2), int(image.stride)
     stored = np.frombuffer(image.get_buffer_as_uint8(), np.uint8)
     if step < image.width * size or stored.size < step * image.height:
@@ -194,7 +194,7 @@ def _copied(image: Any, kind: str) -> Image:
 
 
 def _initialised() -> Any:
-    """Return the binding, with the library of OpenNI2 loaded. Raises FileError."""
+    """Return the binding after loading the OpenNI2 library. Raises FileError."""
     try:
         sdk: Any = importlib.import_module("openni.openni2")
         raw: Any = importlib.import_module("openni._openni2")
@@ -206,7 +206,7 @@ def _initialised() -> Any:
             raw.load_dll(name)  # the binding looks for libOpenNI2.so, and Debian installs libOpenNI2.so.0
             sdk.loaded_dll_directory = name
         sdk.initialize()
-    except Exception as error:  # the binding has an error of its own for each module
+    except Exception as error:  # each module of the binding has its own exception
         raise FileError(f"OpenNI2 cannot be loaded ({_told(error)}): {LIBRARY}") from None
     return sdk
 

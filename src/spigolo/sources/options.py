@@ -17,20 +17,20 @@ NUMBERS: Mapping[str, type[int] | type[float]] = {
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How a source is read. Options that a kind of source does not have are ignored."""
+    """Options for reading a source. Options that a kind of source does not have are ignored."""
 
     camera: CameraLike = None
-    """Intrinsics in any form that `read_frame` takes. None: those of the source."""
+    """Intrinsics in any form that `read_frame` takes. None: intrinsics of the source."""
     depth_scale: float | None = None
     """Metres per unit of integer depth. None: the unit of the source."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
     color: str | None = None
-    """Topic of the colour images of a bag. None: guessed."""
+    """Topic of the colour images of a bag. None: chosen automatically."""
     depth: str | None = None
-    """Topic of the depth images of a bag. None: guessed."""
+    """Topic of the depth images of a bag. None: chosen automatically."""
     info: str | None = None
-    """Topic of the CameraInfo of a bag. None: the one next to the colour topic."""
+    """Topic of the CameraInfo of a bag. None: the topic next to the colour topic."""
     tolerance_ms: float = 20.0
     """Maximum difference between the stamps of a pair, in milliseconds."""
     width: int = 640
@@ -40,13 +40,16 @@ class Options:
     fps: int = 30
     """Frames per second of a live camera."""
     filters: tuple[str, ...] = field(default=())
-    """Filters of the RealSense SDK, in their order: decimation, threshold, spatial, temporal, holes."""
+    """Filters of the RealSense SDK, in this order: decimation, threshold, spatial, temporal, holes."""
     device: Any = None
-    """Device of the RealSense SDK to use, such as a software device. None: one that is connected."""
+    """Device of the RealSense SDK, such as a software device. None: a connected camera."""
 
 
 def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
-    """Return the options of texts (words) and of values (given, which win). Raises FileError for an unknown one."""
+    """Return the options from texts (`words`) and from values (`given`), which take precedence.
+
+    Raises FileError for an unknown option.
+    """
     known = [one.name for one in fields(Options)]
     values = {name: _value(name, text) for name, text in words.items()}
     values |= {name: value for name, value in given.items() if value is not None}

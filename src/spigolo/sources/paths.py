@@ -1,4 +1,4 @@
-"""Paths of frames: the colour, depth and camera files that belong together."""
+"""Paths of frames: colour, depth and camera files that belong together."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COLOR_NAMES = ("rgb", "color", "colour", "image")
 
 @dataclass(frozen=True, slots=True)
 class FramePaths:
-    """The files of a frame. camera: a file found next to the images, or None."""
+    """Files of a frame. camera: a file found next to the images, or None."""
 
     name: str
     color: Path
@@ -28,11 +28,11 @@ class FramePaths:
 
 
 def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
-    """Return the frames that files and folders name.
+    """Return the frames in files and folders.
 
     Two files are a frame, colour first. More files are pairs. A folder is a frame if it holds a colour and a depth
     image (rgb.png and depth.png). Otherwise its subfolders are frames, or the equally named files of its folders rgb/
-    and depth/. Every frame gets a name of its own.
+    and depth/. Every frame gets a unique name.
     """
     paths = [Path(word) for word in inputs]
     if not paths:
@@ -49,7 +49,7 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
 
 
 def _is_frame(path: Path) -> bool:
-    """Return whether a .npz file holds colour and depth."""
+    """Return True if a .npz file holds colour and depth."""
     if path.suffix.lower() != ".npz":
         return False
     from spigolo.frames.arrays import names_in
@@ -60,7 +60,7 @@ def _is_frame(path: Path) -> bool:
 
 
 def _whole(path: Path) -> FramePaths:
-    """Return the paths of a frame in one .npz file, its camera too where that holds a matrix."""
+    """Return the paths of a frame in one .npz file, which is also the camera file if it holds a matrix."""
     from spigolo.frames.arrays import names_in
     from spigolo.frames.intrinsics import MATRIX_NAMES
 
@@ -69,7 +69,7 @@ def _whole(path: Path) -> FramePaths:
 
 
 def _pairs(files: Sequence[Path]) -> list[FramePaths]:
-    """Return the frames of files in pairs, colour then depth. Raises FileError for one without a partner."""
+    """Return the frames of files in pairs, colour then depth. Raises FileError for a file without a partner."""
     recording = next((path for path in files if path.suffix.lower() in RECORDINGS), None)
     if recording is not None:
         from spigolo.frames.images import how_to_extract
@@ -85,7 +85,7 @@ def _pairs(files: Sequence[Path]) -> list[FramePaths]:
 
 
 def _camera_of(color: Path) -> Path | None:
-    """Return the camera file that holds for an image that was given by name."""
+    """Return the camera file that applies to an image given by name."""
     inner = color.parent.name in COLOR_NAMES
     return camera_for(color.parent, color.parent.parent if inner else color.parent)
 
@@ -98,7 +98,7 @@ def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
 
 
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
-    """Put the name of the folder before equal frame names, and a number after them if that is not enough."""
+    """Make equal frame names unique by the name of the folder, and by a number if that is not enough."""
     count = Counter(frame.name for frame in frames)
     taken, apart = {name for name in count if count[name] == 1}, []
     for frame in frames:
@@ -112,7 +112,7 @@ def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
 
 
 def _around(frame: FramePaths) -> str:
-    """Return the name of the folder that holds a frame, or holds the folder of its colour images."""
+    """Return the name of the folder of a frame, or of the folder above its folder of colour images."""
     folder = frame.color.resolve().parent
     return folder.parent.name if folder.name in (frame.name, *COLOR_NAMES) else folder.name
 
@@ -133,7 +133,7 @@ def _frames_in(folder: Path) -> list[FramePaths]:
 
 
 def _what_lies_there(folder: Path) -> str:
-    """Return what a message says of a folder that holds something else."""
+    """Return the text of a message about a folder that does not hold frames."""
     found = next((path for path in listed(folder) if path.suffix.lower() in RECORDINGS), None)
     if found is None:
         return ""
@@ -143,7 +143,7 @@ def _what_lies_there(folder: Path) -> str:
 
 
 def _frame_of(folder: Path, top: Path) -> list[FramePaths]:
-    """Return the frame of a folder that holds one. top: the folder that was given."""
+    """Return the frame of a folder in a list, or an empty list. top: the folder that was given."""
     files = listed(folder)
     colors = [f for name in COLOR_NAMES for f in files if f.stem == name and f.suffix.lower() in IMAGES]
     depths = [f for f in files if f.stem == "depth" and f.suffix.lower() in DEPTHS]

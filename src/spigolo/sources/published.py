@@ -1,4 +1,4 @@
-"""Data sets as they were published, and TUM lists, as a source."""
+"""Source for published data sets in their original layout, and for TUM lists."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from spigolo.sources.options import Options
 
 
 class PublishedSource(SizedSource):
-    """The frames of a data set in its order. A given camera or depth_scale replaces the data set's own."""
+    """Frames of a data set in its order. A given camera or depth_scale replaces that of the data set."""
 
     def __init__(self, folder: Path, options: Options) -> None:
         self.entries = guess(folder)
@@ -32,7 +32,7 @@ class PublishedSource(SizedSource):
             yield frame
 
     def _changed(self, frame: Frame) -> Frame:
-        """Return a frame with the camera and the scale that were given."""
+        """Return a frame with the camera and the depth scale that were given."""
         camera, scale = self.options.camera, self.options.depth_scale
         if camera is None and scale is None:
             return frame

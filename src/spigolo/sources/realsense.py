@@ -1,4 +1,4 @@
-"""RealSense cameras and their recordings, through pyrealsense2. Depth is aligned to colour by the SDK."""
+"""Source for RealSense cameras and their recordings through pyrealsense2. The SDK aligns depth to colour."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from spigolo.sources.options import Options
 
 PIP = 'pip install "spigolo[realsense]"'
 WAIT_MS = 500
-"""Time after which a stop of the source is looked at while no frame arrives, ms."""
+"""Interval in milliseconds at which the thread checks for a stop of the source while no frame arrives."""
 PATIENCE_S = 10.0
 """Time without frames after which a camera counts as lost, s."""
 FILTERS = ("decimation", "threshold", "spatial", "temporal", "holes")
 
 
 class _RealSense(Source):
-    """What a camera and a recording share: framesets become frames."""
+    """Base of cameras and recordings, which converts framesets to frames."""
 
     _lost = 0
 
@@ -47,17 +47,17 @@ class _RealSense(Source):
             yield frame
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began, with the tolerance of pairs."""
+        """Return the counts since the last iteration began, with the pairing tolerance."""
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
 
 class RealSenseCamera(_RealSense, LiveSource):
-    """A connected camera, by its serial number or the first one. The newest frame is handed out."""
+    """Camera with a serial number, or the first connected one. Iteration returns the newest frame."""
 
     def __init__(self, serial: str, options: Options) -> None:
         super().__init__(f"realsense:{serial}", options)
         self._rs, self._serial = _sdk(), serial
-        _filters(self._rs, options.filters)  # a wrong name is told before the camera starts
+        _filters(self._rs, options.filters)  # reports a wrong name before the camera starts
         if options.device is None:
             self._check_connected()
         if options.camera is None:
@@ -102,14 +102,14 @@ class RealSenseCamera(_RealSense, LiveSource):
 
 
 class RealSenseRecording(_RealSense):
-    """A recording of the SDK, .db3 or .bag. No frame is dropped."""
+    """Recording of the SDK, .db3 or .bag. No frame is dropped."""
 
     def __init__(self, path: Path, options: Options) -> None:
         super().__init__(str(path), options)
         if not path.is_file():
             raise FileError(f"expected a recording, but there is no {path}")
         self._rs, self._path = _sdk(), path
-        _filters(self._rs, options.filters)  # a wrong name is told before the camera starts
+        _filters(self._rs, options.filters)  # reports a wrong name before the camera starts
         if options.camera is None:
             self.intrinsics = "the recording"
 
@@ -126,9 +126,9 @@ class RealSenseRecording(_RealSense):
 
 
 class _Converter:
-    """From framesets of the SDK to frames.
+    """Converter from framesets of the SDK to frames.
 
-    The SDK repeats an image if its partner comes late. A pair counts if its stamps fit, and once.
+    The SDK repeats an image if its partner is late. A pair counts once, if its stamps are within the tolerance.
     """
 
     def __init__(self, rs: Any, options: Options) -> None:
@@ -139,15 +139,15 @@ class _Converter:
         self._taken: dict[str, int] = {}
         self._images = self._pairs = 0
         self.lost = 0
-        """Number of pairs that the SDK replaced by newer ones, by the gaps in the numbers of colour images."""
+        """Number of pairs that the SDK replaced by newer ones, counted from gaps in the numbers of colour images."""
 
     @property
     def unmatched(self) -> int:
-        """Number of images that came without a partner."""
+        """Number of images without a partner."""
         return max(self._images - 2 * self._pairs, 0)
 
     def take(self, frames: Any) -> bool:
-        """Return whether a frameset is a new pair of images of one time."""
+        """Return True if a frameset is a new pair of images of the same time."""
         images = {"color": frames.get_color_frame(), "depth": frames.get_depth_frame()}
         numbers = {kind: image.get_frame_number() for kind, image in images.items() if image}
         self._images += sum(self._seen.get(kind) != number for kind, number in numbers.items())
@@ -164,7 +164,7 @@ class _Converter:
         return True
 
     def frame(self, frames: Any, name: str) -> Frame:
-        """Return the frame of a frameset, depth aligned to colour. Raises SpigoloError."""
+        """Return the frame of a frameset with depth aligned to colour. Raises SpigoloError."""
         for one in self._filters:
             frames = one.process(frames).as_frameset()
         aligned = self._align.process(frames)

@@ -1,6 +1,6 @@
-"""Images of ROS messages as arrays: sensor_msgs/Image, CompressedImage, and the stamp of their header.
+"""Conversion of ROS image messages to arrays: sensor_msgs/Image, CompressedImage, and the stamp of their header.
 
-Takes any object with the fields of the message, so that neither ROS nor a bag reader is needed.
+Any object with the fields of the message is accepted, so neither ROS nor a bag reader is required.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from spigolo.sources.compressed_depth import CONFIG, metres_of, unpacked_rvl
 MILLIMETRES = 0.001
 """Unit of integer depth, metres (REP 118)."""
 DEPTH_ENCODINGS = {"16UC1": np.uint16, "mono16": np.uint16, "32FC1": np.float32, "64FC1": np.float64}
-"""Encodings of depth, and the type of their numbers."""
+"""Encodings of depth, and the NumPy type of their values."""
 COLOR_ENCODINGS = {
     "rgb8": (3, None),
     "bgr8": (3, cv2.COLOR_BGR2RGB),
@@ -35,7 +35,7 @@ COLOR_ENCODINGS = {
     "yuv422": (2, cv2.COLOR_YUV2RGB_UYVY),
     "uyvy": (2, cv2.COLOR_YUV2RGB_UYVY),
 }
-"""Encodings of colour: bytes for each pixel, and the conversion to RGB."""
+"""Encodings of colour: bytes per pixel, and the conversion to RGB."""
 PNG = b"\x89PNG"
 
 
@@ -46,7 +46,7 @@ def stamp_ns(message: Any) -> int:
 
 
 def encoding_of(message: Any) -> str:
-    """Return the encoding of an image's pixels, such as "16UC1" or "rgb8". Empty if it is not known."""
+    """Return the encoding of an image's pixels, such as "16UC1" or "rgb8". Empty if not known."""
     if hasattr(message, "encoding"):
         return str(message.encoding)
     first = str(message.format).partition(";")[0].strip()
@@ -54,7 +54,7 @@ def encoding_of(message: Any) -> str:
 
 
 def is_depth(message: Any) -> bool:
-    """Return whether an image message holds depth."""
+    """Return True if an image message holds depth."""
     packed = "compresseddepth" in str(getattr(message, "format", "")).lower()
     return packed or encoding_of(message) in DEPTH_ENCODINGS
 
@@ -88,7 +88,7 @@ def depth_of(message: Any, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def _rows(message: Any, kind: np.dtype[Any], channels: int) -> Image:
-    """Return the numbers of an Image (H, W * channels), without the padding of its rows."""
+    """Return the values of an Image (H, W * channels) without row padding."""
     height, width, data = int(message.height), int(message.width), _bytes(message)
     length = width * channels * kind.itemsize
     step = int(message.step) or length
@@ -105,7 +105,7 @@ def _rows(message: Any, kind: np.dtype[Any], channels: int) -> Image:
 
 
 def _compressed_depth(message: Any, max_pixels: int) -> Image:
-    """Return the depth of a CompressedImage: RVL, or a PNG with the header of compressedDepth or without."""
+    """Return the depth of a CompressedImage: RVL, or a PNG with or without the header of compressedDepth."""
     data, told = _bytes(message), str(message.format)
     if "rvl" in told.lower():
         stored: Image = unpacked_rvl(data, max_pixels)

@@ -1,4 +1,4 @@
-"""Topics of a bag: which hold colour, depth and CameraInfo."""
+"""Choice of a bag's topics for colour, depth and CameraInfo."""
 
 from __future__ import annotations
 
@@ -11,27 +11,28 @@ from spigolo.sources.options import Options
 IMAGE_TYPES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
 INFO_TYPE = "sensor_msgs/msg/CameraInfo"
 REGISTERED = ("aligned_depth_to_color", "depth_to_rgb", "depth_registered", "registered", "aligned")
-"""Parts of the names of depth topics that are registered to colour, best first."""
+"""Parts of topic names that mark depth as registered to colour, in order of preference."""
 COLOR_WORDS = ("color", "colour", "rgb")
 NOT_COLOR = ("depth", "infra", "/ir", "mask", "label", "overlay", "confidence", "left", "right", "fisheye", "disparity")
 
 
 @dataclass(frozen=True, slots=True)
 class Topics:
-    """The topics that make frames."""
+    """Topics that frames are read from."""
 
     color: str
     """Topic of the colour images."""
     depth: str
     """Topic of the depth images."""
     info: str | None
-    """Topic of the CameraInfo. None without one."""
+    """Topic of the CameraInfo, or None."""
 
 
 def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:
-    """Return the topics that were named, and the best guess for the others.
+    """Return the given topics, and the best guess for the others.
 
-    depth_of: whether an image topic holds depth, by topic. infos: topics of CameraInfo. Raises FileError.
+    depth_of: True for each image topic that holds depth, indexed by topic. infos: topics of CameraInfo. Raises
+    FileError.
     """
     colors = sorted((t for t, is_depth in depth_of.items() if not is_depth), key=_color_rank)
     depths = sorted((t for t, is_depth in depth_of.items() if is_depth), key=_depth_rank)
@@ -77,7 +78,7 @@ def _depth_rank(topic: str) -> tuple[bool, int, bool, str]:
 
 
 def _info_of(color: str, depth: str, infos: Sequence[str]) -> str | None:
-    """Return the CameraInfo that shares the longest beginning with the colour topic, else with the depth topic."""
+    """Return the CameraInfo topic with the longest common prefix with the colour topic, else with the depth topic."""
     for topic in (color, depth):
         best = max(infos, key=lambda info: len(_shared(info, topic)), default=None)
         if best is not None and len(_shared(best, topic)) >= min(2, topic.count("/") - 1):

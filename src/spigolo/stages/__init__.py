@@ -1,1 +1,3 @@
-"""The paper, equations 2 to 23, and nothing else. A stage takes arrays and values and returns them."""
+"""Stages of the paper, equations 2 to 23, without additions. Each stage takes arrays and parameters and returns
+them.
+"""

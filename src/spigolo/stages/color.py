@@ -1,4 +1,4 @@
-"""Colour as points whose distances are colour differences (eq. 4)."""
+"""Conversion of colour to points whose Euclidean distances are colour differences (eq. 4)."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Points = npt.NDArray[np.float32]
 
 @stage("colour")
 def color_points(image: frame.Color, config: ColorConfig) -> Points:
-    """Points (3, H, W) of the HSV cone of an RGB image (H, W, 3), smoothed before the conversion.
+    """Return the points (3, H, W) of an RGB image (H, W, 3) in the HSV cone, smoothed before the conversion.
 
-    The Euclidean distance of two points, clipped at 1, is eq. 4: hue wraps and grey has none without special cases.
-    Smoothing comes first because a mean of hues on both sides of 0 degrees means nothing.
+    The Euclidean distance of two points, clipped at 1, is eq. 4. Hue wraps around and grey has no hue, both without
+    special cases. Smoothing comes first, as a mean of hues on both sides of 0 degrees has no meaning.
     """
     rgb = image.astype(np.float32)
     if config.sigma_px > 0:

@@ -1,6 +1,6 @@
-"""The cost functions: each names the cue that it reads and the kernel that weighs a plane of edges (eqs. 22, 23).
+"""Cost functions. Each names the cue that it reads and the kernel that computes a plane of edge weights (eqs. 22, 23).
 
-To add one: write its numbers as a model in `settings.paper`, its kernel in `kernels.costs`, and its entry in COSTS.
+To add one, write its parameters as a model in `settings.paper`, its kernel in `kernels.costs`, and its entry in COSTS.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from spigolo.kernels import costs as kernel
 from spigolo.settings.paper import AutoCost, BoundaryCost, Cost, SaliencyCost
 
 PixelCost = SaliencyCost | BoundaryCost
-"""A cost function that weighs a frame, AutoCost resolved."""
+"""Cost function of a single frame. AutoCost is already resolved to one of these."""
 
 Reads = Literal["saliency", "boundary"]
 
 
 @dataclass(frozen=True, slots=True)
 class CostFunction:
-    """A cost function as the graph needs it."""
+    """Description of a cost function for the graph."""
 
     reads: Reads
-    """The cue of single pixels that it reads next to colour and depth."""
+    """Name of the cue that it reads in addition to colour and depth."""
     plane: Callable[..., None]
-    """The kernel (color, depth, cue, scale, noise, *weights, ends, dy, dx, out) that weighs a plane of edges."""
+    """Kernel (color, depth, cue, scale, noise, *weights, ends, dy, dx, out) that computes a plane of edge weights."""
     weights: Callable[[Any], tuple[float, ...]]
-    """The numbers of its model, in the kernel's order."""
+    """Function that returns the weights of a cost model, in the kernel's order."""
 
 
 COSTS: Mapping[type, CostFunction] = {
@@ -37,17 +37,17 @@ COSTS: Mapping[type, CostFunction] = {
 
 
 def reads(cost: PixelCost, cue: Reads) -> bool:
-    """Return whether a cost function reads a cue."""
+    """Return True if a cost function reads the cue."""
     return COSTS[type(cost)].reads == cue
 
 
 def possible_costs(cost: Cost) -> tuple[PixelCost, ...]:
-    """Return the cost functions that a frame may be weighed by."""
+    """Return the cost functions that may be used for a frame."""
     return (cost.full, cost.shadows) if isinstance(cost, AutoCost) else (cost,)
 
 
 def choose_cost(cost: Cost, missing: float | None) -> PixelCost:
-    """Return the cost function of a frame whose share `missing` lacks depth within the working range."""
+    """Return the cost function for a frame. missing: share of missing depth within the working range."""
     if not isinstance(cost, AutoCost):
         return cost
     return cost.full if missing is not None and missing <= cost.max_missing else cost.shadows

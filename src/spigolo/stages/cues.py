@@ -1,6 +1,6 @@
-"""The cues of every pixel next to its colour: depth, and saliency or boundary (eqs. 11, 21).
+"""Cues of every pixel in addition to its colour: depth, and saliency or boundary (eqs. 11, 21).
 
-The cost function decides which cues are computed: the first one reads saliency, the second one the boundary.
+The cost function decides which cues are computed. The first cost function reads saliency, the second one the boundary.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from spigolo.stages.saliency import saliency_cue
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weighing:
-    """The choice of cost function for a frame, with its gamma."""
+    """Cost function and gamma that were chosen for a frame."""
 
     cost: PixelCost
-    """The cost function, AutoCost resolved."""
+    """Cost function, with AutoCost resolved."""
     missing: float | None
     """Share of the frame without depth within the working range. None without AutoCost."""
     gamma: float
-    """Threshold of eq. 3 that goes with the cost function."""
+    """Threshold gamma of eq. 3 for this cost function."""
 
     @property
     def reads_boundary(self) -> bool:
@@ -39,10 +39,10 @@ class Weighing:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cues:
-    """The cues that the graph is weighed by."""
+    """Cues from which the edge weights are computed."""
 
     depth: DepthMap
-    """D_s (H, W) float32: smoothed depth in metres, 0 where missing."""
+    """Smoothed depth D_s (H, W) float32 in metres, 0 where missing."""
     saliency: npt.NDArray[np.float32] | None
     """Power-law saliency (H, W) in [0, 1]. None if the cost function does not read it."""
     boundary: npt.NDArray[np.float32] | None
@@ -50,19 +50,19 @@ class Cues:
 
     @property
     def delta_sal(self) -> npt.NDArray[np.float32]:
-        """Eq. 11. delta_sal (H, W): the power-law saliency of each pixel."""
+        """Eq. 11. Return delta_sal (H, W), the power-law saliency of each pixel."""
         assert self.saliency is not None
         return self.saliency
 
     @property
     def delta_bound(self) -> npt.NDArray[np.float32]:
-        """Eq. 21. delta_bound (H, W): the boundary map at each pixel."""
+        """Eq. 21. Return delta_bound (H, W), the boundary value of each pixel."""
         assert self.boundary is not None
         return self.boundary
 
 
 def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
-    """Choose the cost function of a frame with prepared depth (H, W), and gamma with it (section III-E)."""
+    """Choose the cost function and gamma for a frame with prepared depth (H, W) (section III-E)."""
     missing = missing_share(depth, config.rejection.max_distance_m) if isinstance(config.cost, AutoCost) else None
     cost, gamma = choose_cost(config.cost, missing), config.partition.gamma
     if config.partition.gamma_shadows is not None and not reads(cost, "boundary"):
@@ -72,7 +72,7 @@ def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
 
 @stage("cues")
 def gather_cues(image: Color, depth: DepthMap, lines: Mask | None, weighing: Weighing, config: Config) -> Cues:
-    """Compute the cues that the cost function of a frame reads.
+    """Compute the cues that the frame's cost function reads.
 
     image: (H, W, 3) RGB. depth: (H, W) prepared, in metres. lines: (H, W), the lines of E_F, for a cost function that
     reads the boundary.

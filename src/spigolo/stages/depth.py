@@ -1,7 +1,7 @@
-"""Depth before it is compared: smoothing that respects shadows (eqs. 5-8) and in-painting of small gaps.
+"""Preparation of depth: in-painting of small gaps and smoothing that respects shadows (eqs. 5-8).
 
-In-painting comes first. A depth map with a grid of sampling holes has no window to average over before the holes are
-closed. Large shadows stay 0 in both.
+In-painting comes first. In a depth map with a grid of sampling holes, no smoothing window exists before the holes are
+closed. Neither step fills large shadows, which stay 0.
 """
 
 from __future__ import annotations
@@ -22,21 +22,22 @@ Integral = npt.NDArray[np.float64]
 
 @stage("depth")
 def prepare_depth(depth: DepthMap, config: DepthConfig) -> DepthMap:
-    """D_s (H, W): the depth that all cues are taken from, in metres, 0 if it is still missing."""
+    """Return D_s (H, W), the prepared depth for all cues, in metres. 0 where it is still missing."""
     if config.inpainting is not None:
         depth = inpaint_small_gaps(depth, config.inpainting)
     return depth if config.smoothing.mean == "none" else smooth(depth, config.smoothing)
 
 
 def missing_mask(depth: DepthMap) -> Mask:
-    """Eq. 6. B_D (H, W): True where depth is 0."""
+    """Eq. 6. Return B_D (H, W), True where depth is 0."""
     return np.asarray(depth == 0)
 
 
 def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[np.int32], Mask]:
-    """S (H, W) of Holzer et al.: the smoothing radius of each pixel in pixels, and the depth-change map C (H, W).
+    """Return S (H, W) of Holzer et al., the smoothing radius of each pixel in pixels, and the depth-change map C (H,
+    W).
 
-    Radii grow with the depth error alpha d^2 and shrink towards depth steps, missing pixels and the image border.
+    Radii grow with the depth error alpha d^2 and shrink near depth steps, missing pixels and the image border.
     """
     smooth_here = np.empty(depth.shape, np.uint8)
     smoothing.mark_steps(depth, config.error_per_m, config.step_factor, smooth_here)
@@ -49,7 +50,7 @@ def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[
 
 
 def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-    """Eq. 7. gamma_0 (H, W): pixels of `mask` in the window of each pixel."""
+    """Eq. 7. Return gamma_0 (H, W), the number of pixels of `mask` in the window of each pixel."""
     out = np.empty(mask.shape, np.int32)
     smoothing.count_boxes(_count_integral(mask), radius, out)
     return out
@@ -57,9 +58,10 @@ def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.i
 
 @stage("depth: smoothing")
 def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
-    """Eqs. 5 and 8. Mean over each pixel's window, of its valid pixels or (`plain`) of all with missing ones as zeros.
+    """Eqs. 5 and 8. Return the mean over each pixel's window.
 
-    Both read the window as the (2r+1)^2 pixels that the printed divisor counts. A missing pixel stays missing.
+    The mean is over valid pixels, or with `plain` over all pixels with missing ones as zeros. In both cases the window
+    has (2r+1)^2 pixels, as the printed divisor implies. A missing pixel stays missing.
     """
     radius, steps = smoothing_area_map(depth, config)
     if config.mean == "plain":
@@ -73,20 +75,22 @@ def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
 
 
 def _integral(image: DepthMap) -> Integral:
-    """Integral image (H+1, W+1) in float64: in float32 a mean over a few pixels would be off by centimetres."""
+    """Return the integral image (H+1, W+1) in float64. In float32 a mean over a few pixels would be off by
+    centimetres.
+    """
     return np.asarray(cv2.integral(image, sdepth=cv2.CV_64F), np.float64)
 
 
 def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
-    """Integral image (H+1, W+1) of a mask: how many of its pixels lie above and left."""
+    """Return the integral image (H+1, W+1) of a mask: the number of its pixels above and to the left."""
     return np.asarray(cv2.integral(mask.view(np.uint8), sdepth=cv2.CV_32S), np.int32)
 
 
 @stage("depth: in-painting")
 def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
-    """Close sampling holes, then fills the gaps that are small, away from the image border, and no shadow.
+    """Close sampling holes, then fill small gaps that do not touch the image border and are not shadows.
 
-    config: sized for the image (`Settings.at_size`). A gap whose rim spans a depth step gets the far value, as a shadow
+    config: sized for the image (`Settings.at_size`). A gap whose rim spans a depth step gets the far depth, as a shadow
     belongs to the background.
     """
     depth = depth.copy()
@@ -105,20 +109,20 @@ def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
 
 
 def sampling_holes(missing: Mask) -> Mask:
-    """Missing pixels (H, W) that no 3x3 window of missing pixels holds: holes of one or two pixels' width."""
+    """Return the missing pixels (H, W) that no fully missing 3x3 window covers: holes one or two pixels wide."""
     wide = cv2.morphologyEx(missing.view(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     return np.asarray(missing & (wide == 0))
 
 
 def _close(depth: DepthMap, holes: npt.NDArray[np.int64], layers: int, config: Inpainting) -> None:
-    """Close holes, given by the numbers of their pixels, from their rim inwards, one layer of pixels a time."""
+    """Close holes, given by pixel indices, from their rim inwards, one layer of pixels at a time."""
     values = np.empty(holes.size, np.float32)
     for _ in range(layers):
         inpainting.close_holes(depth, holes, config.step_m, config.step_share, values)
 
 
 def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.float32]:
-    """Distance (H, W) in pixels to the nearest zero of a mask, at most `cap`."""
+    """Return the distance (H, W) in pixels to the nearest zero of a mask, at most `cap`."""
     out = np.empty(mask.shape, np.float32)
     smoothing.distance_to_zero(mask.view(np.uint8), cap, np.empty(mask.shape, np.int16), out)
     return out
@@ -126,10 +130,11 @@ def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.fl
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gaps:
-    """The 8-connected components of missing pixels.
+    """8-connected components of missing pixels.
 
-    runs (N, 3): row, first column and last column + 1 of every run of missing pixels. gap_of_run (N,): its gap. For
-    each gap: area_px, nearest near_m and farthest far_m valid depth of its rim (0 if the rim has none), on_border.
+    runs (N, 3): row, first column and last column + 1 of every run of missing pixels. gap_of_run (N,): gap of each run.
+    Values for each gap: area_px, near_m and far_m (nearest and farthest valid depth of its rim, 0 without any),
+    on_border.
     """
 
     width: int
@@ -145,11 +150,11 @@ class Gaps:
 
     @property
     def lengths(self) -> npt.NDArray[np.int64]:
-        """Pixels of every run (N,)."""
+        """Return the number of pixels of each run (N,)."""
         return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
 
     def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:
-        """Numbers y * width + x of the pixels of the wanted runs (N,), run by run."""
+        """Return the indices y * width + x of the pixels of the wanted runs (N,), run by run."""
         row, first, _ = self.runs[wanted].astype(np.int64).T
         length = self.lengths[wanted]
         before = np.cumsum(length) - length
@@ -157,7 +162,7 @@ class Gaps:
 
 
 def find_gaps(depth: DepthMap) -> Gaps:
-    """The gaps of a depth map (H, W)."""
+    """Return the gaps of a depth map (H, W)."""
     height, width = depth.shape
     runs = np.empty((height * (width // 2 + 1), 3), np.int32)
     runs = runs[: inpainting.find_runs(depth, runs)]
@@ -171,10 +176,10 @@ def find_gaps(depth: DepthMap) -> Gaps:
 
 
 def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
-    """Share of the frame that lacks depth inside the working range.
+    """Return the share of the frame without depth inside the working range.
 
-    Holes that touch the image border are left out (cropped away, or outside the depth camera's view), and holes whose
-    whole rim lies beyond `max_distance_m`.
+    Two kinds of holes do not count. Holes at the image border are cropped or outside the depth camera's view. The other
+    kind has its whole rim beyond `max_distance_m`.
     """
     gaps = find_gaps(depth)
     counted = ~gaps.on_border & (gaps.far_m > 0)

@@ -1,7 +1,7 @@
 """Image edges that are object boundaries (eqs. 12-20).
 
-A Canny edge is a boundary if depth steps next to it (depth boundary) or if an object stands on something there (contact
-boundary). Prints and the ridges of an object are neither.
+A Canny edge is a depth boundary if depth changes by a step across the edge. A Canny edge is a contact boundary if an
+object stands on its support there. Edges of prints and the ridges of an object are internal and are removed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from spigolo.kernels import edges as kernel
 from spigolo.settings.paper import EdgesConfig
 
 NO_ANGLE_DEG = 360.0
-"""A low threshold that no angle reaches: without intrinsics there are depth steps but no angles."""
+"""Low threshold that no contact angle reaches. This value is used without intrinsics, where angles cannot be
+computed.
+"""
 
 SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
 
@@ -28,30 +30,30 @@ Gradient = npt.NDArray[np.int16]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeMaps:
-    """The edge maps of a frame, each (H, W) bool."""
+    """Edge maps of a frame, each (H, W) bool."""
 
     canny: Mask
-    """E_E: every edge of the colour image."""
+    """E_E: all Canny edges of the colour image."""
     depth_boundary: Mask
-    """E_B: edges with a depth step (eq. 13)."""
+    """E_B: Canny edges with a depth step (eq. 13)."""
     contact_boundary: Mask
-    """E_C: edges where an object touches what it stands on (eq. 18)."""
+    """E_C: Canny edges where an object touches its support (eq. 18)."""
     final: Mask
-    """E_F: the union of both boundary maps (eq. 20)."""
+    """E_F: union of E_B and E_C (eq. 20)."""
 
 
 @stage("edges")
 def find_edges(image: Color, depth: DepthMap, camera: Camera | None, config: EdgesConfig) -> EdgeMaps:
-    """Find all edge maps of an RGB image (H, W, 3) with its depth (H, W) in metres."""
+    """Compute all edge maps of an RGB image (H, W, 3) with depth (H, W) in metres."""
     canny, gx, gy = scharr_canny(image, config)
     depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
     return EdgeMaps(canny, depth_boundary, contact, final_boundary(depth_boundary, contact))
 
 
 def scharr_canny(image: Color, config: EdgesConfig) -> tuple[Mask, Gradient, Gradient]:
-    """Return E_E (H, W) and the Scharr gradients along x and y that it was found on.
+    """Return E_E (H, W) and the Scharr gradients along x and y from which it was computed.
 
-    Thresholds are shares of the frame's largest gradient, with a floor that keeps noise out of plain frames.
+    Thresholds are shares of the frame's largest gradient. A minimum threshold suppresses noise in plain frames.
     """
     gray = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (5, 5), 0)
     gx = np.asarray(cv2.Scharr(gray, cv2.CV_16S, 1, 0), np.int16)
@@ -65,7 +67,7 @@ def scharr_canny(image: Color, config: EdgesConfig) -> tuple[Mask, Gradient, Gra
 def classify(
     canny: Mask, gx: Gradient, gy: Gradient, depth: DepthMap, camera: Camera | None, config: EdgesConfig
 ) -> tuple[Mask, Mask]:
-    """Return the depth boundary E_B and the contact boundary E_C, both (H, W), of every pixel of `canny`."""
+    """Return the depth boundary E_B and the contact boundary E_C, both (H, W), from the pixels of `canny`."""
     depth_boundary, contact = np.zeros(canny.shape, np.uint8), np.zeros(canny.shape, np.uint8)
     kernel.classify_edges(
         canny.view(np.uint8),
@@ -98,7 +100,7 @@ def boundary_cue(lines: Mask, config: EdgesConfig) -> npt.NDArray[np.float32]:
 
 
 def soften(lines: Mask, blur_px: int) -> npt.NDArray[np.float32]:
-    """Blur a map by a Gaussian and rescale it to a maximum of 1. A thin line would leak between diagonals."""
+    """Blur a map by a Gaussian and rescale it to a maximum of 1. Regions would leak through diagonals of thin lines."""
     blurred = np.asarray(cv2.GaussianBlur(lines.astype(np.float32), (blur_px, blur_px), 0), np.float32)
     largest = blurred.max(initial=0)
     return blurred / largest if largest > 0 else blurred

@@ -1,7 +1,7 @@
-"""The pixel grid and its weights (eqs. 4, 9, 22, 23).
+"""Pixel grid and its edge weights (eqs. 4, 9, 22, 23).
 
-Edges are kept as planes: plane p holds, at (y, x), the weight from that pixel to the one at OFFSETS[p]. Edges are
-numbered plane by plane, rows first. Edges that leave the image weigh +inf.
+Edges are stored as planes. Plane p holds at (y, x) the weight from that pixel to its neighbour at OFFSETS[p]. Edges are
+numbered plane by plane, rows first. Edges that leave the image have the weight +inf.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from spigolo.stages.costs import COSTS, PixelCost
 from spigolo.stages.cues import Cues
 
 OFFSETS = ((0, 1), (1, 0), (1, 1), (-1, 1))
-"""(dy, dx) of the planes: right, down, down-right, up-right. A 4-connected grid has the first two."""
+"""Offsets (dy, dx) of the planes: right, down, down-right, up-right. A 4-connected grid has only the first two."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Graph:
-    """The weighed pixel grid of a frame."""
+    """Weighted pixel grid of a frame."""
 
     weights: npt.NDArray[np.float32]
-    """(P, H, W): P = 2 planes for a 4-connected grid, 4 for an 8-connected one. Smaller weights: more alike."""
+    """Weights (P, H, W), with P = 2 planes for a 4-connected grid and 4 for an 8-connected one. Smaller: more alike."""
 
 
 @stage("weights")
 def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_m: float = 0.0) -> Graph:
-    """Weigh the graph of a frame by a cost function.
+    """Compute the weighted graph of a frame with a cost function.
 
-    color: the points of eq. 4, (3, H, W). noise_per_m: depth differences up to this times the squared distance count
-    as none, 1/m (our addition, 0 in the paper).
+    color: points of eq. 4, (3, H, W). noise_per_m: depth differences up to this value times the squared distance count
+    as zero, 1/m (our addition, 0 in the paper).
     """
     weights = np.empty((config.partition.connectivity // 2, *cues.depth.shape), np.float32)
     scale = depth_scale(cues.depth, config.depth.depth_range)
@@ -50,7 +50,7 @@ def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_
 
 
 def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
-    """Return 1 / range for equation 9, from a frame's valid depths or from a fixed range in metres. 0 if all depths are
+    """Return 1 / range for eq. 9, from the frame's valid depths or from a fixed range in metres. 0 if all depths are
     equal.
     """
     if depth_range is not None:

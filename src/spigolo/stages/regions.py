@@ -15,37 +15,39 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.3, 0.6)
-"""Quantiles of the positive weights at which rounds begin and end. Measured to be best: fewer rounds sort more, more
-rounds look at every edge once more.
+"""Quantiles of the positive weights that separate the rounds of merging. Measured: fewer rounds sort more edges, and
+more rounds read every edge more often.
 """
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""With so many edges of weight 0 there are large regions from the start, which refuse early."""
+"""Share of zero weights above which large regions exist from the start. Such regions refuse merges early."""
 ONE, BOTH = 1, 2
-"""Numbers of ends of an edge that must carry a flag."""
+"""Minimum numbers of flagged ends of an edge."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Regions:
-    """labels (H, W) int32: every pixel belongs to one of the regions 0..count-1, numbered by their first pixel."""
+    """Partition of an image. labels (H, W) int32: region 0..count-1 of each pixel, numbered by first pixel."""
 
     labels: npt.NDArray[np.int32]
     count: int
 
     def count_where(self, mask: Mask) -> npt.NDArray[np.int64]:
-        """Pixels of each region (R,) where a mask (H, W) holds."""
+        """Return the number of pixels of each region (R,) where a mask (H, W) is True."""
         counts = np.zeros(self.count, np.int64)
         moments.count_marked(self.labels, mask.view(np.uint8), counts)
         return counts
 
     def spread(self, of_region: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-        """A number of each region (R,) at each of its pixels (H, W)."""
+        """Return an image (H, W) with the value (R,) of each pixel's region."""
         out = np.empty_like(self.labels)
         moments.spread(of_region, self.labels, out)
         return out
 
     def joined(self, root: npt.NDArray[np.int64]) -> Regions:
-        """Return the regions with those of one root (R,), the first of its regions, as one region, numbered anew."""
+        """Return the regions after joining all regions with the same root (R,), numbered anew. The root is their first
+        region.
+        """
         kept, number = np.unique(root, return_inverse=True)
         return Regions(self.spread(number.astype(np.int32)), kept.size)
 
@@ -55,8 +57,8 @@ def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: W
     """Merge pixels over their edges in the order of (float32 weight, edge number), then join small regions.
 
     gamma: threshold of eq. 3. min_size_px: smaller regions join a neighbour, in pixels of this image. I(R) of eq. 2 is
-    the largest weight in the minimum spanning tree of R, as the cited algorithm computes it. Weights must not be
-    negative or NaN. Edges of +inf do not exist.
+    the largest weight in the minimum spanning tree of R, as computed by the cited algorithm. Weights must not be
+    negative or NaN. Edges of weight +inf are ignored.
     """
     planes, height, width = graph.weights.shape
     workspace = Workspace() if workspace is None else workspace
@@ -70,7 +72,7 @@ def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: W
 
 
 class SortedEdges:
-    """The edges of a graph, and room to sort as many as there are pixels."""
+    """Edges of a graph, with a buffer to sort as many edges as there are pixels."""
 
     def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64], workspace: Workspace) -> None:
         self.weights = np.ascontiguousarray(weights).reshape(len(weights), -1)
@@ -82,24 +84,25 @@ class SortedEdges:
         self._sample = sample[np.isfinite(sample)]
 
     def pivots(self) -> list[float]:
-        """Return the weights at which the rounds of merging begin and end: two quantiles of a sample. Each round then
-        sorts only what it needs.
+        """Return the weights that separate the rounds of merging, two quantiles of a sample. Each round sorts only the
+        edges that it needs.
         """
         positive = np.sort(self._sample[self._sample > 0])
         inner = [float(positive[int(q * positive.size)]) for q in PIVOT_QUANTILES] if positive.size else []
         return [0.0, *sorted(set(inner)), np.inf]
 
     def weightless_share(self) -> float:
-        """Share of the edges that weigh nothing."""
+        """Return the share of edges with weight 0."""
         return float(np.mean(self._sample == 0)) if self._sample.size else 0.0
 
     def sort(
         self, low: float, high: float, forest: Forest, least: int, detours: bool = True
     ) -> tuple[npt.NDArray[np.uint64], float]:
-        """Return the packed edges with `least` flagged ends or more and weights from `low` to below `high`, in order.
+        """Return the packed edges with at least `least` flagged ends and weights from `low` to below `high`, sorted.
 
-        If there is no room for all, stop below a smaller weight. That weight is returned with them. detours: True to
-        include edges that come last of a triangle or a square.
+        If the buffer is too small for all of them, stop below a smaller weight, which is returned too.
+
+        detours: True to include the last edge of each triangle or square.
         """
         width = self.offsets[1]
         while True:
@@ -111,13 +114,13 @@ class SortedEdges:
             if count >= 0:
                 break
             high = self._make_room(low, high)
-        if least == BOTH and low > 0:  # a small region is never final
+        if least == BOTH and low > 0:  # not in absorb_small, whose regions are never final
             count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
 
     def _make_room(self, low: float, high: float) -> float:
-        """Return a weight below `high` to stop at, halfway to `low`. If there is none, return `high` and allocate more
-        memory.
+        """Return a weight halfway between `low` and `high` to stop at. If there is none, return `high` and allocate
+        more memory.
         """
         between = np.sort(self._sample[(self._sample > low) & (self._sample < high)])
         if between.size:
@@ -126,7 +129,7 @@ class SortedEdges:
         return high
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
-        """As many stable passes as the weights' range asks for: heavier rounds span few powers of two."""
+        """Return the sorted edges, with only as many stable passes as the range of weights requires."""
         width = max(((int(edges.max()) >> merging.HALF_BITS) - base).bit_length(), 1)
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)
@@ -140,7 +143,7 @@ class SortedEdges:
 
 
 class Forest:
-    """Disjoint-set forest over the pixels: every tree is a region."""
+    """Disjoint-set forest over the pixels. Every tree is a region."""
 
     def __init__(self, pixels: int, gamma: float, workspace: Workspace) -> None:
         self.gamma = gamma
@@ -150,8 +153,8 @@ class Forest:
         self._workspace = workspace
 
     def merge(self, edges: SortedEdges) -> None:
-        """Eqs. 2, 3. Merge in rounds of heavier and heavier edges. Between rounds, edges that can no longer join
-        anything are dropped.
+        """Eqs. 2, 3. Merge in rounds of increasing weights. After each round, edges that can no longer join anything
+        are dropped.
         """
         merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
         low, *pivots = edges.pivots()
@@ -164,10 +167,10 @@ class Forest:
                 self._merge(lightest, edges, stop=False)
 
     def _merge_freely(self, edges: SortedEdges, high: float) -> float:
-        """Merge over the edges below `high` up to the first that is refused. Return the weight that was reached.
+        """Merge over the edges below `high` until a merge is refused. Return the weight that was reached.
 
-        Until then, all that edges connect is one region. So an edge between two pixels that lighter edges connect does
-        nothing.
+        Until then, all connected pixels are one region. An edge between two pixels that lighter edges connect has no
+        effect.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)
@@ -177,7 +180,7 @@ class Forest:
         return int(merging.merge(some, edges.steps, self.gamma, stop, self.parent, self.records))
 
     def absorb_small(self, edges: SortedEdges, min_size: float) -> None:
-        """Join regions below min_size pixels to the neighbour over their lightest edge."""
+        """Join each region below min_size pixels to the neighbour across its lightest edge."""
         low = 0.0
         while low < np.inf:
             choosing.flag_small(min_size, self.parent, self.records, self.flags)
@@ -185,9 +188,9 @@ class Forest:
             merging.absorb_small(lightest, edges.steps, min_size, self.parent, self.records)
 
     def labels(self) -> tuple[npt.NDArray[np.int32], int]:
-        """Region of each pixel (H W,), 0..R-1 by first pixel, and R."""
+        """Return the region 0..R-1 of each pixel (H W,), numbered by first pixel, and R."""
         labels = np.empty(self.parent.size, np.int32)
-        number = self._workspace.array("edges", labels.size, np.uint32)  # the edges have done their work
+        number = self._workspace.array("edges", labels.size, np.uint32)  # the buffer of the edges is free now
         return labels, int(merging.number_regions(self.parent, number, labels))
 
 

@@ -1,6 +1,6 @@
 """Visual saliency and its power law (eq. 10).
 
-Montabone & Soto 2010: a pixel is compared with the mean of square surrounds of several sizes. Brighter and darker
+Each pixel is compared with the mean of square surrounds of several sizes (Montabone & Soto 2010). Brighter and darker
 differences are kept apart. All means come from one integral image at full resolution.
 """
 
@@ -28,7 +28,7 @@ def fine_grained_saliency(image: Color, config: SaliencyConfig) -> Map:
 
 
 def _levels(image: Color, config: SaliencyConfig) -> npt.NDArray[np.uint8]:
-    """V_S (H, W) in 0..255."""
+    """Return V_S (H, W) in 0..255."""
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     for _ in range(2):
         gray = cv2.GaussianBlur(gray, (3, 3), 0)
@@ -47,9 +47,9 @@ def power_law(saliency: Map, power: float) -> Map:
 
 @stage("saliency")
 def saliency_cue(image: Color, config: SaliencyConfig) -> Map:
-    """The saliency of every pixel (H, W) in [0, 1], as the first cost function takes it."""
+    """Return the saliency (H, W) in [0, 1] of every pixel for the first cost function."""
     levels = _levels(image, config)
     present = SHARES[: int(levels.max(initial=0)) + 1]
     table = np.zeros_like(SHARES)
-    table[: present.size] = power_law(present, config.power)  # 256 powers in place of one a pixel
+    table[: present.size] = power_law(present, config.power)  # 256 powers instead of one per pixel
     return np.asarray(cv2.LUT(levels, table), np.float32)

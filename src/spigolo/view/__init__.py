@@ -1,1 +1,1 @@
-"""What people would rather look at than read."""
+"""Pictures, charts and viewers of results."""

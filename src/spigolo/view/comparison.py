@@ -1,4 +1,4 @@
-"""Several methods on one frame, as the paper's last figure has them."""
+"""Comparison of several methods on one frame, as in the paper's last figure."""
 
 from __future__ import annotations
 
@@ -10,9 +10,10 @@ from spigolo.view.overlay import region_picture, tile
 
 
 def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], ours: str) -> Color:
-    """The frame, each method's regions with its objects and time, and ours with its objects highlighted.
+    """Draw the frame, the regions of each method with its object count and time, and our objects highlighted.
 
-    answers: of each method by name, its answer and its seconds. ours: the name whose objects are highlighted.
+    answers: result and seconds of each method, indexed by method name. ours: name of the method whose objects are
+    highlighted.
     """
     pictures = {"colour": frame.color}
     for name, (answer, seconds) in answers.items():

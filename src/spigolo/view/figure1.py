@@ -1,4 +1,4 @@
-"""The paper's Figure 1: what each stage made of a frame, in seven panels."""
+"""The paper's Figure 1: the result of each stage for one frame, in seven panels."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ Array = npt.NDArray[np.generic]
 
 
 def figure1(trace: Trace) -> Color:
-    """(a) colour, (b) depth, (c) smoothed and in-painted depth, (d) weights, (e) regions, (f) objects, (g) cut out."""
+    """Draw (a) colour, (b) depth, (c) smoothed depth, (d) weights, (e) regions, (f) objects, (g) objects cut out.
+
+    The depth of (c) is also in-painted.
+    """
     frame, result = trace.frame, trace.segmentation
     return tile(
         {
@@ -34,7 +37,9 @@ def figure1(trace: Trace) -> Color:
 
 
 def weight_picture(weights: npt.NDArray[np.float32]) -> Color:
-    """The largest weight of each pixel's edges (P, H, W) in colours, on a square-root scale; blue = alike."""
+    """Draw the largest weight of each pixel's edges (P, H, W) in colours, on a square-root scale. Blue is a small
+    weight.
+    """
     largest = np.where(np.isinf(weights), 0, weights).max(axis=0)
     strong = max(float(np.percentile(largest, 99)), 1e-12)
     level = np.sqrt(np.clip(largest / strong, 0, 1))
@@ -44,7 +49,7 @@ def weight_picture(weights: npt.NDArray[np.float32]) -> Color:
 
 
 def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
-    """The objects in their own colours on white, each with an outline."""
+    """Draw the objects in their own colours on white, each with an outline."""
     picture = np.where((labels > 0)[..., None], color, np.uint8(255)).astype(np.uint8)
     for k, tint in enumerate(palette(int(labels.max(initial=0))), start=1):
         outlines, _ = cv2.findContours((labels == k).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -53,7 +58,7 @@ def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
 
 
 def stages(trace: Trace) -> dict[str, Array]:
-    """Every stage's array by name, as `spigolo trace --stages` writes them."""
+    """Return the array of every stage, indexed by name, as `spigolo trace --stages` writes them."""
     cues = trace.cues
     halved = cues.depth.shape != trace.frame.shape
     frame = halve_frame(trace.frame) if halved else trace.frame

@@ -21,21 +21,22 @@ from spigolo.stages.saliency import fine_grained_saliency, power_law
 from spigolo.view.overlay import depth_picture, tile
 
 Window = tuple[int, int, int, int]
-"""(y0, x0, y1, x1), the last two exclusive."""
+"""Image window (y0, x0, y1, x1). The last two are exclusive."""
 
 MISSING_BLUE = (0, 0, 110)
 DETAIL_SHARE = 5
-"""A detail is a fifth of the image high and wide."""
+"""Ratio of image size to detail size: a detail is a fifth of the image high and wide."""
 TURN_DEG = 55.0
-"""How far to the side a cloud is looked at from."""
+"""Angle by which a point cloud is turned to the side for its picture, degrees."""
 CURVED = 2
-"""How many objects Figure 4 looks at closely."""
+"""Number of objects that Figure 4 shows enlarged."""
 
 
 def figure2(frame: Frame, config: Config = TABLE) -> Color:
-    """Original smoothing (eq. 5, missing pixels as zeros) left, the paper's (eq. 8) right, where depth is missing.
+    """Draw the original smoothing (eq. 5) on the left and that of the paper (eq. 8) on the right, at missing depth.
 
-    Rows: depth; the cloud around the detail, seen from the side; the detail where both differ most.
+    Eq. 5 counts missing pixels as zeros. Rows: the depth map, the point cloud around the detail seen from the side, and
+    the detail where both differ most.
     """
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")
@@ -54,7 +55,7 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure3(frame: Frame, config: Config = SHELF) -> Color:
-    """The saliency map as it comes, and after the power law (eq. 10)."""
+    """Draw the saliency map before and after applying the power law (eq. 10)."""
     config = config.at_size(frame.shape)
     saliency = fine_grained_saliency(frame.color, config.saliency)
     pictures = {
@@ -66,9 +67,9 @@ def figure3(frame: Frame, config: Config = SHELF) -> Color:
 
 
 def figure4(frame: Frame, config: Config = TABLE) -> Color:
-    """Final edges with and without internal boundaries, and Canny's edges next to the final ones on two objects.
+    """Draw the final edges with and without internal boundaries, and Canny edges next to final edges on two objects.
 
-    The objects are those with the most Canny edges that are no boundary: prints and curved surfaces.
+    The two objects are those with the most Canny edges that are not boundaries: prints and curved surfaces.
     """
     config = config.at_size(frame.shape)
     with_internal = config.edges.replace(sign_rule="none")
@@ -86,7 +87,10 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
-    """Segmented objects highlighted, a picture for each frame, by name. All frames have the size of the first."""
+    """Draw the segmented objects highlighted, one picture per frame. All pictures have the size of the first frame.
+
+    results: frame and result, indexed by the title of the picture.
+    """
     shape = next(iter(results.values()))[0].shape
     pictures = {
         f"{name}: {len(result)} objects": _enlarge(result.overlay(), shape) for name, (frame, result) in results.items()
@@ -95,7 +99,7 @@ def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
 
 
 def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> Color:
-    """The points of a window (y0, x0, y1, x1) of a depth map, turned to the side about their middle, on white."""
+    """Draw the points in a window (y0, x0, y1, x1) of a depth map on white, turned to the side about their centre."""
     y0, x0, y1, x1 = window
     inside = np.zeros(depth.shape, bool)
     inside[y0:y1, x0:x1] = True
@@ -123,7 +127,7 @@ def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> 
 
 
 def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Window:
-    """The window in which a map (H, W) is largest on average."""
+    """Return the window in which the mean of a map (H, W) is largest."""
     height, width = max(shape[0] // DETAIL_SHARE, 1), max(shape[1] // DETAIL_SHARE, 1)
     means = cv2.blur(np.minimum(difference, 0.05), (width, height))
     y, x = np.unravel_index(int(means.argmax()), means.shape)
@@ -132,14 +136,14 @@ def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Wind
 
 
 def _around(window: Window, factor: float, shape: tuple[int, int]) -> Window:
-    """The window grown about its middle, cut to the image."""
+    """Return the window enlarged about its centre and clipped to the image."""
     y0, x0, y1, x1 = window
     grow_y, grow_x = round((factor - 1) * (y1 - y0) / 2), round((factor - 1) * (x1 - x0) / 2)
     return max(y0 - grow_y, 0), max(x0 - grow_x, 0), min(y1 + grow_y, shape[0]), min(x1 + grow_x, shape[1])
 
 
 def _busiest(result: Segmentation, edges: EdgeMaps) -> list[Window]:
-    """Windows around the objects with the largest share of Canny edges that are no boundary."""
+    """Return windows around the objects with the largest share of Canny edges that are not boundaries."""
     removed = edges.canny & ~edges.final
     ranked = sorted(result, key=lambda o: np.count_nonzero(removed & o.mask) / o.area_px, reverse=True)
     return [_around(o.box_px, 1.3, removed.shape) for o in ranked[:CURVED]]
@@ -151,7 +155,7 @@ def _cut(image: npt.NDArray[Any], window: Window) -> npt.NDArray[Any]:
 
 
 def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
-    """A picture as large as fits into (H, W), on white."""
+    """Return a picture scaled to the largest size that fits into (H, W), on white."""
     scale = min(shape[0] / picture.shape[0], shape[1] / picture.shape[1])
     height, width = max(int(scale * picture.shape[0]), 1), max(int(scale * picture.shape[1]), 1)
     out = np.full((*shape, 3), 255, np.uint8)
@@ -161,7 +165,7 @@ def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
 
 
 def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
-    """Depth cut to the range of another map, so that both have the same colours; missing stays missing."""
+    """Return depth clipped to the range of another depth map, so that both get the same colours. 0 stays 0."""
     if not like.any():
         return depth
     low, high = np.percentile(like[like > 0], [1, 99])
@@ -169,7 +173,7 @@ def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
 
 
 def _blue_where_missing(depth: DepthMap) -> Color:
-    """Depth in colours, its missing pixels dark blue as the paper has them."""
+    """Return depth in colours. Missing pixels are dark blue, as in the paper."""
     picture = depth_picture(depth)
     picture[missing_mask(depth)] = MISSING_BLUE
     return picture
@@ -180,5 +184,5 @@ def _grey(values: npt.NDArray[np.float32]) -> Color:
 
 
 def _lines(mask: npt.NDArray[np.generic]) -> Color:
-    """A mask in white on black."""
+    """Return a mask in white on black."""
     return np.repeat((np.asarray(mask) > 0).astype(np.uint8)[..., None] * np.uint8(255), 3, axis=2)

@@ -1,4 +1,4 @@
-"""Objects drawn over the colour image, and frames as pictures."""
+"""Pictures of objects over the colour image, of depth maps and of regions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BOX_EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4,
 
 
 def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> Color:
-    """A copy of an overlay with the oriented box of each object as a wire frame; without intrinsics there is none."""
+    """Return a copy of an overlay with the oriented box of each object as a wire frame. Boxes require intrinsics."""
     drawn = picture.copy()
     if camera is None:
         return drawn
@@ -31,14 +31,14 @@ def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> C
             ends = [tuple(int(v) for v in np.round(corners[k])) for k in (a, b)]
             cv2.line(drawn, ends[0], ends[1], INK, 3, cv2.LINE_AA)
             cv2.line(drawn, ends[0], ends[1], tint.tolist(), 1, cv2.LINE_AA)
-    draw_numbers(drawn, {o.label: o.mask for o in result})  # no line may hide a number
+    draw_numbers(drawn, {o.label: o.mask for o in result})  # drawn last, so that no line hides a number
     return drawn
 
 
 def depth_picture(depth: DepthMap) -> Color:
-    """Depth (H, W) in colours, near = red, far = blue, missing = black.
+    """Return depth (H, W) in colours: near is red, far is blue, missing is black.
 
-    Colours follow 1 / Z, as the camera's resolution does, between the 1st and 99th percentile.
+    The colour scale is linear in 1 / Z, like the depth resolution of cameras, between the 1st and 99th percentile.
     """
     valid = depth > 0
     if not valid.any():
@@ -52,7 +52,7 @@ def depth_picture(depth: DepthMap) -> Color:
 
 
 def boundary_picture(trace: Trace) -> Color:
-    """Draw boundaries in white and orange over the other Canny edges in grey, or the saliency if the cost reads it.
+    """Draw boundaries in white and orange over the other Canny edges in grey. Draw the saliency if the cost reads it.
 
     White: contours of the depth map. Orange: Canny edges that are depth or contact boundaries.
     """
@@ -68,12 +68,12 @@ def boundary_picture(trace: Trace) -> Color:
 
 
 def region_picture(labels: npt.NDArray[np.int32]) -> Color:
-    """A label image (H, W) with a colour for each label."""
+    """Return a label image (H, W) with one colour for each label."""
     return np.asarray(palette(int(labels.max(initial=0)) + 1)[labels])
 
 
 def tile(pictures: dict[str, Color], columns: int) -> Color:
-    """Pictures in a grid, each with its title and of the size of the first."""
+    """Return a grid of pictures with titles, all scaled to the size of the first one."""
     shape = next(iter(pictures.values())).shape[:2]
     titled = [_titled(fitted(picture, shape), title) for title, picture in pictures.items()]
     titled += [np.full_like(titled[0], 255)] * (-len(titled) % columns)
@@ -82,7 +82,9 @@ def tile(pictures: dict[str, Color], columns: int) -> Color:
 
 
 def fitted(picture: Color, shape: tuple[int, ...]) -> Color:
-    """Return a picture at the size (H, W), its pixels enlarged: the stages of a halved frame are smaller."""
+    """Return a picture scaled to (H, W) without interpolation. The stages of a halved frame are smaller than the
+    frame.
+    """
     if picture.shape[:2] == shape:
         return picture
     return np.asarray(cv2.resize(picture, shape[::-1], interpolation=cv2.INTER_NEAREST), np.uint8)

@@ -1,4 +1,4 @@
-"""A recording for the Rerun viewer: colour, depth, masks, clouds and boxes, frame by frame."""
+"""Recording for the Rerun viewer: colour, depth, masks, point clouds and boxes of each frame."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 PIP = 'pip install "spigolo[view]"'
 CLASSES = 256
-"""Number of ids that have a colour of their own."""
+"""Number of ids that have their own colour."""
 CAMERA = "world/camera"
 Quaternion = npt.NDArray[np.float64]
 
 
 class Recording:
-    """Writes results to a .rrd file, or sends them to a viewer that it opens (path None). Use it inside `with`."""
+    """Writer of results to a .rrd file, or to a viewer that it opens if `path` is None. Use it as a context manager."""
 
     def __init__(self, name: str, path: Path | None) -> None:
         try:
@@ -44,7 +44,7 @@ class Recording:
         self._log("/", self._rr.AnnotationContext([nothing, *named]), static=True)
 
     def add(self, result: Segmentation) -> None:
-        """Add a frame with its objects, by their ids where they have them."""
+        """Add a frame with its objects, by their ids if they have any."""
         rr, frame = self._rr, result.frame
         self._stream.set_time("frame", sequence=self._frames)
         if frame.stamp_ns is not None:
@@ -77,7 +77,7 @@ class Recording:
         self._stream.log(path, value, static=static)
 
     def close(self) -> None:
-        """Write what is left and close the file."""
+        """Write the remaining data and close the file."""
         self._stream.flush()
         self._stream.disconnect()
 
@@ -111,7 +111,7 @@ def _number(o: ObjectMask) -> int:
 
 
 def _classes(result: Segmentation) -> npt.NDArray[np.uint8]:
-    """Return the label image with ids instead of labels, below 256."""
+    """Return the label image (H, W) with ids instead of labels, modulo the number of colours."""
     numbers = np.zeros(len(result) + 1, np.uint8)
     for o in result:
         numbers[o.label] = (_number(o) - 1) % (CLASSES - 1) + 1

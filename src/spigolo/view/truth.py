@@ -1,4 +1,4 @@
-"""What is true over the colour image, and what was found of it."""
+"""Ground truth over the colour image, coloured by what was found."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ HATCH_STEP_PX = 12
 def truth_picture(
     color: Color, labels: npt.NDArray[np.integer[Any]], found: Collection[int], ignore: Mask | None = None
 ) -> Color:
-    """The colour image (H, W, 3) with each labelled object outlined, green if found and red if not.
+    """Draw the outline of each labelled object over the colour image (H, W, 3): green if found, red if not.
 
-    labels (H, W): 0 = background. found: the labels that count as found. ignore (H, W): what does not count, hatched.
+    labels (H, W): 0 = background. found: labels of the objects found. ignore (H, W): pixels that are not evaluated,
+    drawn hatched.
     """
     picture = color.copy()
     if ignore is not None:

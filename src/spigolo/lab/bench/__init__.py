@@ -1,4 +1,4 @@
-"""Time measurements: ours and others' code on the same frames, round by round.
+"""Time measurements of our code and of other libraries on the same frames, in rounds.
 
 In use::
 
@@ -6,7 +6,7 @@ In use::
     report.to_json()                                # with the raw rounds
     print(markdown(report))
 
-The methods that ours is compared with (`spigolo.METHODS`) run in the rounds as well.
+The other methods of this package (`spigolo.METHODS`) run in the rounds too.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Who runs in the rounds, and who is compared with whom."""
+"""Contestants of the rounds, and the pairs that are compared."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ CONFIGS = {
     for name in ("OBJECTS", "SHELF", "TABLE", "CLUTTER")
     for connectivity in (8, 4)
 }
-"""The presets, 8- and 4-connected."""
+"""Presets, 8- and 4-connected."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Configurations for which merging alone is timed, on their graphs."""
+"""Configurations whose merging is also timed separately, on their graphs."""
 OURS = "toscana2016"
-"""The method that CONFIGS are presets of. All others in METHODS run in the rounds with their own parameters."""
+"""Name of the method of the presets in CONFIGS. All other methods in METHODS run with their own parameters."""
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """A pair of the rounds. ratio: how many times our CPU time the peer takes, median over rounds."""
+    """Comparison of two contestants. ratio: CPU time of the peer divided by ours, median over rounds."""
 
     peer: str
     ours: str
@@ -47,22 +47,22 @@ class Comparison:
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:
-    """Ours: a Segmenter each, kept between the rounds."""
+    """Return a Segmenter for each configuration, kept between the rounds."""
     return {name: _on(Segmenter(config), frame) for name, config in configs.items()}
 
 
 def baselines(frame: Frame) -> dict[str, Run]:
-    """The other methods of this package."""
+    """Return the other methods of this package."""
     return {name: _on(METHODS[name], frame) for name in _others()}
 
 
 def saliency(frame: Frame) -> dict[str, Run]:
-    """Ours, of what OpenCV has as well."""
+    """Return our saliency, which OpenCV has too."""
     return {SALIENCY: timed(lambda: fine_grained_saliency(frame.color, SHELF.saliency))}
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Merging alone on the same weights, ours and the textbook's. Raises SpigoloError if their regions differ."""
+    """Return our merging and the textbook's on the same weights. Raises SpigoloError if their regions differ."""
     runs: dict[str, Run] = {}
     for name in MERGED:
         config = CONFIGS[name]
@@ -74,17 +74,17 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """Return the name of our merging of that configuration's graph."""
+    """Return the name of our merging of a configuration's graph."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """Return the name of the textbook's merging of that configuration's graph."""
+    """Return the name of the textbook's merging of a configuration's graph."""
     return f"textbook merging, {config}"
 
 
 def check_merging(graph: Graph, config: Config) -> None:
-    """Raises SpigoloError if our regions of a graph, small ones kept, are not the textbook's."""
+    """Raise SpigoloError if our regions of a graph, including small ones, differ from the textbook's."""
     ours = partition(graph, config.partition.gamma).labels
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):
@@ -93,7 +93,7 @@ def check_merging(graph: Graph, config: Config) -> None:
 
 
 def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
-    """All pairs that do the same task and ran in the same rounds."""
+    """Return all pairs that do the same task and ran in the same rounds."""
     rivals = [name for name in (*SEGMENTING_PEERS, *_others()) if name in samples]
     pairs = [(rival, ours) for ours in CONFIGS for rival in rivals]
     pairs += [(SALIENCY_PEER, SALIENCY), *((textbook_name(name), merging_name(name)) for name in MERGED)]
@@ -105,7 +105,7 @@ def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
 
 
 def everybody(frame: Frame, peers: Peers, key: str) -> dict[str, Run]:
-    """All contestants on one frame, whose colour image the peers keep as `key` from now on."""
+    """Return all contestants on one frame. The peers keep its colour image as `key`."""
     peers.load(key, frame.color)
     return {**segmenters(frame), **baselines(frame), **saliency(frame), **mergings(frame), **peers.contestants(key)}
 

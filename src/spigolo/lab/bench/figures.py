@@ -1,4 +1,4 @@
-"""Figures made of raw times: medians, paired ratios, exponents."""
+"""Statistics of raw times: medians, paired ratios, exponents."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spigolo.lab.bench.timing import Sample
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Median and least time in ms of a contestant's runs."""
+    """Median and minimum time of a contestant's runs, ms."""
 
     cpu_ms: float
     cpu_min_ms: float
@@ -22,7 +22,7 @@ class Summary:
 
 
 def summarise(samples: Sequence[Sample]) -> Summary:
-    """The medians and minima of at least one run."""
+    """Return the medians and minima of at least one run."""
     cpu, wall = [s.cpu_ms for s in samples], [s.wall_ms for s in samples]
     return Summary(statistics.median(cpu), min(cpu), statistics.median(wall), min(wall))
 
@@ -34,7 +34,7 @@ def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class PowerLaw:
-    """t = factor x^exponent. residual: root mean square of the logarithms' deviation, 0.01 = 1 %."""
+    """Power law t = factor x^exponent. residual: root mean square deviation of the logarithms, 0.01 = 1 %."""
 
     factor: float
     exponent: float
@@ -42,7 +42,7 @@ class PowerLaw:
 
 
 def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
-    """Least squares over the logarithms of at least two different x > 0 and their t > 0."""
+    """Fit a power law by least squares to the logarithms of at least two different x > 0 and their t > 0."""
     log_x, log_t = np.log(x), np.log(t)
     spread = log_x - log_x.mean()
     exponent = float(spread @ (log_t - log_t.mean()) / (spread @ spread))
@@ -52,5 +52,5 @@ def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
 
 
 def percentile(values: Sequence[float], share: float) -> float:
-    """The value that this share of the values does not exceed, one of them."""
+    """Return the smallest value that at least this share of the values does not exceed."""
     return float(np.quantile(values, share, method="inverted_cdf"))

@@ -1,4 +1,6 @@
-"""The peers: other people's code, run in a worker process, as OpenCV's contrib modules replace the plain ones."""
+"""Peers: code of other libraries in a worker process. OpenCV's contrib package cannot be installed next to the plain
+package.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +26,11 @@ PACKAGES = {
     "StaticSaliencyFineGrained": "opencv-contrib-python-headless",
     "felzenszwalb": "scikit-image",
 }
-"""Every peer and the package that has it."""
+"""Package of each peer."""
 
 
 class Worker:
-    """A process of another interpreter that runs the peers it can import."""
+    """Process of another interpreter that runs the peers it can import."""
 
     def __init__(self, python: Path) -> None:
         self.python = python
@@ -51,7 +53,7 @@ class Worker:
         self.versions: dict[str, str] = greeting["versions"]
 
     def load(self, key: str, image: Color) -> None:
-        """Hand over an RGB image (H, W, 3), to be kept under a name."""
+        """Send an RGB image (H, W, 3), which is kept under a name."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "image.npy")
             np.save(path, image)
@@ -63,7 +65,7 @@ class Worker:
         return Sample(max(answer["cpu_ms"], LEAST_MS), max(answer["wall_ms"], LEAST_MS))
 
     def close(self) -> None:
-        """Ends the process."""
+        """End the process."""
         for stream in (self._process.stdin, self._process.stdout, self._errors):
             if stream is not None:
                 with suppress(OSError):
@@ -72,7 +74,7 @@ class Worker:
 
     def _ask(self, request: dict[str, str]) -> dict[str, Any]:
         assert self._process.stdin is not None
-        with suppress(BrokenPipeError):  # it has ended: there is no answer
+        with suppress(BrokenPipeError):  # the worker has ended already
             self._process.stdin.write(json.dumps(request) + "\n")
             self._process.stdin.flush()
         answer = self._answer()
@@ -100,7 +102,7 @@ class Worker:
 
 
 class Peers:
-    """The peers of all workers, by name."""
+    """Peers of all workers, indexed by name."""
 
     def __init__(self, workers: list[Worker]) -> None:
         self._workers = workers
@@ -111,12 +113,12 @@ class Peers:
 
     @property
     def names(self) -> list[str]:
-        """Those that can run."""
+        """Return the names of the peers that can run."""
         return [name for name in PACKAGES if name in self._home]
 
     @property
     def missing(self) -> list[str]:
-        """A sentence for each package that no interpreter has."""
+        """Return one sentence for each package that no interpreter has."""
         lacking: dict[str, list[str]] = {}
         for name, package in PACKAGES.items():
             if name not in self._home:
@@ -129,16 +131,16 @@ class Peers:
 
     @property
     def versions(self) -> dict[str, dict[str, str]]:
-        """Modules and their versions by interpreter."""
+        """Return modules and their versions, indexed by interpreter."""
         return {str(worker.python): worker.versions for worker in self._workers}
 
     def load(self, key: str, image: Color) -> None:
-        """Hand an RGB image (H, W, 3) to all workers, under a name."""
+        """Send an RGB image (H, W, 3) to all workers, under a name."""
         for worker in self._workers:
             worker.load(key, image)
 
     def contestants(self, key: str) -> Mapping[str, Run]:
-        """A run of each peer on the image of that name."""
+        """Return one run of each peer on the image of a name."""
         return {name: _run(self._home[name], name, key) for name in self.names}
 
 
@@ -148,8 +150,8 @@ def _run(worker: Worker, name: str, key: str) -> Run:
 
 @contextmanager
 def open_peers(python: Path | None = None) -> Iterator[Peers]:
-    """Start the workers of `python`, or of .venv-oracle below the current folder. This interpreter runs what that one
-    lacks.
+    """Start the workers of `python`, or of .venv-oracle below the current folder. Missing peers run in this
+    interpreter.
 
     Raises FileError if `python` is given and is not an interpreter.
     """

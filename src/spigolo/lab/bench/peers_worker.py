@@ -1,9 +1,9 @@
-"""Run the peers in an interpreter of its own: one line in, one run, one line out.
+"""Worker that runs the peers in a separate interpreter: one line in, one run, one line out.
 
-Started as a script. Requires numpy. Uses OpenCV's contrib modules and scikit-image if they are installed. Every line is
-JSON. The first line is {"contestants": [...], "versions": {...}}. Then {"load": NAME, "path": RGB.npy} keeps an image,
-and {"run": CONTESTANT, "image": NAME} is answered by {"cpu_ms": ..., "wall_ms": ...}. A failure is answered by
-{"error": ...}.
+The module is started as a script and requires numpy. It uses OpenCV's contrib modules and scikit-image if installed.
+Every line is JSON. The first output line is {"contestants": [...], "versions": {...}}. The input {"load": NAME, "path":
+RGB.npy} keeps an image. The input {"run": CONTESTANT, "image": NAME} gives the output {"cpu_ms": ..., "wall_ms": ...}.
+A failure gives {"error": ...}.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:] = [folder for folder in sys.path if os.path.abspath(folder or ".") != HERE]
 
 Image = dict[str, Any]
-"""The same pixels as `rgb` and as `bgr`, as the library wants them."""
+"""Pixels of one image as `rgb` and as `bgr`, as the libraries expect them."""
 Run = Callable[[Image], object]
 
 
 def main() -> None:
-    """Answer until standard input ends."""
+    """Answer requests until standard input ends."""
     answers = os.fdopen(os.dup(1), "w", buffering=1)
-    os.dup2(2, 1)  # output of a library must not look like an answer
+    os.dup2(2, 1)  # keeps the output of libraries out of the answers
     contestants, versions = find_contestants()
     answers.write(json.dumps({"contestants": list(contestants), "versions": versions}) + "\n")
     images: dict[str, Image] = {}
@@ -41,7 +41,7 @@ def main() -> None:
 
 
 def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str, Image]) -> dict[str, float]:
-    """Keep an image, or run a contestant on a kept one."""
+    """Keep an image, or run a contestant on a kept image."""
     if "load" in request:
         rgb = importlib.import_module("numpy").load(request["path"])
         images[request["load"]] = {"rgb": rgb, "bgr": rgb[..., ::-1].copy()}
@@ -54,7 +54,7 @@ def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str,
 
 
 def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
-    """Return the contestants that can run here, by name, and the versions of their modules."""
+    """Return the contestants that can run here, indexed by name, and the versions of their modules."""
     found: dict[str, Run] = {}
     versions = {"python": sys.version.split()[0]}
     cv2, skimage = attempt("cv2"), attempt("skimage.segmentation")
@@ -74,7 +74,7 @@ def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
 
 
 def attempt(name: str) -> Any:
-    """A module, or None if it cannot be imported."""
+    """Return a module, or None if it cannot be imported."""
     try:
         return importlib.import_module(name)
     except ImportError:

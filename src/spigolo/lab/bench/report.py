@@ -1,4 +1,4 @@
-"""All measurements in one go, and their report."""
+"""Report of all measurements."""
 
 from __future__ import annotations
 
@@ -28,17 +28,18 @@ from spigolo.lab.bench.timing import Sample, Tell, run_rounds, silent
 from spigolo.lab.machine import Machine, this_machine
 
 MAIN = "OBJECTS 8c"
-"""The contestant of throughput and latency."""
+"""Contestant for throughput and latency."""
 STAGED = tuple(name for name in CONFIGS if name.endswith("8c"))
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Amounts of measuring.
+    """Amounts of measurements.
 
-    rounds: of the contestants and the stages. size_rounds: of the study of `sizes` (width, height), which is left out
-    if `sizes` is empty. repeats: of the throughput of `frames` frames per thread, and of the start-up. latency: frames
-    in a row, 0 for none. cold: True to start once with nothing compiled too.
+    rounds: number of rounds of contestants and stages. size_rounds: number of rounds for each of `sizes` (width,
+    height). Without sizes, that part is left out. repeats: number of repeats of throughput, with `frames` frames per
+    thread, and of start-up. latency: number of frames in a row, 0 for none. cold: True to also start once without
+    compiled kernels.
     """
 
     rounds: int = 15
@@ -55,7 +56,7 @@ QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
 
 @dataclass(frozen=True, slots=True)
 class Contest:
-    """The rounds on one frame. samples: raw, by contestant and round."""
+    """Rounds on one frame. samples: raw times, indexed by contestant and round."""
 
     frame: str
     width: int
@@ -65,16 +66,16 @@ class Contest:
 
     @property
     def summaries(self) -> dict[str, Summary]:
-        """Medians and minima by contestant."""
+        """Return medians and minima of each contestant."""
         return {name: summarise(taken) for name, taken in self.samples.items()}
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """All measurements. The parts from `sizes` on are about the first frame.
+    """All measurements. The parts from `sizes` on use the first frame.
 
-    peers: versions by interpreter. missing: a sentence for each package that no interpreter has. growth: by contestant.
-    stages: by configuration and stage, raw. memory: by configuration.
+    peers: versions of each interpreter. missing: one sentence for each package that no interpreter has. growth: indexed
+    by contestant. stages: raw times, indexed by configuration and stage. memory: indexed by configuration.
     """
 
     machine: Machine
@@ -90,9 +91,7 @@ class Report:
     startup: Startup
 
     def to_json(self) -> dict[str, Any]:
-        """Return all measurements, raw rounds included, as json.dumps takes them. `summaries` has the medians of the
-        rounds.
-        """
+        """Return all measurements with raw rounds, ready for json.dumps. `summaries` has the medians of the rounds."""
         values = asdict(self)
         for contest, out in zip(self.contests, values["contests"], strict=True):
             out["summaries"] = {name: asdict(summary) for name, summary in contest.summaries.items()}
@@ -102,9 +101,9 @@ class Report:
 def bench(
     frames: Mapping[str, Frame], plan: Plan | None = None, python: Path | None = None, tell: Tell = silent
 ) -> Report:
-    """Measure ours and the peers on at least one frame, by name.
+    """Measure our code and the peers on at least one frame.
 
-    python: interpreter of the peers, see `open_peers`. tell: called with the progress.
+    frames: indexed by name. python: interpreter of the peers, see `open_peers`. tell: called with the progress.
     """
     plan = Plan() if plan is None else plan
     machine = this_machine(spigolo=__version__)

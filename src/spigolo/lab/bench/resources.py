@@ -1,4 +1,4 @@
-"""Memory, throughput of threads, and the time of many frames in a row."""
+"""Memory, throughput of threads, and time of many frames in a row."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Bytes per pixel. workspace: kept between frames. frame: peak above that while one frame is segmented.
+    """Memory in bytes per pixel. workspace: kept between frames. frame: peak above workspace while a frame is
+    segmented.
 
-    answer: the part of that peak that the answer keeps.
+    answer: part of that peak that the result keeps.
     """
 
     workspace: float
@@ -28,7 +29,7 @@ class Memory:
 
 
 def measure_memory(frame: Frame, config: Config) -> Memory:
-    """Measure the memory that numpy and Python allocate. Temporaries inside OpenCV's functions are not seen."""
+    """Measure the memory that numpy and Python allocate. Temporary memory inside OpenCV's functions is not included."""
     run = Segmenter(config)
     run(frame)
     tracemalloc.start()
@@ -44,7 +45,7 @@ def measure_memory(frame: Frame, config: Config) -> Memory:
 
 @dataclass(frozen=True, slots=True)
 class Throughput:
-    """Frames a second by repeat, and the median ratio of two threads, a Segmenter each, to one."""
+    """Frames per second of each repeat, and the median ratio of two threads, with one Segmenter each, to one thread."""
 
     frames: int
     one_thread: list[float]
@@ -75,7 +76,7 @@ def _many(run: Segmenter, frame: Frame, frames: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Wall time in ms of frames in a row, raw in `samples`."""
+    """Wall time of frames in a row, ms. samples: raw times."""
 
     frames: int
     median_ms: float
@@ -85,7 +86,7 @@ class Latency:
 
 
 def measure_latency(frame: Frame, config: Config, frames: int, tell: Tell = silent) -> Latency:
-    """One thread, one Segmenter, after one frame that does not count."""
+    """Measure one thread with one Segmenter, after one frame that does not count."""
     run = Segmenter(config)
     run(frame)
     times: list[float] = []

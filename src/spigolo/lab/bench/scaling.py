@@ -1,4 +1,4 @@
-"""Growth of time with the number of pixels."""
+"""Growth of the time with the number of pixels."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from spigolo.lab.bench.timing import Run, Sample, Tell, run_rounds, silent, time
 from spigolo.stream import Segmenter
 
 Size = tuple[int, int]
-"""Width, height."""
+"""Image size as width, height."""
 
 SIZES: tuple[Size, ...] = ((320, 240), (640, 480), (1280, 960), (1920, 1080), (2560, 1920))
 SCALED = ("TABLE 8c", "SHELF 8c")
@@ -25,11 +25,11 @@ VGA, FULL_HD = (640, 480), (1920, 1080)
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """One contestant at all sizes.
+    """Times of one contestant at all sizes.
 
-    cpu_ms: medians by size. pixels: t = c N^p. pixels_log: t = c (N log N)^p. Both are None for a single size.
-    hd_per_vga: CPU time per pixel at 1920x1080 relative to 640x480, None if one of them was not run. samples: raw, by
-    size.
+    cpu_ms: median of each size. pixels: t = c N^p. pixels_log: t = c (N log N)^p. Both are None for a single size.
+    hd_per_vga: CPU time per pixel at 1920x1080 relative to 640x480, None if one of them was not run. samples: raw times
+    of each size.
     """
 
     cpu_ms: list[float]
@@ -40,7 +40,7 @@ class Growth:
 
 
 def rescaled(frame: Frame, size: Size) -> Frame:
-    """The frame at another size: colour averaged or interpolated, depth of the nearest pixel, the camera scaled."""
+    """Return the frame at another size: colour averaged or interpolated, depth of the nearest pixel, camera scaled."""
     width, height = size
     shrinks = width * height < frame.depth.size
     color = cv2.resize(frame.color, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
@@ -71,7 +71,7 @@ def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: 
 
 
 def growth(sizes: Sequence[Size], samples: list[list[Sample]]) -> Growth:
-    """The figures of one contestant from its raw samples by size."""
+    """Return the statistics of one contestant from its raw samples of each size."""
     cpu = [summarise(s).cpu_ms for s in samples]
     pixels = [float(width * height) for width, height in sizes]
     several = len(set(pixels)) > 1

@@ -1,4 +1,4 @@
-"""The time of each stage of our method, by the stopwatch of `spigolo.clock`."""
+"""Times of each stage of our method, measured by the stopwatch of `spigolo.clock`."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ STAGES = (
     "support plane", "depth", "edges", "contours", "cues", "colour", "weights", "partition", "merging", "joining",
     "scene", "objects", "outlines",
 )  # fmt: skip
-"""The stages of `pipeline.trace`, in order. A configuration without a stage has no time for it."""
+"""Names of the stages of `pipeline.trace`, in order. A configuration without a stage has no time for it."""
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}
-"""Parts of a stage, and the stage."""
+"""Parts of stages, and the stage of each part."""
 
 
 def time_stages(
     frame: Frame, configs: Mapping[str, Config], rounds: int, tell: Tell = silent
 ) -> dict[str, dict[str, list[Sample]]]:
-    """Return a sample for each round by configuration and stage, those of PARTS too. The first round warms up."""
+    """Return one sample per round, indexed by configuration and stage, including PARTS. The first round warms up."""
     segmenters = {name: Segmenter(config) for name, config in configs.items()}
     samples: dict[str, dict[str, list[Sample]]] = {name: {} for name in configs}
     for k in range(rounds + 1):

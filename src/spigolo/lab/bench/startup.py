@@ -1,4 +1,4 @@
-"""From the start of a process to the first labels."""
+"""Time from the start of a process to its first labels."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ print(json.dumps([time.time(), cv2_s]))
 
 @dataclass(frozen=True, slots=True)
 class Startup:
-    """Wall time in s from the start of a process to its first labels, and the part in `import cv2`, as medians.
+    """Wall time from the start of a process to its first labels and its part for `import cv2`, medians in s.
 
-    cold_s: the same, once, with nothing compiled yet. None if it was not measured.
+    cold_s: the same time, measured once without compiled kernels. None if it was not measured.
     """
 
     warm_s: float
@@ -46,7 +46,7 @@ class Startup:
 
 
 def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent) -> Startup:
-    """New processes that segment the frame, read from .npy, with OBJECTS, whose kernels are compiled already."""
+    """Measure new processes that segment a frame from .npy files with OBJECTS, with compiled kernels."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         np.save(folder / "color.npy", frame.color)
@@ -65,7 +65,7 @@ def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent)
 
 
 def _start(words: list[str], cache: Path | None = None) -> tuple[float, float]:
-    """Seconds to the first labels, and those in `import cv2`."""
+    """Return the seconds to the first labels, and the seconds of `import cv2`."""
     surroundings = dict(os.environ) if cache is None else os.environ | {"SPIGOLO_CACHE_DIR": str(cache)}
     start = time.time()
     done = subprocess.run(

@@ -1,4 +1,4 @@
-"""A report as tables to be read."""
+"""Tables of a report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PAIRED = "CPU time; median of the ratios within each round."
 
 
 def tables(report: Report) -> Iterator[Table]:
-    """All tables of a report, the machine first."""
+    """Yield all tables of a report, the machine first."""
     yield machine_table(report)
     for contest in report.contests:
         yield times_table(contest)
@@ -32,7 +32,7 @@ def tables(report: Report) -> Iterator[Table]:
 
 
 def machine_table(report: Report) -> Table:
-    """Machine, versions, what is missing."""
+    """Return machine, versions, and missing packages."""
     machine = report.machine
     rows = [
         ("processor", f"{machine.cpu}, {machine.cores} cores"),
@@ -45,7 +45,7 @@ def machine_table(report: Report) -> Table:
 
 
 def times_table(contest: Contest) -> Table:
-    """Every contestant's times."""
+    """Return the times of every contestant."""
     rows = [
         (name, _ms(s.cpu_ms), _ms(s.cpu_min_ms), _ms(s.wall_ms), _ms(s.wall_min_ms))
         for name, s in contest.summaries.items()
@@ -56,7 +56,7 @@ def times_table(contest: Contest) -> Table:
 
 
 def ratio_table(contest: Contest) -> Table:
-    """A row for each preset, a column for each other method that segments."""
+    """Return one row for each preset, and one column for each other method that segments."""
     ratios = {(pair.ours, pair.peer): pair.ratio for pair in contest.comparisons if pair.ours in CONFIGS}
     peers = list(dict.fromkeys(peer for _, peer in ratios))
     rows = [(name, *(f"{ratios[name, peer]:.2f}" for peer in peers)) for name in CONFIGS]
@@ -64,7 +64,7 @@ def ratio_table(contest: Contest) -> Table:
 
 
 def overall_table(contests: Sequence[Contest]) -> Table:
-    """The ratios of several frames in one."""
+    """Return the ratios of several frames in one table."""
     ratios: dict[tuple[str, str], list[float]] = {}
     for pair in (pair for contest in contests for pair in contest.comparisons):
         ratios.setdefault((pair.ours, pair.peer), []).append(pair.ratio)
@@ -74,14 +74,14 @@ def overall_table(contests: Sequence[Contest]) -> Table:
 
 
 def parts_table(contest: Contest) -> Table:
-    """The parts of ours that others have as well."""
+    """Return the parts of our method that other libraries have too."""
     rows = [(pair.ours, pair.peer, f"{pair.ratio:.2f}") for pair in contest.comparisons if pair.ours not in CONFIGS]
     title = f"{_title(contest)}: parts"
     return _table(title, ("ours", "theirs", "how many times our time"), rows, PAIRED, text=2)
 
 
 def growth_table(report: Report) -> Table:
-    """CPU time by size, exponents."""
+    """Return CPU times of each size, and exponents."""
     sizes = [f"{width}x{height}" for width, height in report.plan.sizes]
     header = ("CPU ms", *sizes, "p of N^p", "p of (N log N)^p", "1080p : VGA")
     rows = [
@@ -102,7 +102,7 @@ def growth_table(report: Report) -> Table:
 
 
 def stage_table(report: Report) -> Table:
-    """CPU time by stage, and of the cues by part."""
+    """Return CPU times of each stage, and of the parts of the cues."""
     names = list(report.stages)
     rows = []
     for stage in (s for whole in STAGES for s in (whole, *(part for part, of in PARTS.items() if of == whole))):
@@ -114,7 +114,7 @@ def stage_table(report: Report) -> Table:
 
 
 def memory_table(report: Report) -> Table:
-    """Bytes a pixel."""
+    """Return the memory in bytes per pixel."""
     rows = []
     for name in CONFIGS:
         m = report.memory[name]
@@ -125,7 +125,7 @@ def memory_table(report: Report) -> Table:
 
 
 def rest_table(report: Report) -> Table:
-    """Throughput, latency, start-up."""
+    """Return throughput, latency, and start-up."""
     t, s = report.throughput, report.startup
     rows = [
         ("one thread", f"{median(t.one_thread):.1f} frames/s"),
@@ -163,7 +163,7 @@ def _ms(value: float) -> str:
 
 
 def _exponent(law: PowerLaw | None, sizes: int) -> str:
-    """With the distance from the fit, which is 0 through two points."""
+    """Return the exponent with the residual of the fit. The residual is 0 for two points."""
     if law is None:
         return "-"
     return f"{law.exponent:.3f} ± {law.residual:.1%}" if sizes > 2 else f"{law.exponent:.3f}"

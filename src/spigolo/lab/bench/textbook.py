@@ -1,4 +1,4 @@
-"""Merging as in the textbook: a stable sort of all edges, then union-find. `regions.partition` must equal it."""
+"""Textbook merging: a stable sort of all edges, then union-find. `regions.partition` must give the same result."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 
 def sort_and_merge(graph: Graph, gamma: float) -> npt.NDArray[np.int32]:
-    """Regions (H, W) of eqs. 2, 3 by first pixel, without any joining of small ones."""
+    """Return the regions (H, W) of eqs. 2, 3, numbered by first pixel, without joining small ones."""
     planes, height, width = graph.weights.shape
     flat = graph.weights.reshape(-1)
     order = np.argsort(flat, kind="stable")
@@ -32,7 +32,7 @@ def _find(parent: Any, node: int) -> Any:
 
 @numba.njit(nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _merge(weights: Any, order: Any, steps: Any, gamma: float, labels: Any) -> None:
-    """Edges of +inf do not exist. They are sorted last."""
+    """Merge over the sorted edges. Edges of +inf come last and are ignored."""
     pixels = labels.size
     parent, size = np.arange(pixels, dtype=np.int32), np.ones(pixels, np.int32)
     bound = np.full(pixels, gamma)

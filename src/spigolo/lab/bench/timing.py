@@ -1,4 +1,4 @@
-"""Rounds: each contestant runs once in each, in an order drawn anew, so that what disturbs one disturbs all."""
+"""Rounds of timing. Each contestant runs once per round, in random order, so that disturbances affect all."""
 
 from __future__ import annotations
 
@@ -8,23 +8,23 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 Tell = Callable[[str, float], None]
-"""Told what is being measured, and how much of it is done, 0..1."""
+"""Function that is called with the current measurement and the share that is done, 0..1."""
 
 
 LEAST_MS = 1e-3
-"""A coarse clock must not say 0, as times are divided by."""
+"""Minimum time in ms, as times are divisors and a coarse clock may give 0."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """One run. cpu_ms: CPU time of the whole process, so that hidden threads count too. wall_ms: wall time."""
+    """Times of one run. cpu_ms: CPU time of the whole process, including all threads. wall_ms: wall time."""
 
     cpu_ms: float
     wall_ms: float
 
 
 Run = Callable[[], Sample]
-"""Runs a contestant once and says how long it took."""
+"""Function that runs a contestant once and returns its times."""
 
 
 def silent(what: str, done: float) -> None:
@@ -32,7 +32,7 @@ def silent(what: str, done: float) -> None:
 
 
 def timed(work: Callable[[], object]) -> Run:
-    """Work of this process as a contestant."""
+    """Return a contestant that runs work in this process."""
 
     def run() -> Sample:
         wall, cpu = time.perf_counter(), time.process_time()
@@ -46,7 +46,7 @@ def timed(work: Callable[[], object]) -> Run:
 def run_rounds(
     contestants: Mapping[str, Run], rounds: int, tell: Tell = silent, what: str = "", seed: int = 0
 ) -> dict[str, list[Sample]]:
-    """Samples of each contestant by round, after one run of each that does not count."""
+    """Return the samples of each contestant in all rounds, after one warm-up run."""
     samples: dict[str, list[Sample]] = {name: [] for name in contestants}
     order, rng = list(contestants), random.Random(seed)
     for k in range(rounds + 1):

@@ -1,4 +1,4 @@
-"""BOP, any of its sets: ruapc, icmi, ycbv, hope, ..., as bop_toolkit's `docs/bop_datasets_format.md` describes them.
+"""Data sets in the BOP format: ruapc, icmi, ycbv, hope, ..., see `docs/bop_datasets_format.md` of bop_toolkit.
 
     DATASET/
       models/obj_000001.ply                       millimetres
@@ -7,10 +7,10 @@
         scene_gt.json                             {"IMAGE": [{"obj_id", "cam_R_m2c": [9], "cam_t_m2c": [3, mm]}]}
         rgb/000000.png (or gray/, .jpg, .tif)     8 bits
         depth/000000.png (or .tif)                16 bits, 0 = missing
-        mask_visib/000000_000000.png              image, then place in the list of scene_gt; 0 and 255
+        mask_visib/000000_000000.png              image, then position in the list of scene_gt; 0 and 255
 
-Labels are places in the list plus 1. Without mask_visib it is rendered from models and poses.
-Sets differ in whether every object is labelled: `part`, unless `full` names the set. The frames of one scene are
+Labels are positions in the list plus 1. Without mask_visib, masks are rendered from models and poses.
+Only some sets label every object. A set counts as `part` unless `full` names it. The frames of one scene are
 near-identical.
 """
 
@@ -36,15 +36,15 @@ from spigolo.lab.datasets.sample import Instance
 from spigolo.lab.datasets.visibility import visible_labels
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
-"""Folders of scenes. The first that is there is read."""
+"""Folders of scenes, in order of preference. The first existing one is read."""
 
 Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
-"""obj_id, cam_R_m2c, cam_t_m2c in millimetres."""
+"""Pose as obj_id, cam_R_m2c, cam_t_m2c in millimetres."""
 
 
 @dataclass(frozen=True, slots=True)
 class BopImage(Entry):
-    """One image of a scene. intrinsics: cam_K. depth_scale: metres per unit."""
+    """Image of a scene. intrinsics: cam_K. depth_scale: metres per unit."""
 
     scene: Path
     image: int
@@ -56,16 +56,16 @@ class BopImage(Entry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Colour, depth, and masks or models."""
+        """Paths of colour, depth, and masks or models."""
         return self.color, self.depth, *(self._masks or (self._model(obj_id) for obj_id, _, _ in self.poses))
 
     def read(self) -> Frame:
-        """The frame. Raises FileError, FrameError or CameraError."""
+        """Return the frame. Raises FileError, FrameError or CameraError."""
         depth = read_depth(self.depth)
         return Frame(read_color(self.color), depth, self.intrinsics, self.name, depth_scale=self.depth_scale)
 
     def read_truth(self) -> Truth | None:
-        """Its visible masks, stored or rendered. Raises FileError or FrameError."""
+        """Return the visible masks, stored or rendered. Raises FileError or FrameError."""
         if self.labelling == "none":
             return None
         instances = self.read_instances()
@@ -73,7 +73,7 @@ class BopImage(Entry):
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: i.model for i in instances})
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Its objects with their poses."""
+        """Return the objects with their poses."""
         return tuple(
             Instance(label, f"obj_{obj_id:06d}", _matrix(rotation, translation))
             for label, (obj_id, rotation, translation) in enumerate(self.poses, start=1)
@@ -81,7 +81,7 @@ class BopImage(Entry):
 
     @property
     def _masks(self) -> tuple[Path, ...]:
-        """() if the scene has none."""
+        """Return the paths of the masks, () if the scene has none."""
         folder = self.scene / "mask_visib"
         if not folder.is_dir():
             return ()
@@ -91,7 +91,7 @@ class BopImage(Entry):
         return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
 
     def _stored_labels(self) -> npt.NDArray[np.int32]:
-        """Return labels from stored masks. If masks overlap, the later object counts."""
+        """Return labels from stored masks. If masks overlap, the later object gets the pixels."""
         labels = None
         for label, path in enumerate(self._masks, start=1):
             mask = read_labels(path)
@@ -110,7 +110,7 @@ class BopImage(Entry):
 
 
 class Bop(DataSet):
-    """A data set in BOP's layout. split: its folder of scenes, such as "test"."""
+    """Data set in BOP's layout. split: folder of scenes, such as "test"."""
 
     layout = "scenes with scene_camera.json, rgb/ and depth/ (BOP: DATASET/test/000001/)"
 
@@ -120,7 +120,7 @@ class Bop(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if a folder of scenes has a scene_camera.json."""
+        """Return True if a folder of scenes has a scene_camera.json."""
         return _split(folder, None) is not None
 
     def _find(self) -> Iterator[Entry]:

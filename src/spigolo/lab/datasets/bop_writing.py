@@ -1,6 +1,4 @@
-"""Writer of the layout that `spigolo.lab.datasets.bop` reads: models in millimetres, frames, poses, whole and visible
-masks.
-"""
+"""Writer of the BOP layout for `spigolo.lab.datasets.bop`: models in millimetres, frames, poses, and masks."""
 
 from __future__ import annotations
 
@@ -19,12 +17,12 @@ from spigolo.lab.datasets.sample import Instance, Model, Sample
 from spigolo.lab.datasets.visibility import render_depth
 
 FINE_MM, COARSE_MM = 0.1, 1.0
-"""Units of stored depth: the first where 16 bits reach far enough."""
+"""Units of stored depth, mm. The finer one is used if 16 bits reach far enough."""
 FULL = 65535
 
 
 def write_models(folder: Path, models: Sequence[Model]) -> None:
-    """obj_000001.ply and so on, and models_info.json with their sizes. Millimetres."""
+    """Write obj_000001.ply and so on, and models_info.json with the sizes, in millimetres."""
     sizes = {}
     for obj_id, model in enumerate(models, start=1):
         write_model(folder / f"obj_{obj_id:06d}.ply", model, MILLIMETRES)
@@ -36,14 +34,14 @@ def write_models(folder: Path, models: Sequence[Model]) -> None:
 
 
 def write_description(folder: Path, models: Sequence[Model], about: str) -> None:
-    """dataset_info.md: what the set is, and the objects by their numbers."""
+    """Write dataset_info.md with a description of the set and its numbered objects."""
     objects = [f"- {obj_id}: {model.name}" for obj_id, model in enumerate(models, start=1)]
     lines = [f"# {folder.name}: rendered frames, no photographs", "", about, "", "Objects:", "", *objects, ""]
     write_bytes(folder / "dataset_info.md", "\n".join(lines).encode())
 
 
 class SceneFiles:
-    """The files of a scene. `close` writes its JSON files. Readers accept no scene without them."""
+    """Files of a scene. `close` writes the JSON files. Readers reject a scene without them."""
 
     def __init__(self, folder: Path, models: Sequence[Model]) -> None:
         self._folder = folder
@@ -66,7 +64,7 @@ class SceneFiles:
         self._info[key] = [self._masks(image, n, instance, sample) for n, instance in enumerate(sample.instances)]
 
     def close(self) -> None:
-        """Write what describes the frames."""
+        """Write the JSON files of the scene."""
         write_json(self._folder / "scene_gt.json", self._truth)
         write_json(self._folder / "scene_gt_info.json", self._info)
         write_json(self._folder / "scene_camera.json", self._cameras)
@@ -81,7 +79,7 @@ class SceneFiles:
         }
 
     def _masks(self, image: int, number: int, instance: Instance, sample: Sample) -> dict[str, Any]:
-        """Write both masks of an object. Returns its boxes and counts."""
+        """Write the full and the visible mask of an object. Return its boxes and pixel counts."""
         camera = sample.frame.camera
         assert camera is not None
         whole = render_depth(self._models[instance.model][1], instance.pose, camera) > 0
@@ -100,7 +98,7 @@ class SceneFiles:
 
 
 def _box(mask: Mask) -> list[int]:
-    """x, y, width, height. -1 where nothing is, as BOP has it."""
+    """Return x, y, width, height of a mask. All are -1 for an empty mask, as in BOP."""
     y, x = np.nonzero(mask)
     if not x.size:
         return [-1, -1, -1, -1]
@@ -108,7 +106,7 @@ def _box(mask: Mask) -> list[int]:
 
 
 def _diameter(model: Model) -> float:
-    """Largest distance between two vertices."""
+    """Return the largest distance between two vertices."""
     points = np.unique(model.vertices_m, axis=0)
     blocks = (points[k : k + 256] for k in range(0, len(points), 256))
     return max(float(np.linalg.norm(block[:, None] - points, axis=2).max()) for block in blocks)

@@ -1,7 +1,7 @@
-"""Boxes of UW RGB-D Scenes v1: MATLAB files (version 5) with a variable `bboxes`.
+"""Bounding boxes of UW RGB-D Scenes v1: MATLAB files (version 5) with a variable `bboxes`.
 
-It is a cell of 1 x N, one a frame from frame 1 on, each empty or a struct array with the fields category (text),
-instance (number), top, bottom, left, right (pixels, counted from 1, both ends within).
+The variable is a 1 x N cell array with one cell per frame, from frame 1. A cell is empty or a struct array with the
+fields category (text), instance (number), top, bottom, left, right (pixels, counted from 1, inclusive).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class ObjectBox:
 
 
 def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
-    """The boxes of frame `number`, from 1. Raises FileError."""
+    """Return the boxes of frame `number`, from 1. Raises FileError."""
     frames = _read_all(path)
     if not 1 <= number <= len(frames):
         raise FileError(f"expected boxes of frame {number} in {path}, got those of {len(frames)} frames")
@@ -43,13 +43,13 @@ def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
 
 
 def box_of(category: str, instance: int, mask: Mask) -> ObjectBox:
-    """The smallest box around a mask (H, W) that is not empty."""
+    """Return the smallest box around a mask (H, W) that is not empty."""
     y, x = np.nonzero(mask)
     return ObjectBox(category, instance, int(y.min()), int(y.max()) + 1, int(x.min()), int(x.max()) + 1)
 
 
 def boxes_to_mat(frames: Mapping[int, Sequence[ObjectBox]]) -> bytes:
-    """The MATLAB file of the boxes of each frame, by number from 1."""
+    """Return the MATLAB file with the boxes of each frame, indexed by frame number from 1."""
     cell = np.empty((1, max(frames, default=0)), object)
     for k in range(cell.shape[1]):
         boxes = frames.get(k + 1, ())
@@ -69,7 +69,7 @@ def _read_all(path: Path) -> tuple[tuple[ObjectBox, ...], ...]:
         return tuple(tuple(_box(box) for box in frame.ravel()) if frame.size else () for frame in cell)
     except FileError:
         raise
-    except Exception as error:  # scipy raises what its parsing meets
+    except Exception as error:  # scipy may raise any exception
         raise FileError(
             f"expected a MATLAB file with bboxes, a cell of structs with {', '.join(FIELDS)}, in {path}: {error!r}"
         ) from None

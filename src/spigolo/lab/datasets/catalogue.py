@@ -1,4 +1,4 @@
-"""Data sets that `spigolo.lab.datasets` reads: where they are published, under what licence, how large they are."""
+"""Catalogue of published data sets that `spigolo.lab.datasets` reads: address, licence, size."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ BOP_HOME = "https://bop.felk.cvut.cz/media/data/bop_datasets"
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """A zip file. sha256: of the whole file. into: the folder to unpack into, "" for the folder of the set."""
+    """Zip file of a data set. sha256: hash of the file. into: folder to unpack into, "" for the folder of the set."""
 
     url: str
     sha256: str
@@ -20,13 +20,15 @@ class Archive:
 
     @property
     def file_name(self) -> str:
-        """The last part of its address."""
+        """Return the last part of the address."""
         return self.url.rpartition("/")[2]
 
 
 @dataclass(frozen=True, slots=True)
 class KnownSet:
-    """A published set. home: where. archives: what can be fetched and verified, () where no hash is known."""
+    """Published data set. home: its address. archives: files that can be fetched and verified, () without known
+    hashes.
+    """
 
     name: str
     title: str
@@ -120,7 +122,7 @@ KNOWN_SETS = (
 
 
 def known_set(name: str) -> KnownSet:
-    """The set of this name. Raises ConfigError, which lists the names."""
+    """Return the data set of a name. Raises ConfigError, which lists the names."""
     found = next((known for known in KNOWN_SETS if known.name == name.lower().replace("_", "-")), None)
     if found is None:
         raise ConfigError(f"expected one of {', '.join(known.name for known in KNOWN_SETS)}, got {name!r}")

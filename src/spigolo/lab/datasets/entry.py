@@ -1,4 +1,4 @@
-"""Interface of data sets: a sized sequence of entries, each a frame that is not yet read, with its facts.
+"""Interface of data sets: a sized sequence of entries. An entry is a frame before it is read, with its properties.
 
 Letters used in shapes: H, W = image.
 """
@@ -24,20 +24,20 @@ from spigolo.frames.scale import check_scale
 from spigolo.lab.datasets.sample import Instance, Sample
 
 Labelling = Literal["full", "part", "none"]
-"""Which objects of a frame are labelled: every one, some, none."""
+"""Extent of the labels in a frame: every object, some objects, or none."""
 
 FULL_SETS = ("osd-*", "hand-uoc")
-"""Sets on which every object is labelled, where nothing else says it."""
+"""Patterns of data sets in which every object is labelled, for layouts that do not say it."""
 MILLIMETRES = 0.001
 RENDERED = "rendered.json"
-"""Lies in the folder of a set whose frames are rendered rather than photographed."""
+"""Name of the file that marks a set of rendered frames."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """labels (H, W): 0 = background, other values = objects. ignore (H, W) bool: neither right nor wrong.
+    """Ground truth. labels (H, W): 0 = background, other values = objects. ignore (H, W) bool: pixels not evaluated.
 
-    names: what the objects are, by label, where the set says it.
+    names: object names indexed by label, if the set has them.
     """
 
     labels: npt.NDArray[np.integer[Any]]
@@ -47,9 +47,9 @@ class Truth:
 
 @dataclass(frozen=True, slots=True)
 class Entry(ABC):
-    """A frame of a data set before it is read. Small, and can be sent to other processes.
+    """Frame of a data set before it is read. An entry is small and can be sent to other processes.
 
-    data_set and name: unique together. group: shared by near-identical frames, as those of one video.
+    data_set and name: unique together. group: name shared by near-identical frames, such as those of one video.
     """
 
     data_set: str
@@ -60,18 +60,16 @@ class Entry(ABC):
     @property
     @abstractmethod
     def files(self) -> tuple[Path, ...]:
-        """The files that it needs. Truth last."""
+        """Paths of all files that the entry needs, ground truth last."""
 
     @property
     def reading(self) -> str:
-        """Return everything outside its files that decides how its labels are read. "" in ordinary sets. "" where
-        nothing is out of the ordinary.
-        """
+        """Return the settings outside the files that affect the labels. "" for ordinary sets."""
         return ""
 
     @property
     def content(self) -> str:
-        """A checksum of its files and its `reading`, eight hexadecimal digits. Raises FileError."""
+        """Return a checksum of the files and `reading`, eight hexadecimal digits. Raises FileError."""
         value = zlib.crc32(self.reading.encode())
         for path in self.files:
             try:
@@ -82,18 +80,18 @@ class Entry(ABC):
 
     @abstractmethod
     def read(self) -> Frame:
-        """The frame. Raises FileError, FrameError or CameraError."""
+        """Return the frame. Raises FileError, FrameError or CameraError."""
 
     @abstractmethod
     def read_truth(self) -> Truth | None:
-        """Its labels, None if it has none. Raises FileError or FrameError."""
+        """Return the labels. None without labels. Raises FileError or FrameError."""
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Its objects with their poses, () where the set has none. Raises FileError."""
+        """Return the objects with their poses. () without poses. Raises FileError."""
         return ()
 
     def read_both(self) -> tuple[Frame, Truth | None]:
-        """Frame and labels. Raises FrameError also if they differ in size."""
+        """Return frame and labels. Raises FrameError also if their sizes differ."""
         frame, truth = self.read(), self.read_truth()
         if truth is not None and truth.labels.shape != frame.shape:
             raise FrameError(
@@ -103,7 +101,7 @@ class Entry(ABC):
         return frame, truth
 
     def read_sample(self) -> Sample:
-        """Frame, labels and poses. `labels` is 0 for a frame without labels, and for ignored pixels."""
+        """Return frame, labels and poses. `labels` is 0 for a frame without labels, and for ignored pixels."""
         frame, truth = self.read_both()
         labels = np.zeros(frame.shape, np.int32) if truth is None else truth.labels
         return Sample(frame, labels, self.read_instances())
@@ -111,7 +109,7 @@ class Entry(ABC):
 
 @dataclass(frozen=True, slots=True)
 class ImageEntry(Entry):
-    """A colour image with a depth image, depth_scale metres per stored unit. No labels, unless a layout adds them."""
+    """Colour image with a depth image. depth_scale: metres per stored unit. Subclasses add labels."""
 
     color: Path
     depth: Path
@@ -120,29 +118,29 @@ class ImageEntry(Entry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Colour and depth."""
+        """Paths of colour and depth."""
         return self.color, self.depth
 
     def read(self) -> Frame:
-        """The frame. Raises FileError, FrameError or CameraError."""
+        """Return the frame. Raises FileError, FrameError or CameraError."""
         return Frame(
             read_color(self.color), read_depth(self.depth), self.camera, self.name, depth_scale=self.depth_scale
         )
 
     def read_truth(self) -> Truth | None:
-        """None."""
+        """Return None, as there are no labels."""
         return None
 
 
 class DataSet(ABC):
-    """The entries of a folder, found when it is opened and read when they are asked for.
+    """Entries of a folder. Entries are found when the data set is opened, and frames are read on request.
 
-    full: sets on which every object is labelled, as patterns such as "osd-*", where the layout does not say.
-    Raises FileError if the folder does not hold what `layout` says, or an entry lacks a file.
+    full: patterns such as "osd-*" of data sets in which every object is labelled, for layouts that do not say it.
+    Raises FileError if the folder does not match `layout`, or if an entry lacks a file.
     """
 
     layout: ClassVar[str]
-    """Content of the folder, for messages."""
+    """Description of the folder's content, for messages."""
     mend: ClassVar[str] = "fetch or unpack the set again"
     """Advice if a file is missing."""
 
@@ -157,15 +155,15 @@ class DataSet(ABC):
     @classmethod
     @abstractmethod
     def matches(cls, folder: Path) -> bool:
-        """True if the folder looks like this layout."""
+        """Return True if the folder looks like this layout."""
 
     @abstractmethod
     def _find(self) -> Iterable[Entry]:
-        """The entries in their order."""
+        """Yield the entries in their order."""
 
     @property
     def rendered(self) -> bool:
-        """True if its frames are rendered stand-ins rather than photographs."""
+        """Return True if the frames are rendered stand-ins."""
         return (self.folder / RENDERED).is_file()
 
     def __len__(self) -> int:
@@ -178,18 +176,19 @@ class DataSet(ABC):
         return self._entries[number]
 
     def _named(self, name: str) -> str:
-        """Name of the set. Stand-ins have one of their own."""
+        """Return the name of the set. Stand-ins have a different name."""
         return f"{name}-rendered" if self.rendered else name
 
     def _labelled(self, data_set: str) -> Labelling:
-        """True if all of its objects are labelled or some, by the patterns."""
+        """Return the extent of the labels, by the patterns in `full`."""
         return "full" if any(fnmatch(data_set, pattern) for pattern in self._full) else "part"
 
     def _camera(self, usual: Camera, scale: float, folder: Path | None = None) -> tuple[Camera, float]:
-        """Return camera and depth_scale of camera.json in the set's folder, or those known for the set without one.
+        """Return camera and depth_scale from camera.json in the set's folder, or else the known ones of the set.
 
-        folder: another place to look first, such as that of a sequence. Raises CameraError for an impossible scale, and
-        FileError for distortion: labels of a published set would not be undistorted with its images.
+        folder: another folder that is searched first, such as that of a sequence. Raises CameraError for an impossible
+        scale. Raises FileError for distortion, because labels of a published set would not be undistorted with its
+        images.
         """
         places = [place / "camera.json" for place in (folder, self.folder) if place is not None]
         path = next((place for place in places if place.is_file()), None)
@@ -204,14 +203,14 @@ class DataSet(ABC):
 
 
 def existing_folder(folder: Path | str) -> Path:
-    """Its full path. Raises FileError if there is none."""
+    """Return the absolute path of a folder. Raises FileError if it does not exist."""
     if not Path(folder).is_dir():
         raise FileError(f"expected a folder of frames, but there is no folder {folder}")
     return Path(folder).resolve()
 
 
 def _require_files(entries: Iterable[Entry], mend: str) -> None:
-    """Report an incomplete download at once."""
+    """Raise FileError for an incomplete download, before any frame is read."""
     lacking = [(entry, path) for entry in entries for path in entry.files if not path.is_file()]
     if lacking:
         entry, path = lacking[0]

@@ -1,6 +1,6 @@
-"""Data sets fetched: each archive goes on where the connection was cut, is verified by its hash, and unpacked.
+"""Download of data sets. An interrupted download continues, and each archive is verified by its hash and unpacked.
 
-The set appears under its name when all of it is there, and never before.
+The folder of the set appears only when it is complete.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from spigolo.errors import FileError
 from spigolo.lab.datasets.catalogue import Archive, KnownSet
 
 Tell = Callable[[str, int, int | None], None]
-"""Called with the archive's name, the bytes that are there, and the bytes of the whole where the server says it."""
+"""Function called with the archive's name, the bytes received, and the total bytes if the server reports them."""
 
 ATTEMPTS = 3
 """Maximum number of attempts to continue a download after its connection is cut. The received part is kept."""
@@ -29,10 +29,10 @@ TIMEOUT_S = 60
 
 
 def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
-    """Fetch a set into the folder `to`, and return its folder.
+    """Fetch a data set into the folder `to`, and return its folder.
 
-    Raises FileError if it cannot be fetched. The received part of an archive is kept, to continue from, except
-    one with a wrong hash.
+    Raises FileError if it cannot be fetched. The received part of an archive is kept for the next attempt, except an
+    archive with a wrong hash.
     """
     target = to / known.name
     if target.exists():
@@ -55,7 +55,7 @@ def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
 
 
 def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
-    """The archive, whole and verified. Pooch looks after its hash and its name."""
+    """Return the complete and verified archive. Pooch handles its hash and its name."""
     pooch, partial = _pooch(), to / f"{archive.file_name}.part"
 
     def download(url: str, out: str, _: Any) -> None:
@@ -66,7 +66,7 @@ def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
         pooch.get_logger().setLevel("ERROR")
         known = f"sha256:{archive.sha256}"
         return Path(pooch.retrieve(archive.url, known, archive.file_name, to, downloader=download))
-    except ValueError:  # pooch says so of hashes
+    except ValueError:  # pooch raises this for a wrong hash
         raise FileError(
             f"expected a file with SHA-256 {archive.sha256} from {archive.url}, got another one: nothing of it is kept;"
             " it may have been changed there"
@@ -74,7 +74,7 @@ def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
 
 
 def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> None:
-    """Fill `partial` from where it ends. Raises FileError."""
+    """Continue the download of `partial` from its end. Raises FileError."""
     for attempt in range(1, ATTEMPTS + 1):
         try:
             if _append(url, partial, tell):
@@ -82,7 +82,7 @@ def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
             reason: object = "the connection was cut"
         except urllib.error.HTTPError as error:
             if error.code == http.HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE and partial.exists():
-                return  # all of it is there
+                return  # complete
             raise FileError(f"expected {url}, but the server answers {error.code} {error.reason}") from None
         except (OSError, http.client.HTTPException) as error:
             reason = getattr(error, "reason", None) or error
@@ -94,12 +94,12 @@ def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> bool:
-    """Ask for the rest. Returns True if all came."""
+    """Request the remaining bytes. Return True if all arrived."""
     start = partial.stat().st_size if partial.exists() else 0
     request = urllib.request.Request(url, headers={"Range": f"bytes={start}-"} if start else {})
     with urllib.request.urlopen(request, timeout=TIMEOUT_S) as answer:
         if answer.status != http.HTTPStatus.PARTIAL_CONTENT:
-            start = 0  # a server that knows no ranges begins anew
+            start = 0  # servers without range requests start again
         length = answer.headers.get("Content-Length")
         total = None if length is None else start + int(length)
         done = start
@@ -113,7 +113,7 @@ def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _unpack(archives: list[tuple[Archive, Path]], to: Path, name: str) -> None:
-    """Unpack next to the final place, and move there at the end."""
+    """Unpack next to the final folder, and rename at the end."""
     beside = to / f".{name}-unpacking"
     shutil.rmtree(beside, ignore_errors=True)
     try:

@@ -1,4 +1,4 @@
-"""One folder a frame, the layout of `spigolo evaluate` for frames of your own.
+"""Data sets with one folder per frame, the layout of `spigolo evaluate` for your own frames.
 
     FOLDER/splits.json                  optional: {"near_duplicate_groups": [["SET/FRAME", ...], ...]}
     FOLDER/SET/FRAME/rgb.png            8 bits
@@ -7,7 +7,7 @@
     FOLDER/SET/FRAME/label.png          0 = background, 1..N = objects, 255 = ignore; absent where nothing is labelled
     FOLDER/SET/FRAME/info.json          optional: {"fully_labelled": true, "ignore_label": 255}, both optional too
 
-A SET or a FRAME alone serves as well.
+The path of a single SET or FRAME is accepted too.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class FrameFolder(Entry):
-    """A frame in a folder of its own. ignore_label: what is neither right nor wrong."""
+    """Frame in its own folder. ignore_label: label of pixels that are not evaluated."""
 
     folder: Path
     ignore_label: int = IGNORE_LABEL
@@ -43,7 +43,7 @@ class FrameFolder(Entry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Colour, depth, camera, labels."""
+        """Paths of colour, depth, camera, labels."""
         labels = () if self.labelling == "none" else (self.folder / "label.png",)
         return self.folder / "rgb.png", self.folder / "depth.png", self._camera_file, *labels
 
@@ -53,15 +53,15 @@ class FrameFolder(Entry):
 
     @property
     def reading(self) -> str:
-        """The label that is ignored, where it is another than usual: with it scores change."""
+        """Return the ignored label if it is not the default, as it changes scores."""
         return "" if self.ignore_label == IGNORE_LABEL else f"ignore {self.ignore_label}"
 
     def read(self) -> Frame:
-        """The frame. Raises FileError, FrameError or CameraError."""
+        """Return the frame. Raises FileError, FrameError or CameraError."""
         return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file)
 
     def read_truth(self) -> Truth | None:
-        """Its labels, None if it has none. Raises FileError or FrameError."""
+        """Return the labels. None without labels. Raises FileError or FrameError."""
         if self.labelling == "none":
             return None
         labels = read_labels(self.folder / "label.png")
@@ -74,13 +74,14 @@ class FrameFolder(Entry):
         camera = self._distorting_camera(labels.shape[1], labels.shape[0])
         if camera is not None and (camera.height, camera.width) == labels.shape:
             labels = camera.undistort(labels, nearest=True)
-            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # also what the image did not see
+            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # or outside the image
         return Truth(np.where(ignore, 0, labels), ignore)
 
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
-        """Its camera if that has distortion: labels are drawn on the image as it is stored, a frame is undistorted.
+        """Return the camera if it has distortion, else None. Labels refer to the stored image, but frames are
+        undistorted.
 
-        None also where the camera cannot be read. `read` says so.
+        None also if the camera is unreadable, which `read` reports.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)
@@ -90,14 +91,14 @@ class FrameFolder(Entry):
 
 
 class Folders(DataSet):
-    """Sets of frames, each in a folder of its own."""
+    """Data set of frames in one folder each."""
 
     layout = "SET/FRAME/ with rgb.png, depth.png and camera.json"
     mend = "put it there, or take the frame's folder away"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if it or a folder up to two below has a rgb.png."""
+        """Return True if the folder, or a folder up to two levels below, has a rgb.png."""
         return next(_places(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -128,7 +129,7 @@ def _places(folder: Path) -> Iterator[Path]:
 
 
 def _groups(root: Path) -> Mapping[str, str]:
-    """Group of each frame that is like others: the name of the first of them. Warns of names that no frame has."""
+    """Return the group of each near-identical frame: the name of the first one. Warns of names without a frame."""
     groups = _mapping(root / "splits.json").get("near_duplicate_groups", [])
     if not isinstance(groups, list) or not all(isinstance(g, list) and g for g in groups):
         raise FileError(f"expected lists of frames as near_duplicate_groups in {root / 'splits.json'}, got {groups!r}")
@@ -140,7 +141,7 @@ def _groups(root: Path) -> Mapping[str, str]:
 
 
 def _is_absent(root: Path, name: str) -> bool:
-    """True if no frame has a name, though its set is there."""
+    """Return True if no frame has this name, although its set exists."""
     data_set, slash, _ = name.partition("/")
     return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
 

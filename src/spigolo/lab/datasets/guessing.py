@@ -1,4 +1,4 @@
-"""Which layout a folder has."""
+"""Detection of a folder's layout."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from spigolo.lab.datasets.uw_scenes_v2 import UwScenesV2
 READERS: tuple[type[DataSet], ...] = (
     Folders, Bop, UwScenes, UwScenesV2, Tejani, Rutgers, Osd, Mosd, Tum, Ocid,
 )  # fmt: skip
-"""In the order in which they are tried."""
+"""Classes of layouts, in the order in which they are tried."""
 
 
 def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
-    """The data set in a folder, or in the one folder in it that has any known layout.
+    """Return the data set in a folder, or in its only subfolder with a known layout.
 
-    full: sets on which every object is labelled, as patterns such as "osd-*", where the layout does not say. Raises
-    FileError where there is none, where there are several, or where files are missing.
+    full: patterns such as "osd-*" of data sets in which every object is labelled, for layouts that do not say it.
+    Raises FileError if there is no data set, if there are several, or if files are missing.
     """
     folder = existing_folder(path)
     reader = _reader(folder)
@@ -47,9 +47,9 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 
 
 def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SETS) -> list[Entry]:
-    """Return the frames in these folders, by set and name. `guess` finds the layout of each folder.
+    """Return the frames in these folders, ordered by set and name. `guess` finds the layout of each folder.
 
-    Raises FileError if a folder holds none, or where two frames share set and name.
+    Raises FileError if a folder has no frames, or if two frames share set and name.
     """
     found: dict[tuple[str, str], Entry] = {}
     for folder in folders:

@@ -1,4 +1,4 @@
-"""OSD and OCID: colour, depth and labels as equally named images in three folders."""
+"""OSD and OCID: colour, depth and label images with equal names in three folders."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ SURFACES = ("table", "floor")
 
 @dataclass(frozen=True, slots=True)
 class LabelledImages(ImageEntry):
-    """A frame with a label image. background: labels other than 0 that are not objects."""
+    """Frame with a label image. background: labels other than 0 that are not objects."""
 
     labels: Path
     background: tuple[int, ...]
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Colour, depth, labels."""
+        """Paths of colour, depth, labels."""
         return self.color, self.depth, self.labels
 
     def read_truth(self) -> Truth | None:
-        """Its labels. Raises FileError or FrameError."""
+        """Return the labels. Raises FileError or FrameError."""
         stored = read_labels(self.labels)
         labels = np.where(np.isin(stored, self.background), 0, stored)
         return Truth(labels, np.zeros(labels.shape, np.bool_))
@@ -49,7 +49,7 @@ class Osd(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if it has a folder of colour and one of annotation."""
+        """Return True if the folder has subfolders for colour and annotation."""
         return (folder / "image_color").is_dir() and (folder / "annotation").is_dir()
 
     def _find(self) -> Iterator[Entry]:
@@ -75,7 +75,7 @@ class Ocid(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if a folder below is such a sequence."""
+        """Return True if a folder below is such a sequence."""
         return next(_sequences(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -90,10 +90,10 @@ class Ocid(DataSet):
 
 
 def _stands_on(sequence: Path, folder: Path) -> str:
-    """Return the surface of a sequence, "table" or "floor", from its path inside the set. "" where that says neither.
+    """Return the surface of a sequence, "table" or "floor", from its path inside the set. "" if the path has neither.
 
-    Folders above the set do not count. A folder inside the set that was opened alone does: its path is read from the
-    part of the set on.
+    Folders above the set do not count. If only a folder inside the set was opened, its path is read from the set's own
+    folder on.
     """
     parts = [part.lower() for part in sequence.parts]
     start = max((k for k, part in enumerate(parts) if part in SETS), default=len(folder.parts) - 1)

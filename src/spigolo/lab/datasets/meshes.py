@@ -1,4 +1,4 @@
-"""Models of objects on disk: triangle meshes as .ply, .obj or .stl."""
+"""Models of objects in files: triangle meshes as .ply, .obj or .stl."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ MESHES = (".ply", ".obj", ".stl")
 
 @lru_cache(maxsize=64)
 def read_model(path: Path, unit_m: float = 1.0) -> Model:
-    """The mesh in a file, its name the file's. unit_m: metres per stored unit. Raises FileError."""
+    """Return the mesh in a file, named after the file. unit_m: metres per stored unit. Raises FileError."""
     trimesh = _trimesh(path)
     try:
         mesh = trimesh.load_mesh(str(path), process=False)
-    except Exception as error:  # readers of the formats raise what they like
+    except Exception as error:  # readers of the formats may raise any exception
         raise FileError(f"expected a triangle mesh in {path}, but it cannot be read: {error}") from None
     vertices = np.asarray(getattr(mesh, "vertices", ()), np.float64)
     triangles = np.asarray(getattr(mesh, "faces", ()), np.int32)

@@ -1,10 +1,10 @@
-"""mOSD, the Object Segmentation Database with labels mended near edges (Alexandrov), as labelled organised clouds.
+"""mOSD, the Object Segmentation Database with corrected labels near edges (Alexandrov), as labelled organised clouds.
 
     mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label, 640 x 480
 
-Points that were not measured, or cropped away with the floor and the walls, are NaN with label 0: ignored here. Labels
-1..9 = the table, 20..29 = parts of the first object, 30..39 of the second, and so on: here the table is 0 and parts are
-joined to objects 1, 2, ... The camera is fitted to the cloud.
+Points that were not measured, or cropped with the floor and the walls, are NaN with label 0 and are ignored. Labels
+1..9 = the table, 20..29 = parts of the first object, 30..39 of the second, and so on. This reader sets the table to 0
+and joins parts to objects 1, 2, ... The camera is fitted to the cloud.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from spigolo.lab.datasets.pcd import camera_of, colors_of, read_pcd
 
 @dataclass(frozen=True, slots=True)
 class LabelledCloud(Entry):
-    """A frame that is kept as an organised cloud."""
+    """Frame that is stored as an organised cloud."""
 
     cloud: Path
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """The cloud."""
+        """Path of the cloud."""
         return (self.cloud,)
 
     def read(self) -> Frame:
-        """The frame. Raises FileError or CameraError."""
+        """Return the frame. Raises FileError or CameraError."""
         points = read_pcd(self.cloud)
         if missing := {"x", "y", "z"} - set(points.dtype.names or ()):
             raise FileError(f"expected fields x, y, z in {self.cloud}: {', '.join(sorted(missing))} not found")
@@ -43,7 +43,7 @@ class LabelledCloud(Entry):
         return Frame(colors_of(points), points["z"].astype(np.float32), camera_of(points), self.name)
 
     def read_truth(self) -> Truth | None:
-        """Its objects. Raises FileError."""
+        """Return the labels of the objects. Raises FileError."""
         points = read_pcd(self.cloud)
         if "label" not in (points.dtype.names or ()):
             raise FileError(f"expected a field label in {self.cloud}, got {', '.join(points.dtype.names or ())}")
@@ -52,13 +52,13 @@ class LabelledCloud(Entry):
 
 
 class Mosd(DataSet):
-    """Frames of mOSD."""
+    """Data set in the layout of mOSD."""
 
     layout = "learn/*.pcd and test/*.pcd with labelled points (mOSD)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if it or a folder learn or test in it has clouds with labels."""
+        """Return True if the folder, or its subfolder learn or test, has clouds with labels."""
         return any(b" label" in _beginning(path) for path in _clouds(folder)[:1])
 
     def _find(self) -> Iterator[Entry]:
@@ -72,6 +72,6 @@ def _clouds(folder: Path) -> list[Path]:
 
 
 def _beginning(path: Path) -> bytes:
-    """Enough for the fields."""
+    """Return the first bytes of a file, enough for the header's fields."""
     with path.open("rb") as file:
         return file.read(512)

@@ -1,4 +1,6 @@
-"""Files of the Point Cloud Library: a header in text, then one record a point as text, as bytes, or packed by field."""
+"""Files of the Point Cloud Library: a text header, then one record per point as text, binary, or compressed by
+field.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +18,15 @@ from spigolo.kernels.lzf import unpack_lzf
 KINDS = {
     f"{kind}{size}": f"<{kind.lower()}{size}" for kind in "IUF" for size in (1, 2, 4, 8) if f"{kind}{size}" != "F1"
 }
-"""NumPy's name of each type and size of a field."""
+"""NumPy type of each type and size of a field."""
 STEEPEST = 1e6
-"""No pinhole camera sees farther aside, as a multiple of the depth."""
+"""Maximum ratio of X or Y to Z of points in a pinhole camera."""
 MAX_MISFIT_PX = 0.5
-"""Maximum distance between the pixels of an organised cloud and those of the pinhole camera that fits them."""
+"""Maximum distance in pixels between the points of an organised cloud and the pinhole camera fitted to them."""
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:
-    """The points (H, W) of a cloud with its fields by name, H = 1 where it is not organised. Raises FileError."""
+    """Return the points (H, W) of a cloud with named fields, H = 1 if it is not organised. Raises FileError."""
     try:
         header, body = _split(path.read_bytes())
         shape = int(header["HEIGHT"][0]), int(header["WIDTH"][0])
@@ -35,14 +37,14 @@ def read_pcd(path: Path) -> npt.NDArray[Any]:
 
 
 def colors_of(points: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
-    """RGB (H, W, 3) of the field rgb or rgba: 0xRRGGBB, also where it is stored as a float."""
+    """Return RGB (H, W, 3) of the field rgb or rgba: 0xRRGGBB, even if it is stored as a float."""
     name = "rgb" if "rgb" in (points.dtype.names or ()) else "rgba"
     packed = np.ascontiguousarray(points[name]).view(np.uint32)
     return np.stack([packed >> 16 & 255, packed >> 8 & 255, packed & 255], axis=-1).astype(np.uint8)
 
 
 def camera_of(points: npt.NDArray[Any]) -> Camera:
-    """The pinhole camera that saw an organised cloud (H, W), fitted to it. Raises CameraError."""
+    """Return the pinhole camera fitted to an organised cloud (H, W). Raises CameraError."""
     height, width = points.shape
     seen = np.isfinite(points["z"]) & (points["z"] > 0)
     y, x = np.nonzero(seen)
@@ -59,7 +61,7 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
 
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
-    """Fit f and c of pixels = f slopes + c, and how far the worst is from it. Infinitely far where there is no line."""
+    """Fit f and c of pixels = f slopes + c. Return them and the largest residual, infinite without a fit."""
     if not slopes.size or slopes.min() == slopes.max() or not np.abs(slopes).max() < STEEPEST:
         return 0.0, 0.0, np.inf
     f, c = np.polyfit(slopes, pixels, 1)
@@ -67,7 +69,7 @@ def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tup
 
 
 def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
-    """Header words by their first, and what follows the line DATA."""
+    """Return the header fields by name, and the bytes after the line DATA."""
     header: dict[str, list[str]] = {}
     while "DATA" not in header:
         line, newline, data = data.partition(b"\n")
@@ -81,7 +83,7 @@ def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
 def _records(header: dict[str, list[str]], body: bytes, count: int) -> npt.NDArray[Any]:
     kinds = [KINDS[kind.upper() + size] for kind, size in zip(header["TYPE"], header["SIZE"], strict=True)]
     lengths = [int(n) for n in header.get("COUNT", ["1"] * len(kinds))]
-    # padding is called _ in every cloud, and may come several times
+    # padding fields are called _ and may be repeated
     names = [name if name != "_" else f"_{k}" for k, name in enumerate(header["FIELDS"])]
     fields = list(zip(names, kinds, lengths, strict=True))
     record = np.dtype([(name, kind) if n == 1 else (name, kind, (n,)) for name, kind, n in fields])
@@ -107,7 +109,7 @@ def _from_columns(record: np.dtype[Any], columns: list[npt.NDArray[np.float64]],
 
 
 def _from_planes(record: np.dtype[Any], data: npt.NDArray[np.uint8], count: int) -> npt.NDArray[Any]:
-    """Packed clouds hold all values of a field, then those of the next."""
+    """Return records of a compressed cloud, which stores all values of one field, then all values of the next."""
     out, start = np.zeros(count, record), 0
     for name in record.names or ():
         out[name] = np.frombuffer(data, record[name], count, start)
@@ -117,7 +119,7 @@ def _from_planes(record: np.dtype[Any], data: npt.NDArray[np.uint8], count: int)
 
 def _unpacked(body: bytes) -> npt.NDArray[np.uint8]:
     packed_size, size = struct.unpack_from("<II", body)
-    packed = np.frombuffer(body, np.uint8, packed_size, 8).copy()  # read-only arrays are another type to a kernel
+    packed = np.frombuffer(body, np.uint8, packed_size, 8).copy()  # kernels do not accept read-only arrays
     out = np.zeros(size, np.uint8)
     if not unpack_lzf(packed, out):
         raise ValueError("its packed points are damaged")

@@ -1,4 +1,4 @@
-"""Frames of sets that have poses and models but no masks: the masks are rendered when they are asked for."""
+"""Frames of data sets with poses and models but without masks. Masks are rendered on request."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ Pose = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class PosedImage(ImageEntry):
-    """A frame with a file of poses (4, 4) of one object, None for both files where it has none.
+    """Frame with a file of poses (4, 4) of one object. Both files are None without poses.
 
-    read_poses: what reads that file, a function of a module.
+    read_poses: module-level function that reads the file of poses.
     """
 
     object_name: str
@@ -33,11 +33,11 @@ class PosedImage(ImageEntry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Colour and depth, poses and model where there are."""
+        """Paths of colour and depth, and of poses and model if there are any."""
         return tuple(path for path in (self.color, self.depth, self.poses, self.model) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """The visible masks of its objects, None without poses. Raises FileError."""
+        """Return the visible masks of the objects. None without poses. Raises FileError."""
         if self.model is None:
             return None
         instances = self.read_instances()
@@ -46,6 +46,6 @@ class PosedImage(ImageEntry):
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Its objects with their poses. Raises FileError."""
+        """Return the objects with their poses. Raises FileError."""
         poses = () if self.poses is None else self.read_poses(self.poses)
         return tuple(Instance(label, self.object_name, pose) for label, pose in enumerate(poses, start=1))

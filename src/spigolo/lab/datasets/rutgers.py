@@ -29,19 +29,19 @@ from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
-"""BOP's for this set."""
+"""Intrinsics that BOP gives for this set."""
 NAME = re.compile(r"(?P<object>.+)-image-(?P<bin>[A-L])-(?P<rest>\d+-\d+)-(?P<shot>\d+)\.png")
 ROTATION, TRANSLATION = "object_rotation_wrt_camera", "object_translation_wrt_camera"
 
 
 class Rutgers(DataSet):
-    """Frames of the Rutgers APC set."""
+    """Data set in the original layout of Rutgers APC."""
 
     layout = "files OBJECT-image-BIN-CLUTTER-POSITION-SHOT.png (Rutgers APC)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if there is a file of such a name."""
+        """Return True if the folder has a file with such a name."""
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -79,7 +79,7 @@ def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
 
 
 def read_pose(path: Path) -> list[Pose]:
-    """The one pose (4, 4) of the object in the camera, metres. Raises FileError."""
+    """Return the pose (4, 4) of the object in the camera's frame, metres. Raises FileError."""
     yaml, pose = import_yaml(path, "datasets"), np.eye(4)
     try:
         values = parse_yaml(yaml, path.read_text(encoding="utf-8"))

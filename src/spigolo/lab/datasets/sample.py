@@ -1,4 +1,4 @@
-"""Content of a data set once it is read: frames with labels and, if the set has them, poses and models.
+"""Content of a data set after reading: frames with labels and, if the set has them, poses and models.
 
 Letters used in shapes: H, W = image, V = vertices, T = triangles.
 """
@@ -18,7 +18,7 @@ __all__ = ["Instance", "Model", "Sample"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """A triangle mesh in its own axes. vertices_m (V, 3), triangles (T, 3) int32, colors (V, 3) uint8 RGB or None."""
+    """Triangle mesh in its own axes. vertices_m (V, 3), triangles (T, 3) int32, colors (V, 3) uint8 RGB or None."""
 
     name: str
     vertices_m: npt.NDArray[np.float64]
@@ -28,7 +28,7 @@ class Model:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Instance:
-    """One object in a frame. label: its value in `Sample.labels`. model: the name of its `Model`.
+    """Object in a frame. label: its value in `Sample.labels`. model: name of its `Model`.
 
     pose (4, 4): from the model's axes to the camera's (X right, Y down, Z forward), metres.
     """
@@ -40,7 +40,7 @@ class Instance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """A frame and its truth. labels (H, W): 0 = background, 1..N = objects."""
+    """Frame with ground truth. labels (H, W): 0 = background, 1..N = objects."""
 
     frame: Frame
     labels: npt.NDArray[np.integer[Any]]

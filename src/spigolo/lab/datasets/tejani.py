@@ -2,14 +2,14 @@
 
     FOLDER/test/scene_01/RGB/img_000.png                  8 bits; also scene_01/ right in FOLDER, or the object's name
     FOLDER/test/scene_01/Depth/img_000.png                16 bits, millimetres, 0 = missing
-    FOLDER/annotation_new_models/scene_01/poses0.txt      number of instances, then for each four lines of four numbers,
+    FOLDER/annotation_new_models/scene_01/poses0.txt      number of instances, then for each 4 lines of 4 numbers,
                                                           divided by blanks or commas: model to camera, metres
     FOLDER/models/obj_01.ply                              metres; also by name, as Coffee_Cup.ply
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
 Scene N shows object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk, the order of their publication.
-Images without a file of poses have no labels (some original poses are poor: the new annotation holds those repaired).
-Labels are places in that file plus 1. Visible masks are rendered. The frames of a scene are near-identical.
+Images without a file of poses have no labels (the new annotation has repaired poses where the original ones are poor).
+Labels are positions in the file of poses plus 1. Visible masks are rendered. The frames of a scene are near-identical.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
-"""BOP's for this set."""
+"""Intrinsics that BOP gives for this set."""
 OBJECTS = ("Coffee_Cup", "Shampoo", "Joystick", "Camera", "Juice", "Milk")
 ANNOTATION, MODELS = "annotation_new_models", ("models", "new_models")
 
 
 class Tejani(DataSet):
-    """Frames of Tejani's set."""
+    """Data set in the original layout of Tejani et al."""
 
     layout = "test/scene_XX/RGB/img_NNN.png and Depth/ (Tejani et al.)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if a scene has a folder RGB with such images."""
+        """Return True if a scene has a folder RGB with such images."""
         return bool(_scenes(folder))
 
     def _find(self) -> Iterator[Entry]:
@@ -76,7 +76,7 @@ class Tejani(DataSet):
 
 
 def read_poses(path: Path) -> list[Pose]:
-    """Poses (4, 4) of the instances. Raises FileError."""
+    """Return the poses (4, 4) of the instances. Raises FileError."""
     try:
         count, *numbers = path.read_text(encoding="utf-8").replace(",", " ").split()
         poses = np.array(numbers, np.float64).reshape(int(count), 4, 4)
@@ -102,7 +102,7 @@ def _is_scene(colors: Path) -> bool:
 
 
 def _object(scene: str) -> tuple[int, str]:
-    """Number from 1 and name of the object that a scene's folder shows, 0 if it names none."""
+    """Return the number (from 1) and the name of the object in a scene's folder, 0 if the name has no number."""
     known = [name.lower() for name in OBJECTS]
     digits = scene.removeprefix("scene_")
     number = int(digits) if digits.isdigit() else known.index(scene.lower()) + 1 if scene.lower() in known else 0

@@ -1,12 +1,12 @@
-"""TUM RGB-D benchmark (Sturm et al. 2012), and whoever keeps its lists.
+"""TUM RGB-D benchmark (Sturm et al. 2012), and other data with the same kind of lists.
 
     SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
     SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
-Times may also be milliseconds, microseconds or nanoseconds, as their size shows. Each colour image goes with the depth
-image nearest in time, within 20 ms, and without one it is left out. There are no labels. The frames of a sequence are
-near-identical. A folder of sequences serves as well.
+Times may also be milliseconds, microseconds or nanoseconds, as their size shows. Each colour image is paired with the
+depth image nearest in time, within 20 ms, or else left out. There are no labels. The frames of a sequence are
+near-identical. A folder of sequences is accepted too.
 """
 
 from __future__ import annotations
@@ -25,9 +25,12 @@ from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 DEPTH_SCALE = 1 / 5000
 MAX_APART_S = 0.02
 UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
-"""Times since 1970 from the first number on count in units of the second, s."""
+"""Minimum value of a time since 1970, and the unit that it then has, s."""
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
-"""The same for gaps between the frames of a clock that starts at 0: no video has days between its frames."""
+"""Minimum gap between frames of a clock that starts at 0, and the unit that it then has, s.
+
+Larger units would give days between frames.
+"""
 MANY_ALONE = 0.5
 """Minimum share of colour images without depth that is reported."""
 
@@ -41,7 +44,7 @@ class Tum(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if it or a folder in it has both lists."""
+        """Return True if the folder, or a folder in it, has both lists."""
         return bool(_sequences(folder))
 
     def _find(self) -> Iterator[Entry]:
@@ -58,7 +61,7 @@ def _sequences(folder: Path) -> list[Path]:
 
 
 def _listed(path: Path) -> Stamped:
-    """Return time in seconds and file of each line, by time. Raises FileError."""
+    """Return the time in seconds and the file of each line, sorted by time. Raises FileError."""
     found = []
     for number, line in enumerate(_text(path).splitlines(), start=1):
         if line.strip() and not line.lstrip().startswith("#"):
@@ -75,7 +78,7 @@ def _listed(path: Path) -> Stamped:
 
 
 def _text(path: Path) -> str:
-    """Return the text of a list in UTF-8 or, as some editors write it, UTF-16. Raises FileError."""
+    """Return the text of a list in UTF-8, or in UTF-16 as written by some editors. Raises FileError."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -88,7 +91,7 @@ def _text(path: Path) -> str:
 
 
 def _unit_s(times: np.ndarray) -> float:
-    """Return the unit of times, s, by their size or by the gaps between them."""
+    """Return the unit of times in seconds, from their size or from the gaps between them."""
     if not times.size:
         return 1.0
     absolute = next((unit for least, unit in UNITS_S if np.median(times) >= least), None)
@@ -99,7 +102,7 @@ def _unit_s(times: np.ndarray) -> float:
 
 
 def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield colour and depth of each pair. Raises FileError without any, and warns if most images have no partner."""
+    """Yield colour and depth of each pair. Raises FileError without pairs, and warns if most images have no partner."""
     colors, depths = _listed(sequence / "rgb.txt"), _listed(sequence / "depth.txt")
     times = np.array([time for time, _ in depths])
     pairs, apart_s = [], []

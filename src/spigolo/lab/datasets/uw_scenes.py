@@ -4,10 +4,10 @@
     rgbd-scenes/SCENE/SCENE_K/SCENE_K_N_depth.png         16 bits, millimetres, 0 = missing
     rgbd-scenes/SCENE/SCENE_K.mat                         optional: boxes, see `read_boxes`
     rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
-    quickfind_mask_data/SCENE_K_N_mask.png                optional, beside rgbd-scenes or in it: a colour an object
+    quickfind_mask_data/SCENE_K_N_mask.png                optional, next to rgbd-scenes or in it: a colour per object
 
-Labels are places in `MASK_COLORS` plus 1. Strange colours are ignored. Frames without a mask have no labels. Other
-things than those 22 objects are not labelled: `part`. The frames of one sequence SCENE_K are near-identical.
+Labels are positions in `MASK_COLORS` plus 1. Other colours are ignored. Frames without a mask have no labels. Objects
+other than those 22 are not labelled (`part`). The frames of one sequence SCENE_K are near-identical.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ MASK_COLORS = {
     "flashlight_5": (0, 64, 64), "soda_can_1": (0, 0, 192), "soda_can_3": (192, 0, 192), "soda_can_4": (64, 64, 64),
     "soda_can_5": (192, 192, 192), "soda_can_6": (128, 128, 128),
 }  # fmt: skip
-"""RGB of each object."""
+"""RGB colour of each object."""
 
 
 @dataclass(frozen=True, slots=True)
 class UwFrame(ImageEntry):
-    """One frame of a sequence. mask, boxes: None if the sequence has no such file."""
+    """Frame of a sequence. mask, boxes: None if the sequence has no such file."""
 
     number: int
     mask: Path | None
@@ -50,20 +50,20 @@ class UwFrame(ImageEntry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Colour and depth, boxes and mask where there are."""
+        """Paths of colour and depth, and of boxes and mask if there are any."""
         return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Its hand-traced mask, None if it has none. Raises FileError."""
+        """Return the hand-traced mask, or None if the frame has no mask. Raises FileError."""
         return None if self.mask is None else labels_of(read_color(self.mask))
 
     def read_boxes(self) -> tuple[ObjectBox, ...]:
-        """The boxes of its objects as the set has them, () where it has none. Raises FileError."""
+        """Return the boxes of the objects as stored in the set. () without boxes. Raises FileError."""
         return () if self.boxes is None else read_boxes(self.boxes, self.number)
 
 
 class UwScenes(DataSet):
-    """Frames of UW RGB-D Scenes v1. masks: folder of QuickFind's masks. If None, it is looked for."""
+    """Data set in the layout of UW RGB-D Scenes v1. masks: folder of QuickFind's masks. None: search for it."""
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
 
@@ -73,7 +73,7 @@ class UwScenes(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if there are frames of a sequence in a folder of its name."""
+        """Return True if a folder has frames of a sequence with its name."""
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -102,7 +102,7 @@ class UwScenes(DataSet):
 
 
 def labels_of(picture: Color) -> Truth:
-    """Labels of a mask picture (H, W, 3)."""
+    """Return the labels of a mask image (H, W, 3)."""
     colors = {color: label for label, color in enumerate(MASK_COLORS.values(), start=1)}
     labels = np.zeros(picture.shape[:2], np.int32)
     ignore = np.zeros(picture.shape[:2], np.bool_)
@@ -117,13 +117,13 @@ def labels_of(picture: Color) -> Truth:
 
 
 def category_of(name: str) -> tuple[str, int]:
-    """Category and number of an object as its box has them: cereal_2 is a cereal_box."""
+    """Return category and number of an object as written in its box: cereal_2 is a cereal_box."""
     kind, _, number = name.rpartition("_")
     return ("cereal_box" if kind == "cereal" else kind), int(number)
 
 
 def _colors(folder: Path) -> Iterator[tuple[str, int, Path]]:
-    """Sequence, number and colour image of each frame."""
+    """Yield sequence, number and colour image of each frame."""
     for path in listed(folder, "*/*/*.png"):
         found = NAME.fullmatch(path.name)
         if found and path.parent.name == found["sequence"]:

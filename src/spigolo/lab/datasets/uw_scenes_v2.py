@@ -4,7 +4,7 @@
     rgbd-scenes-v2/imgs/scene_01/00000-depth.png          16 bits, tenths of a millimetre, 0 = missing
     rgbd-scenes-v2/camera.json                            optional, another camera than that of v1
 
-Its labels are of points of a cloud, not of pixels: no frame has labels here. The frames of a scene are near-identical.
+Its labels belong to points of a cloud, not to pixels, so frames have no labels. Frames of a scene are near-identical.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ DEPTH_SCALE = 0.0001
 
 
 class UwScenesV2(DataSet):
-    """Frames of UW RGB-D Scenes v2."""
+    """Data set in the layout of UW RGB-D Scenes v2."""
 
     layout = "imgs/scene_XX/NNNNN-color.png and NNNNN-depth.png (UW RGB-D Scenes v2)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """True if a scene has such images."""
+        """Return True if a scene has such images."""
         return any(folder.glob("imgs/scene_*/*-color.png"))
 
     def _find(self) -> Iterator[Entry]:

@@ -1,8 +1,8 @@
-"""Rendered stand-ins in the layouts of real sets. `spigolo.lab.datasets` reads them as it reads the originals.
+"""Writers of rendered stand-ins in the layouts of real data sets. `spigolo.lab.datasets` reads them like the originals.
 
-Each file is written at once, what describes a scene after its frames. `rendered.json` in the folder says that no frame
-is a photograph. `camera.json` next to it holds the camera, where the layout has no place for it. The name of each
-sample's frame is its place in the set: `rutgers_name`, `uw_scenes_name` and `tejani_name` make such names.
+Each image is written at once, and the description of a scene after its frames. `rendered.json` in the folder marks the
+frames as rendered. `camera.json` next to it holds the camera if the layout has no place for it. The name of a sample's
+frame determines its file name. `rutgers_name`, `uw_scenes_name` and `tejani_name` make such names.
 """
 
 from __future__ import annotations
@@ -50,9 +50,9 @@ def tejani_name(object_name: str, number: int) -> str:
 
 
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write the layout of `Rutgers`: of each frame the one object that its name tells, with its pose.
+    """Write the layout of `Rutgers`: for each frame, only the object in the frame's name, with its pose.
 
-    about: what was rendered, in a sentence. Returns the number of frames. Raises FileError or FrameError.
+    about: description of the rendering, in a sentence. Returns the number of frames. Raises FileError or FrameError.
     """
     images = _Images(folder, about)
     for model in models:
@@ -68,9 +68,9 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
 
 
 def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
-    """Write the layout of `UwScenes` with QuickFind's masks in it: of each frame the objects that have a colour there.
+    """Write the layout of `UwScenes` with QuickFind's masks: for each frame, the objects that have a colour there.
 
-    Each sequence gets its boxes when all frames are written. Returns the number of frames. Raises FileError or
+    Each sequence gets its boxes after all frames are written. Returns the number of frames. Raises FileError or
     FrameError.
     """
     images = _Images(folder, about)
@@ -88,7 +88,7 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
 
 
 def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write the layout of `Tejani`: of each frame the instances of its scene's object, with their poses.
+    """Write the layout of `Tejani`: for each frame, the instances of its scene's object, with their poses.
 
     Returns the number of frames. Raises FileError or FrameError.
     """
@@ -106,10 +106,10 @@ def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model
 
 
 def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write the layout of `Bop`, with whole and visible masks. Models are numbered from 1 in their order.
+    """Write the layout of `Bop`, with full and visible masks. Models are numbered from 1 in their order.
 
-    Frames named "SCENE/IMAGE", both numbers, get this place, others the next one of scene 1. Labels without an
-    instance are left out. Returns the number of frames. Raises FileError or FrameError.
+    A frame named "SCENE/IMAGE", both numbers, is written there. Other frames get the next number in scene 1. Labels
+    without an instance are left out. Returns the number of frames. Raises FileError or FrameError.
     """
     write_json(folder / RENDERED, {"about": about})
     write_description(folder, models, about)
@@ -127,7 +127,7 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
 
 
 class _Images:
-    """Colour and depth of samples that share a camera."""
+    """Colour and depth images of samples that share a camera."""
 
     def __init__(self, folder: Path, about: str) -> None:
         self.count = 0
@@ -136,7 +136,7 @@ class _Images:
         write_json(folder / RENDERED, {"about": about})
 
     def write(self, sample: Sample, color: str, depth: str) -> None:
-        """Write both. The first time also camera.json."""
+        """Write both images, and camera.json before the first ones."""
         camera = sample.frame.camera
         if camera is None or camera not in (self._camera, camera if self._camera is None else None):
             raise FrameError(f"expected one camera in all frames, got {camera} in {sample.frame.name}")
@@ -166,7 +166,7 @@ def _poses_of(sample: Sample, name: str, models: Sequence[Model]) -> list[Pose]:
 
 
 def _shown(sample: Sample) -> list[Instance]:
-    """The instances that have a colour in QuickFind's masks and a pixel in this frame."""
+    """Return the instances that have a colour in QuickFind's masks and at least one pixel in this frame."""
     present = set(np.unique(sample.labels).tolist())
     shown = [i for i in sample.instances if i.model in MASK_COLORS and i.label in present]
     names = [instance.model for instance in shown]

@@ -1,14 +1,14 @@
-"""Scores of a segmentation: two label images in, numbers out.
+"""Scores of a segmentation, computed from two label images.
 
-A label image is a 2-D array of whole numbers: 0 is background, every other value is one instance. In use::
+A label image is a 2-D array of integers: 0 is background, every other value is one instance. In use::
 
     score = score_frame(truth, prediction, ignore=unsure)   # one frame
     total = summarise([score, ...])                         # a data set
     print(total.overlap_f, total.found_iou_70)
 
 Rows are the scores of many methods on many frames, in a file (`Row`, `RowFile`, `read_rows`). `pool` combines the rows
-of one method, and `compare` compares two methods. `folds` and `leave_one_set_out` split frames into those to choose by
-and those to score.
+of one method, and `compare` compares two methods. `folds` and `leave_one_set_out` split frames into those for choosing
+and those for scoring.
 
 Letters used in shapes: H, W = image, N = true objects, S = predicted segments. Needs the extra ``evaluation`` (scipy):
 ``pip install "spigolo[evaluation]"``.

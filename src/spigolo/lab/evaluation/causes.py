@@ -1,4 +1,4 @@
-"""The cause of each lost object: its region was rejected, merged, flooded, split, or has another outline."""
+"""Causes of lost objects: the region was rejected, merged, flooded, split, or has a wrong outline."""
 
 from __future__ import annotations
 
@@ -15,44 +15,44 @@ Labels = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 
 OTHER_SHARE = 0.2
-"""Minimum share of a region that lies on other objects for it to be merged with them."""
+"""Minimum share of a region on other objects at which the region counts as merged with them."""
 
 
 class Cause(str, Enum):
-    """The cause of a lost object, in the order in which causes are tested."""
+    """Cause of a lost object, in the order in which causes are tested."""
 
     FOUND = "found"
-    """A returned object has an IoU above 0.7 with it."""
+    """A returned object has an IoU above 0.7 with the labelled object."""
     REJECTED = "rejected"
-    """A rejected region has such an IoU."""
+    """A rejected region has an IoU above 0.7 with the labelled object."""
     MERGED = "merged"
-    """Its region holds other objects too."""
+    """The object's region also covers other objects."""
     FLOODED = "flooded"
-    """Its region holds background too."""
+    """The object's region also covers background."""
     SPLIT = "split"
-    """Its largest region covers a part of it."""
+    """The object's largest region covers only a part of it."""
     OUTLINE = "outline off"
-    """Its region covers most of it and little else, with an IoU of 0.7 at most."""
+    """The object's region covers most of it and little else, but its IoU is at most 0.7."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """The fate of one labelled object."""
+    """Outcome of one labelled object."""
 
     label: int
-    """Its label in the truth."""
+    """Label of the object in the ground truth."""
     cause: Cause
-    """Why it was lost, or FOUND."""
+    """Cause of the loss, or FOUND."""
     region: int
-    """The region with the largest IoU, or for merged, flooded and split objects the one that covers most of it."""
+    """Region with the largest IoU. For merged, flooded and split objects, the region that covers most of the object."""
     iou: float
-    """IoU of that region."""
+    """IoU of the region with the object."""
 
 
 def find_fates(truth: Labels, labels: Labels, regions: Labels, ignore: Mask | None = None) -> list[Fate]:
-    """Return the fate of every labelled object.
+    """Return the outcome of every labelled object.
 
-    truth, labels: (H, W), 0 = background. regions: (H, W), every region of the frame from 0. ignore: (H, W) bool, the
+    truth, labels: (H, W), 0 = background. regions: (H, W), every region of the frame from 0. ignore: (H, W) bool,
     pixels that do not count.
     """
     counted = np.ones(truth.shape, bool) if ignore is None else ~ignore

@@ -1,4 +1,4 @@
-"""Checks of the input of the measures, with their messages.
+"""Validation of the arguments of the measures.
 
 Letters used in shapes: H, W = image.
 """
@@ -12,7 +12,7 @@ from spigolo.lab.evaluation.matching import Labels
 
 
 def checked_pair(truth: ArrayLike, prediction: ArrayLike, ignore: ArrayLike | None) -> tuple[Labels, Labels]:
-    """Both label images (H, W), checked, with the ignored pixels made background."""
+    """Return both validated label images (H, W), with ignored pixels set to background."""
     true, pred = _checked_labels(truth, "truth"), _checked_labels(prediction, "prediction")
     if true.shape != pred.shape:
         raise ValueError(
@@ -53,7 +53,7 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
 
 
 def checked_radius(radius_px: float) -> float:
-    """The radius as a float. ValueError where it is negative or NaN."""
+    """Return the radius as a float. Raises ValueError if it is negative or NaN."""
     if not radius_px >= 0:
         raise ValueError(f"expected radius_px to be 0 or more, got {radius_px}; mend: leave it out for the default")
     return float(radius_px)

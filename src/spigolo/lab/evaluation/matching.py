@@ -1,7 +1,7 @@
-"""Who overlaps whom, who is paired with whom, and which boundary pixels meet.
+"""Overlap and pairing of objects and segments, and matching of boundary pixels.
 
-Everything here takes label images that were already checked (`spigolo.lab.evaluation.score_frame` does it).
-Letters used in shapes: H, W = image, N = true objects, S = predicted segments.
+All functions expect validated label images (`spigolo.lab.evaluation.score_frame` validates them). Letters used in
+shapes: H, W = image, N = true objects, S = predicted segments.
 """
 
 from __future__ import annotations
@@ -20,50 +20,50 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 RADIUS_PER_DIAGONAL = 0.003
-"""Reach of the boundary matching as a share of the image diagonal."""
+"""Radius of the boundary matching as a share of the image diagonal."""
 
 DENSE = 4096
-"""Up to this label each has a place of its own in the counts, whether it occurs or not."""
+"""Maximum label that is counted in an array indexed by label. Larger labels are ranked first."""
 
 LARGE_PX = 16
-"""From this radius on a distance transform is faster than a disk."""
+"""Minimum radius at which a distance transform is faster than a disk."""
 
 NEEDS_SCIPY = 'the measures need scipy, which is not installed; mend: pip install "spigolo[evaluation]"'
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OverlapTable:
-    """Pixel counts of every (true object, predicted segment) couple. Background is neither."""
+    """Pixel counts of every pair of true object and predicted segment, without background."""
 
     object_ids: NDArray[np.integer[Any]]
-    """(N,) labels of the true objects, ascending."""
+    """Labels (N,) of the true objects, ascending."""
 
     segment_ids: NDArray[np.integer[Any]]
-    """(S,) labels of the predicted segments, ascending."""
+    """Labels (S,) of the predicted segments, ascending."""
 
     shared_px: Ints
-    """(N, S) pixels that carry both labels."""
+    """Number of pixels (N, S) with both labels."""
 
     object_px: Ints
-    """(N,) area of each true object. Uncovered pixels count too."""
+    """Area (N,) of each true object in pixels, including uncovered pixels."""
 
     segment_px: Ints
-    """(S,) area of each segment. Pixels on no object count too."""
+    """Area (S,) of each segment in pixels, including pixels on no object."""
 
     def recall(self) -> Floats:
-        """(N, S) share of the object that the segment covers."""
+        """Share (N, S) of the object that the segment covers."""
         return self.shared_px / self.object_px[:, np.newaxis]
 
     def precision(self) -> Floats:
-        """(N, S) share of the segment that lies on the object."""
+        """Share (N, S) of the segment that lies on the object."""
         return self.shared_px / self.segment_px[np.newaxis, :]
 
     def f(self) -> Floats:
-        """(N, S) harmonic mean of recall and precision: twice the shared area over the sum of both areas."""
+        """Harmonic mean (N, S) of recall and precision: twice the shared area over the sum of both areas."""
         return 2 * self.shared_px / np.add.outer(self.object_px, self.segment_px)
 
     def iou(self) -> Floats:
-        """(N, S) shared area over the area of the union."""
+        """Intersection over union (N, S): shared area over the area of the union."""
         return self.shared_px / (np.add.outer(self.object_px, self.segment_px) - self.shared_px)
 
 
@@ -80,7 +80,7 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
     pred_values, pred_rank = _ranked(prediction)
     size = (len(true_values), len(pred_values))
     couple = np.multiply(true_rank, size[1], dtype=np.intp)
-    np.add(couple, pred_rank, out=couple, dtype=np.intp)  # in place: fresh memory takes longer than the sums
+    np.add(couple, pred_rank, out=couple, dtype=np.intp)  # in place: allocation takes longer than the sums
     counts = np.bincount(couple, minlength=math.prod(size)).reshape(size)
     object_px, segment_px = counts.sum(axis=1), counts.sum(axis=0)
     is_object, is_segment = (true_values != 0) & (object_px > 0), (pred_values != 0) & (segment_px > 0)
@@ -94,9 +94,9 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
 
 
 def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
-    """Values, ascending, that hold all labels, and the place of each pixel's among them (H * W,).
+    """Return ascending values that include all labels, and the index of each pixel's label among them (H * W,).
 
-    Labels that count up are their own places: sorting the pixels would take most of the time of a score.
+    Small labels are their own indices. Sorting the pixels would take most of the time of a score.
     """
     highest = int(labels.max(initial=0))
     if highest <= DENSE:
@@ -105,13 +105,13 @@ def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.intege
 
 
 def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Pair objects and segments one to one so that the sum of the pairs' F is as large as it can be.
+    """Pair objects and segments one to one so that the sum of the pairs' F is maximal.
 
     Returns
     -------
     objects, segments
-        (min(N, S),) row and column numbers of the table. If several pairings reach the same sum, the
-        one taken depends on the order of the labels. So, in such a tie, do the measures made from it.
+        (min(N, S),) row and column numbers of the table. If several pairings reach the same sum, the pairing and all
+        measures from it depend on the order of the labels.
 
     """
     try:
@@ -123,12 +123,14 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def default_radius_px(shape: tuple[int, ...]) -> int:
-    """Reach of the boundary matching [px]: 0.003 of the image diagonal, rounded up (3 at 640 x 480)."""
+    """Return the radius of the boundary matching in pixels: 0.003 of the image diagonal, rounded up (3 at 640 x
+    480).
+    """
     return math.ceil(RADIUS_PER_DIAGONAL * math.hypot(*shape))
 
 
 def boundary_map(labels: Labels) -> Mask:
-    """(H, W) mask of the pixels whose right or lower neighbour carries another label."""
+    """Return a mask (H, W) of the pixels whose right or lower neighbour has another label."""
     edge = np.zeros(labels.shape, np.bool_)
     edge[:, :-1] = labels[:, :-1] != labels[:, 1:]
     edge[:-1] |= labels[:-1] != labels[1:]
@@ -138,18 +140,18 @@ def boundary_map(labels: Labels) -> Mask:
 def boundary_hits(boundary: Mask, other: Mask, radius_px: float) -> int:
     """Count the pixels of `boundary` that have a pixel of `other` at most `radius_px` away (Euclidean).
 
-    A pixel of `other` may serve any number of pixels of `boundary`.
+    A pixel of `other` may match any number of pixels of `boundary`.
     """
     return int(np.count_nonzero(boundary & _within(other, radius_px)))
 
 
 def _within(mask: Mask, radius_px: float) -> Mask:
-    """Return the pixels (H, W) that are at most that far from the mask."""
+    """Return the pixels (H, W) that are at most `radius_px` from the mask."""
     if radius_px > LARGE_PX:
         if not mask.any():
             return mask
         nearest_px = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        return np.asarray(np.sqrt(np.rint(nearest_px.astype(np.float64) ** 2)) <= radius_px)  # squares are whole
+        return np.asarray(np.sqrt(np.rint(nearest_px.astype(np.float64) ** 2)) <= radius_px)  # integer squares
     reach = np.arange(-int(radius_px), int(radius_px) + 1)
     disk = np.hypot(reach[:, np.newaxis], reach) <= radius_px
     return np.asarray(cv2.dilate(mask.astype(np.uint8), disk.astype(np.uint8)) > 0)

@@ -1,4 +1,4 @@
-"""The measures of one frame.
+"""Measures of one frame.
 
 Letters used in shapes: H, W = image, N = true objects, S = predicted segments.
 """
@@ -25,21 +25,21 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""An object counts as found when a share is larger than this (equal is not enough)."""
+"""Share above which an object counts as found. Equal is not enough."""
 
 GOOD_F = 0.75
-"""A pair counts in F@.75 when its F is larger than this (equal is not enough)."""
+"""F above which a pair counts in F@.75. Equal is not enough."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measures:
-    """Main figures of a score, for a frame, a row or a data set."""
+    """Main measures of a frame, a row or a data set."""
 
     overlap_precision: float
-    """Pixels shared within the pairs, over all predicted pixels."""
+    """Pixels shared within the pairs, divided by all predicted pixels."""
 
     overlap_recall: float
-    """Pixels shared within the pairs, over all true pixels."""
+    """Pixels shared within the pairs, divided by all true pixels."""
 
     overlap_f: float
     """Harmonic mean of `overlap_precision` and `overlap_recall`."""
@@ -64,37 +64,41 @@ MEASURES = tuple(Measures.__dataclass_fields__)
 class FrameScore(Measures):
     """Measures of one frame.
 
-    Precision, recall and F are 1 when nothing is true and nothing predicted, 0 when only one side is empty.
-    The pairing is one to one with the largest sum of F (`spigolo.lab.evaluation.matching.pair_by_f`).
+    Precision, recall and F are 1 if both images have no objects, and 0 if only one image has none. The pairing is one
+    to one with the largest sum of F (`spigolo.lab.evaluation.matching.pair_by_f`).
     """
 
     object_ids: NDArray[np.integer[Any]]
-    """(N,) labels of the true objects, ascending. The order of the arrays below."""
+    """Labels (N,) of the true objects, ascending. The arrays below have the same order."""
 
     n_segments: int
-    """S, the number of predicted segments."""
+    """Number S of predicted segments."""
 
     paired_f: Floats
-    """(N,) F of the object with its paired segment, 0 when it was left without one."""
+    """F (N,) of each object with its paired segment, 0 without a segment."""
 
     found_70_recall: Mask
-    """(N,) one segment covers more than 70 % of the object. A segment over everything finds them all."""
+    """True (N,) if one segment covers more than 70 % of the object. A single segment over the whole image finds all
+    objects.
+    """
 
     found_70_both: Mask
-    """(N,) one segment covers more than 70 % of the object, and more than 70 % of that segment lies on it."""
+    """True (N,) if one segment covers more than 70 % of the object, and more than 70 % of the segment lies on the
+    object.
+    """
 
     found_iou_70: Mask
-    """(N,) one segment has IoU > 0.7 with the object."""
+    """True (N,) if one segment has an IoU > 0.7 with the object."""
 
     best_iou: Floats
-    """(N,) largest IoU of the object with any segment, 0 when there is none."""
+    """Largest IoU (N,) of the object with any segment, 0 without segments."""
 
     covered: Floats
-    """(N,) largest share of the object that one segment covers, 0 when there is none."""
+    """Largest share (N,) of the object that one segment covers, 0 without segments."""
 
     @property
     def n_objects(self) -> int:
-        """N, the number of true objects."""
+        """Return the number N of true objects."""
         return len(self.object_ids)
 
 
@@ -106,16 +110,16 @@ def score_frame(
     Parameters
     ----------
     truth, prediction
-        (H, W) whole numbers, 0 = background, every other value one instance. The values need not agree.
+        (H, W) integers, 0 = background, every other value one instance. The values need not agree.
     ignore
-        (H, W) boolean. If set, both images become background before anything is counted.
+        (H, W) boolean. Pixels with True become background in both images before anything is counted.
     radius_px
         Reach of the boundary matching [px]. By default 0.003 of the image diagonal, rounded up.
 
     Raises
     ------
     ValueError
-        For images that are not alike, not 2-D or not labels, an unfit `ignore`, or a negative radius.
+        For images of different shapes, not 2-D or not labels, a wrong `ignore`, or a negative radius.
 
     """
     true, pred = checked_pair(truth, prediction, ignore)
@@ -143,12 +147,12 @@ def score_frame(
 
 
 def _by_any_segment(holds: Mask) -> Mask:
-    """(N,) from (N, S): True if it holds for any segment. Never without segments."""
+    """Reduce (N, S) to (N,): True if any segment is True. False without segments."""
     return np.asarray(holds.any(axis=1), np.bool_)
 
 
 def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
-    """Precision, recall and F of counts. 1 when both sides are empty, 0 when one is."""
+    """Return precision, recall and F of counts. All three are 1 if both sides are empty, and 0 if one side is empty."""
     if all_pred == 0 and all_true == 0:
         return 1.0, 1.0, 1.0
     precision = hits_pred / all_pred if all_pred else 0.0

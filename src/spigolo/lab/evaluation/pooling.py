@@ -1,7 +1,7 @@
-"""Rows put together: the figures of a method on many frames, and of two methods next to each other.
+"""Pooled measures of a method on many frames, and differences between two methods.
 
-Near-identical frames count once: a frame weighs 1 / (frames of its group), so that every group weighs the same in a
-mean, and its objects count once among all objects.
+Near-identical frames count once. A frame has the weight 1 / (number of frames in its group), so that every group has
+the same weight in a mean. The objects of a group count once among all objects.
 """
 
 from __future__ import annotations
@@ -24,57 +24,62 @@ Figure = Callable[[RowScore], float]
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """Figures of one method on many frames. NaN if they mean nothing.
+    """Measures of one method on many frames. NaN if undefined.
 
-    Precision, F and false positives need frames on which every object is labelled: they are NaN if any frame is not.
+    Precision, F and false positives require that every object is labelled. These measures are NaN if any frame is not
+    fully labelled.
     """
 
     n_frames: int
     n_groups: int
-    """Groups of near-identical frames. A frame unlike all others is one."""
+    """Number of groups of near-identical frames. A frame unlike all others is a group."""
 
     n_failed: int
-    """Frames with an error. Scored as if nothing had been found."""
+    """Number of frames with an error. Such frames are scored as if nothing was found."""
 
     n_predicted: float
     """Mean number of predicted objects."""
 
     n_objects: float
-    """Labelled objects. A fraction if the frames of a group have different numbers of objects."""
+    """Number of labelled objects. The number is a fraction if frames of a group have different numbers of objects."""
 
     overlap_precision: float
     overlap_recall: float
     overlap_f: Estimate
-    """Mean over the groups, bootstrap over the groups."""
+    """Mean overlap F over the groups, with a bootstrap interval over the groups."""
 
     boundary_precision: float
     boundary_recall: float
     boundary_f: float
     f75: float
     true_positives: float
-    """Labelled objects with IoU > 0.7."""
+    """Number of labelled objects with IoU > 0.7."""
 
     false_positives: float
     found: Estimate
-    """Share of labelled objects with IoU > 0.7, Wilson interval."""
+    """Share of labelled objects with IoU > 0.7, with a Wilson interval."""
 
     found_in_regions: float
-    """The same share among all regions, rejected ones as well."""
+    """Share of labelled objects with IoU > 0.7 among all regions, including rejected ones."""
 
     best_iou: float
-    """Mean over the labelled objects."""
+    """Mean over the labelled objects of the largest IoU with a predicted object."""
 
     best_iou_of_regions: float
-    """The same among all regions."""
+    """Mean over the labelled objects of the largest IoU with any region, including rejected ones."""
 
     found_70_recall: float
-    """Share of labelled objects that one predicted one covers by more than 70 %, whatever else it covers."""
+    """Share of labelled objects that one predicted object covers by more than 70 %, even if it covers other
+    pixels too.
+    """
 
     found_70_both: float
-    """Share of labelled objects that one predicted one covers so and lies on by more than 70 %."""
+    """Share of labelled objects that one predicted object covers by more than 70 %, if more than 70 % of the predicted
+    object lies on the labelled object.
+    """
 
     pieces: float
-    """Regions that hold 5 % of an object or more, per labelled object."""
+    """Number of regions with at least 5 % of an object, per labelled object."""
 
     leaks: float
     """Under-segmentation error of the regions, mean over the labelled objects."""
@@ -85,9 +90,9 @@ class Pooled:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Differences between the figures of two methods, on the frames that both have.
+    """Differences between the measures of two methods, on the frames that both have.
 
-    Intervals: bootstrap over the groups, paired. cpu_ratio: median over the frames of the ratio of CPU times.
+    Intervals: paired bootstrap over the groups. cpu_ratio: median over the frames of the ratio of CPU times.
     """
 
     n_frames: int
@@ -100,9 +105,9 @@ class Difference:
 
 
 def pool(rows: Sequence[Row]) -> Pooled:
-    """The figures of one method on the frames of these rows.
+    """Return the pooled measures of one method on the frames of these rows.
 
-    Raises ValueError without rows, and where two rows are of one frame.
+    Raises ValueError without rows, or if two rows belong to one frame.
     """
     _check(rows)
     scored = [row for row in rows if row.score is not None]
@@ -142,7 +147,7 @@ def pool(rows: Sequence[Row]) -> Pooled:
 
 
 def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
-    """Compare two methods: the figures of `after` minus those of `before`. Raises ValueError as `pool` does."""
+    """Compare two methods: the measures of `after` minus those of `before`. Raises ValueError as `pool` does."""
     _check(before)
     _check(after)
     old = {(row.data_set, row.frame): row for row in before}
@@ -186,7 +191,9 @@ def _weights(rows: Sequence[Row]) -> Floats:
 
 
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
-    """(G,) mean of a figure within each group, groups in the order of their first frame. `of` says the groups."""
+    """Return the mean (G,) of a measure in each group, in the order of their first frames. `of` determines the
+    groups.
+    """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):
         assert row.score is not None
@@ -203,6 +210,6 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 
 
 def _share(rows: Sequence[Row], count: Figure) -> float:
-    """Return the share of labelled objects for a count."""
+    """Return the count as a share of the labelled objects."""
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

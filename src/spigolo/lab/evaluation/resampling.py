@@ -1,4 +1,4 @@
-"""Intervals by resampling, and splits that keep what belongs together on one side.
+"""Confidence intervals by resampling, and splits that keep near-identical frames on one side.
 
 Letters used in shapes: G = groups of near-identical frames, K = frames.
 """
@@ -21,7 +21,7 @@ LEVEL = 0.95
 
 
 class Estimate(NamedTuple):
-    """A figure with its 95 % interval. NaN for what is not known."""
+    """Value with its 95 % interval. NaN if not known."""
 
     value: float
     low: float
@@ -33,7 +33,9 @@ UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
-    """Frames by number. inside: to choose by. outside: to score, and no frame like them is inside."""
+    """Indices of frames. inside: frames for choosing. outside: frames for scoring, which have no similar frame
+    inside.
+    """
 
     name: str
     inside: Indices
@@ -43,9 +45,9 @@ class Split:
 def bootstrap(
     values: ArrayLike, weights: ArrayLike | None = None, *, draws: int = DRAWS, seed: int = SEED, level: float = LEVEL
 ) -> Estimate:
-    """The weighted mean of one value per group, with its percentile interval over groups drawn with replacement.
+    """Return the weighted mean of one value per group, with its percentile interval over groups drawn with replacement.
 
-    values, weights: (G,), weights 1 by default. For a paired comparison give the differences. The interval is NaN with
+    values, weights: (G,), weights 1 by default. For a paired comparison, pass the differences. The interval is NaN with
     fewer than two groups. The same seed gives the same interval.
     """
     x = np.asarray(values, np.float64)
@@ -68,9 +70,10 @@ def bootstrap(
 
 
 def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Split]:
-    """Split K frames into `k` folds of about one size, each the outside of one split. A group is never divided.
+    """Split K frames into `k` folds of about equal size. Each fold is the outside of one split. A group is never
+    divided.
 
-    groups: (K,) the group of each frame. Raises ValueError if there are fewer groups than folds.
+    groups: (K,) group of each frame. Raises ValueError if there are fewer groups than folds.
     """
     frames_of = _frames_of(groups)
     if not 2 <= k <= len(frames_of):
@@ -79,7 +82,7 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
         )
     order = np.random.default_rng(seed).permutation(len(frames_of))
     lists = list(frames_of.values())
-    # large groups first, so that the folds come out alike in size
+    # large groups first, so that the folds get similar sizes
     shuffled = sorted((lists[i] for i in order), key=len, reverse=True)
     held: list[list[int]] = [[] for _ in range(k)]
     for members in shuffled:
@@ -88,10 +91,10 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
 
 
 def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = None) -> list[Split]:
-    """A split per data set, in the order of their names, with that set outside.
+    """Return one split per data set, with that set outside, in the order of their names.
 
-    sets: (K,) the data set of each frame. groups: (K,) its group. Frames of other sets that are like one outside are on
-    neither side. Raises ValueError with fewer than two sets.
+    sets: (K,) data set of each frame. groups: (K,) group of each frame. Frames of other sets that are similar to one
+    outside are on neither side. Raises ValueError with fewer than two sets.
     """
     names = sorted(set(sets))
     if len(names) < 2:
@@ -116,11 +119,11 @@ def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hasha
 
 
 def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
-    """Wilson's score interval of a share: `hits` out of `n`, at `z` standard deviations (1.96 = 95 %).
+    """Return Wilson's score interval of a share: `hits` out of `n`, at `z` standard deviations (1.96 = 95 %).
 
-    Honest for few trials and for shares near 0 or 1. Nothing is known without trials: (0, 1). Counts need not be whole:
-    trials that are near-identical may weigh less.
-    Trials are taken as independent. Objects of one frame are not quite.
+    The interval is valid for few trials and for shares near 0 or 1. Without trials it is (0, 1). Counts need not be
+    integers, as near-identical trials may have lower weights. Trials are assumed to be independent, which objects of
+    one frame are only approximately.
     """
     if not 0 <= hits <= n or not z >= 0:
         raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts")

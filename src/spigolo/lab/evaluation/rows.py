@@ -1,4 +1,4 @@
-"""Rows: what one method made of one frame, a line of JSON each, in a file that an evaluation can go on with.
+"""Rows: the scores of one method on one frame as a line of JSON, in a file to which an evaluation can append.
 
 Letters used in shapes: H, W = image, N = true objects.
 """
@@ -23,10 +23,10 @@ from spigolo.lab.evaluation.matching import OverlapTable, overlap_table
 from spigolo.lab.evaluation.measures import MEASURES, Measures, score_frame
 
 PIECE = 0.05
-"""A region with a smaller share of an object is no piece of it."""
+"""Minimum share of an object in a region for the region to count as a piece of it."""
 
 Labelling = Literal["full", "part", "none"]
-"""Which objects of a frame are labelled: every one, some, none. Precision means something with `full` alone."""
+"""Extent of the labels in a frame: every object, some objects, or none. Precision is meaningful only with `full`."""
 
 
 class Key(NamedTuple):
@@ -40,50 +40,59 @@ class Key(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RowScore(Measures):
-    """Measures of one frame, as `FrameScore` has them, and counts that can be added up."""
+    """Measures of one frame as in `FrameScore`, and counts that can be summed."""
 
     n_objects: int
-    """N, labelled objects."""
+    """Number N of labelled objects."""
 
     n_segments: int
-    """Predicted objects outside of what is ignored."""
+    """Number of predicted objects outside the ignored pixels."""
 
     best_iou: tuple[float, ...]
-    """(N,) largest IoU of each labelled object with a predicted one."""
+    """Largest IoU (N,) of each labelled object with a predicted one."""
 
     best_iou_of_regions: tuple[float, ...]
-    """(N,) the same with any region, rejected ones as well: what the rejection could have kept."""
+    """Largest IoU (N,) of each labelled object with any region, including rejected ones."""
 
     true_positives: int
-    """Labelled objects with IoU > 0.7. Each is met by one predicted object alone."""
+    """Number of labelled objects with IoU > 0.7. Each is matched by exactly one predicted object."""
 
     false_positives: int
-    """Predicted objects that meet no labelled one so. Wrong only where every object is labelled."""
+    """Number of predicted objects without a match at IoU > 0.7. Such objects are errors only if every object is
+    labelled.
+    """
 
     false_negatives: int
-    """Labelled objects that are met by none."""
+    """Number of labelled objects without a match."""
 
     found_70_recall: int
-    """Labelled objects that one predicted one covers by more than 70 %, whatever else it covers."""
+    """Number of labelled objects that one predicted object covers by more than 70 %, even if it covers other pixels
+    too.
+    """
 
     found_70_both: int
-    """Labelled objects among these that such a predicted object covers by more than 70 % of its own area."""
+    """Number of labelled objects in `found_70_recall` whose predicted object lies on them with more than 70 % of its
+    area.
+    """
 
     pieces: int
-    """Regions that hold 5 % of a labelled object or more, added up over the objects."""
+    """Number of regions with at least 5 % of a labelled object, summed over the objects."""
 
     leaks: float
-    """Under-segmentation (Neubert & Protzel 2012): what the regions that meet an object add to it, or lack if that is
-    less, as a share of it, added up over the objects."""
+    """Under-segmentation error (Neubert & Protzel 2012), summed over the objects.
+
+    For each region that meets an object, it is the smaller of the region's area outside and inside the object, as a
+    share of the object.
+    """
 
     covered: tuple[float, ...] = ()
-    """(N,) largest share of each labelled object that one predicted one covers. () in rows made without it."""
+    """Largest share (N,) of each labelled object that one predicted object covers. () in older rows."""
 
     covered_by_regions: tuple[float, ...] = ()
-    """(N,) the same by any region, rejected ones as well."""
+    """Largest share (N,) of each labelled object that any region covers, including rejected ones."""
 
     names: tuple[str, ...] = ()
-    """(N,) what the labelled objects are, () where the data set does not say."""
+    """Names (N,) of the labelled objects. () if the data set has no names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +109,7 @@ class Row:
     method: str
 
     preset: str
-    """Name of the parameters. `digest` tells their values apart."""
+    """Name of the preset. Presets of one name are distinguished by `digest`."""
 
     digest: str
     parameters: dict[str, Any]
@@ -116,23 +125,23 @@ class Row:
     wall_s: float | None
 
     n_predicted: int
-    """Predicted objects, also those on ignored pixels."""
+    """Number of predicted objects, including those on ignored pixels."""
 
     rejected: dict[str, int]
-    """Rejected regions by reason."""
+    """Number of rejected regions, indexed by reason."""
 
     score: RowScore | None
-    """None without labels. A method that failed is scored as if it had found nothing."""
+    """Score of the frame. None without labels. A method that failed is scored as if it found nothing."""
 
     error: str | None = None
-    """Error in one sentence, None after success."""
+    """Error in one sentence. None after success."""
 
     content: str = ""
-    """Checksum of the frame's files, "" where it was not kept: what tells frames of one name apart."""
+    """Checksum of the frame's files, which distinguishes frames with the same name. "" if unknown."""
 
     @property
     def key(self) -> Key:
-        """Data set, frame, method and digest."""
+        """Return data set, frame, method and digest."""
         return Key(self.data_set, self.frame, self.method, self.digest)
 
 
@@ -143,10 +152,10 @@ def score_row(
     ignore: ArrayLike | None = None,
     names: Mapping[int, str] | None = None,
 ) -> RowScore:
-    """The score of a row from label images (H, W), 0 = background. See `score_frame`.
+    """Return the score of a row from label images (H, W), 0 = background. See `score_frame`.
 
-    regions: the partition that the objects were chosen from, as a label image without background. By default the
-    prediction itself. names: what the true objects are, by label.
+    regions: partition from which the objects were chosen, as a label image without background. By default the
+    prediction itself. names: names of the true objects, indexed by label.
     """
     score = score_frame(truth, prediction, ignore)
     table = overlap_table(*checked_pair(truth, prediction if regions is None else regions, ignore))
@@ -181,14 +190,14 @@ def _adapter() -> TypeAdapter[Row]:
 
 
 def row_to_json(row: Row) -> str:
-    """One line of JSON, without its end."""
+    """Return a row as one line of JSON, without line end."""
     return _adapter().dump_json(row).decode()
 
 
 def read_rows(path: Path | str) -> list[Row]:
-    """The rows of a file. A last line without its end is what a crash left, and is dropped.
+    """Return the rows of a file. An incomplete last line, left by a crash, is dropped.
 
-    Raises FileError if the file cannot be read or a line is no row.
+    Raises FileError if the file cannot be read or a line is not a row.
     """
     try:
         data = Path(path).read_bytes()
@@ -214,27 +223,27 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
 
 
 class RowFile:
-    """A file of rows, open to append: `rows` are those that it holds, each new one is on the disk at once.
+    """File of rows, open for appending. `rows` holds its rows. Each new row is written to disk at once.
 
-    A half-written last line is cut off when the file is opened. Raises FileError if it cannot be opened or holds
-    something else.
+    An incomplete last line is removed when the file is opened. Raises FileError if it cannot be opened or is not a file
+    of rows.
     """
 
     rows: list[Row]
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        self.rows = read_rows(self.path) if self.path.exists() else []  # before anything is changed
+        self.rows = read_rows(self.path) if self.path.exists() else []  # before the file is changed
         self._file = append_lines(self.path)
 
     def append(self, row: Row) -> None:
-        """Write a row and keep it."""
+        """Write a row and keep it in `rows`."""
         self._file.write(row_to_json(row).encode() + b"\n")
         self._file.flush()
         self.rows.append(row)
 
     def rewrite(self, rows: Sequence[Row]) -> None:
-        """Put these in place of all that it holds, at once."""
+        """Replace all rows of the file in one step."""
         self._file.close()
         write_bytes(self.path.resolve(), b"".join(row_to_json(row).encode() + b"\n" for row in rows))
         self.rows, self._file = list(rows), append_lines(self.path)

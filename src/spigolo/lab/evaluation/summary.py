@@ -1,4 +1,4 @@
-"""The measures of many frames together."""
+"""Measures of many frames together."""
 
 from __future__ import annotations
 
@@ -15,13 +15,15 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 
 @dataclass(frozen=True, slots=True)
 class DatasetScore(Measures):
-    """Measures of many frames: means over the frames, or shares of the objects of all frames together.
+    """Measures of many frames: means over the frames, or shares of the objects of all frames.
 
-    The means of the frames' F are not the harmonic means of the figures next to them.
+    The mean F over frames is not the harmonic mean of the mean precision and recall.
     """
 
     found_70_recall: float
-    """Share of all objects, NaN without objects. Merging raises it: read it together with `overlap_precision`."""
+    """Share of all objects, NaN without objects. Merging regions raises it, so read it together with
+    `overlap_precision`.
+    """
 
     found_70_both: float
     """Share of all objects, NaN without objects."""
@@ -30,25 +32,25 @@ class DatasetScore(Measures):
     """Share of all objects, NaN without objects."""
 
     best_iou: float
-    """Mean over all objects of their best IoU, NaN without objects."""
+    """Mean over all objects of their largest IoU, NaN without objects."""
 
     segments_per_object: float
-    """Predicted segments of all frames over the objects of all frames (over 1 when there are none)."""
+    """Number of predicted segments divided by the number of objects (by 1 without objects), over all frames."""
 
     n_frames: int
     """Number of scored frames."""
 
     n_objects: int
-    """Number of true objects in all of them."""
+    """Number of true objects in all frames."""
 
 
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
-    """Put the scores of many frames together. Every frame, or every object, weighs the same.
+    """Combine the scores of many frames. Every frame, or every object, has the same weight.
 
     Raises
     ------
     ValueError
-        When there is no frame.
+        If there are no frames.
 
     """
     scores = list(scores)

@@ -1,4 +1,4 @@
-"""Methods on labelled frames, in two steps: `evaluate` writes rows, `write_report` makes a page of them.
+"""Evaluation of methods on labelled frames in two steps: `evaluate` writes rows, `write_report` makes a page of them.
 
 frames = find_labelled_frames([Path("frames")])
 evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))

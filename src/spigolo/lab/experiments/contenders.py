@@ -1,4 +1,4 @@
-"""Rows of one method with one set of parameters, under the name that tells it from the others."""
+"""Contenders: rows of one method with one set of parameters, under a unique name."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ from spigolo.lab.evaluation.rows import Row, read_rows
 from spigolo.settings.presets import PRESETS
 
 Part = tuple[str, str, str]
-"""Method, digest, and file where files hold the same frames."""
+"""Method, digest, and file if several files hold the same frames."""
 
 Place = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Contender:
-    """label: its name on the page. file: where it comes from, if files hold the same frames. rows: one per frame."""
+    """Rows of one method. label: name on the page. file: origin, if several files hold the same frames. rows: one per
+    frame.
+    """
 
     label: str
     file: str
@@ -27,12 +29,12 @@ class Contender:
 
     @property
     def which(self) -> tuple[str, str]:
-        """Method and digest."""
+        """Return method and digest."""
         return self.rows[0].method, self.rows[0].digest
 
 
 def read_contenders(paths: Sequence[Path]) -> list[Contender]:
-    """The contenders of files of rows, in the order of their first rows."""
+    """Return the contenders of files of rows, in the order of their first rows."""
     files = {path: read_rows(path) for path in paths}
     rows = gather({str(path): held for path, held in files.items()})
     if not rows:
@@ -41,10 +43,10 @@ def read_contenders(paths: Sequence[Path]) -> list[Contender]:
 
 
 def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
-    """The contenders of rows by the file that they come from.
+    """Return the contenders of rows, indexed by the file of the rows.
 
-    Files that hold different frames of one method add up. Those that hold the same frames are contenders of their own,
-    as before and after a change of the code.
+    Files with different frames of one method are combined. Files with the same frames give separate contenders, for
+    example before and after a change of the code.
     """
     held = {file: _by_method(rows) for file, rows in files.items()}
     parts: dict[Part, dict[Place, Row]] = {}
@@ -58,14 +60,14 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
 
 
 def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
-    """Find the contenders that others are compared with: those of that label, digest, preset, method or file.
+    """Return the contenders with which others are compared, by label, digest, preset, method or file.
 
-    Without a name the first one, or, where files hold the same frames, those of the first file. Raises ConfigError
-    if the name is of none, or of several that are not one file.
+    Without a name, the first contender is returned, or those of the first file if files hold the same frames. Raises
+    ConfigError if the name matches none, or several that are not one file.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]
-    alias = PRESETS[name.upper()].digest if name.upper() in PRESETS else name  # OBJECTS is the newest of several
+    alias = PRESETS[name.upper()].digest if name.upper() in PRESETS else name  # OBJECTS means the newest version
     exact = [c for c in contenders if name == c.label]
     files = {c.file for c in contenders if c.file and name in (c.file, Path(c.file).name, Path(c.file).stem)}
     found = exact or [c for file in files for c in _of_file(contenders, file)]
@@ -82,7 +84,7 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 
 
 def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
-    """Each other contender with the reference of its method and digest, or else with the first reference."""
+    """Return each other contender with the reference of its method and digest, or else with the first reference."""
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]
 
@@ -103,7 +105,7 @@ def _by_method(rows: Sequence[Row]) -> dict[tuple[str, str], dict[Place, Row]]:
 
 
 def _labels(firsts: Mapping[Part, Row]) -> dict[Part, str]:
-    """As short as tells them apart: preset, method and preset, digest, file."""
+    """Return the shortest labels that are unique: preset, method and preset, digest, file."""
     one_method = len({method for method, _, _ in firsts}) == 1
     labels = {part: _short(row, one_method) for part, row in firsts.items()}
     labels = _refine(labels, lambda part: part[1] if _digests(labels, labels[part]) > 1 else "")
@@ -122,6 +124,6 @@ def _digests(labels: Mapping[Part, str], label: str) -> int:
 
 
 def _refine(labels: Mapping[Part, str], more: Callable[[Part], str]) -> dict[Part, str]:
-    """The labels, those that are not alone with something more."""
+    """Return the labels, with an addition to those that are not unique."""
     count = Counter(labels.values())
     return {part: f"{label} {more(part)}".rstrip() if count[label] > 1 else label for part, label in labels.items()}

@@ -1,4 +1,4 @@
-"""Limitations of a report's figures, as sentences made from its rows."""
+"""Limitations of a report, as sentences derived from its rows."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.experiments.tables import FEW_GROUPS
 
 MOST = 0.5
-"""A set with more than this share of the groups stands for most of the pooled figures."""
+"""Share of the groups above which one data set dominates the pooled measures."""
 
 
 def limitations(contenders: Sequence[Contender]) -> list[str]:
-    """The limitations, the weightier first."""
+    """Return the limitations, the most important first."""
     rows = [row for contender in contenders for row in contender.rows]
     groups = {row.group: row.data_set for row in rows if row.score is not None}
     methods = sorted({row.method for row in rows})

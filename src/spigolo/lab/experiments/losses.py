@@ -1,4 +1,4 @@
-"""Lost objects by cause, on labelled frames."""
+"""Lost objects on labelled frames, grouped by cause."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from spigolo.methods import Method
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """One labelled object and its fate."""
+    """Labelled object and its outcome."""
 
     data_set: str
     """Name of the data set."""
     frame: str
     """Name of the frame."""
     fate: Fate
-    """The fate of the object."""
+    """Outcome of the object."""
     why: str
-    """The rule that rejected its region. Empty for a returned region."""
+    """Rule that rejected the object's region. Empty for a returned region."""
 
 
 def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], None] | None = None) -> list[Loss]:
-    """Return the fates of all labelled objects of some frames with one method."""
+    """Return the outcomes of all labelled objects of some frames with one method."""
     losses: list[Loss] = []
     for done, entry in enumerate(entries, start=1):
         frame, truth = entry.read_both()
@@ -44,7 +44,7 @@ def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], 
 
 
 def loss_table(losses: Sequence[Loss]) -> Table:
-    """Return the number of objects by data set and cause."""
+    """Return the number of objects for each data set and cause."""
     counts: dict[str, Counter[Cause]] = defaultdict(Counter)
     for loss in losses:
         counts[loss.data_set][loss.fate.cause] += 1
@@ -58,7 +58,7 @@ def loss_table(losses: Sequence[Loss]) -> Table:
 
 
 def lost_objects(losses: Sequence[Loss]) -> Table:
-    """Return one row for each lost object: its cause, the IoU of its region, and the rule that rejected that."""
+    """Return one row for each lost object: its cause, the IoU of its region, and the rule that rejected the region."""
     lost = [loss for loss in losses if loss.fate.cause is not Cause.FOUND]
     rows = [
         (f"{x.data_set}/{x.frame}", str(x.fate.label), x.fate.cause.value, f"{x.fate.iou:.2f}", x.why) for x in lost

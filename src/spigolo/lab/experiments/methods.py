@@ -11,9 +11,9 @@ from spigolo.settings.config import Config
 
 
 def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method]:
-    """Methods by name: `toscana2016` once per configuration, any other once. The same parameters come once.
+    """Return the methods of some names: `toscana2016` once per configuration, any other once. Duplicates are dropped.
 
-    Raises ConfigError for a name that is not known.
+    Raises ConfigError for an unknown name.
     """
     methods: dict[tuple[str, str], Method] = {}
     for name in names:
@@ -26,7 +26,7 @@ def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method
 
 
 def remake(row: Row) -> Method | None:
-    """The method of a row with the row's parameters, None if it no longer exists with these."""
+    """Return the method of a row with the row's parameters. None if it no longer exists with these parameters."""
     if row.method not in METHODS:
         return None
     try:

@@ -1,5 +1,6 @@
-"""The paper's Tables I to III, what it printed next to what rows say: its rule for an object that is found is that one
-segment covers more than 70 % of its pixels.
+"""Tables I to III of the paper with printed values next to measured ones.
+
+The paper counts an object as found if one segment covers more than 70 % of its pixels.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from spigolo.lab.page import Block, Cell, Heading, Items, Page, Paragraph, Table
 from spigolo.settings.presets import PRESETS
 
 RENDERED = "-rendered"
-"""Ends the names of sets that are no photographs."""
+"""Suffix of the names of rendered data sets."""
 NOT_DONE = "-"
-"""The paper's sign for a cell that it leaves out."""
+"""Sign that the paper prints in omitted cells."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """Objects of one cell, how many of them are found, and how many would be if no region were rejected."""
+    """Number of objects in one cell, number found, and number that would be found if no region were rejected."""
 
     objects: int = 0
     found: int = 0
@@ -36,12 +37,12 @@ class Tally:
 
     @property
     def share(self) -> str:
-        """Found, in per cent."""
+        """Return the share of found objects, per cent."""
         return _percent(self.found, self.objects)
 
     @property
     def share_in_regions(self) -> str:
-        """Covered by any region, in per cent."""
+        """Return the share of objects that any region covers, per cent."""
         return _percent(self.in_regions, self.objects)
 
     def among(self, other: Tally) -> str:
@@ -51,9 +52,9 @@ class Tally:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """One of the paper's tables on one data set. tallies: by contender, in their order, and place.
+    """Table of the paper on one data set. tallies: indexed by contender, in their order, and cell.
 
-    The first contender is the preset that the paper uses. beside: the method in parentheses, None if there is none.
+    The first contender is the preset that the paper uses. beside: method whose values are in parentheses, or None.
     """
 
     printed: Printed
@@ -64,16 +65,16 @@ class Measured:
 
     @property
     def title(self) -> str:
-        """Say plainly what is no photograph."""
+        """Return the title, which marks rendered frames."""
         on = f"rendered stand-in for {self.printed.about}" if self.rendered else self.printed.about
         return f"Table {self.printed.number}: {on}"
 
 
 def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple[str, Table]]:
-    """Write index.html and report.md into the folder `out`. Returns titles and tables of the sets that are there.
+    """Write index.html and report.md into the folder `out`. Return titles and tables of the data sets in the rows.
 
-    Raises FileError if the rows hold none of the paper's sets, lack the preset that the paper uses on one, are of an
-    older version or cannot be written.
+    Raises FileError if the rows hold none of the paper's data sets, lack the preset that the paper uses on one of them,
+    or are of an older version. Raises FileError also if a file cannot be written.
     """
     measured = measure(contenders)
     tables = [(one.title, paper_table(one)) for one in measured]
@@ -87,7 +88,7 @@ def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple
 
 
 def measure(contenders: Sequence[Contender]) -> list[Measured]:
-    """Measure each of the paper's sets that the rows hold. Raises FileError as `write_paper_tables` does."""
+    """Measure each of the paper's data sets in the rows. Raises FileError as `write_paper_tables` does."""
     sets = [(printed, rendered) for printed in TABLES for rendered in (False, True)]
     measured = [one for pair in sets if (one := _measure(contenders, *pair)) is not None]
     if not measured:
@@ -100,7 +101,7 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
 
 
 def paper_table(measured: Measured) -> Table:
-    """Printed and measured side by side. For one column of figures in lines, of several in columns."""
+    """Return printed and measured values next to each other, in rows for a single column and in columns for several."""
     return _wide(measured) if len(measured.printed.columns) > 1 else _narrow(measured)
 
 
@@ -131,7 +132,7 @@ def _tally(rows: Sequence[Row], printed: Printed) -> dict[Place, Tally]:
 
 
 def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
-    """The objects of a row that belong into the table, one after the other."""
+    """Yield the objects of a row that belong in the table."""
     score = row.score
     assert score is not None
     if not len(score.names) == len(score.covered) == score.n_objects:
@@ -162,7 +163,7 @@ def _narrow(measured: Measured) -> Table:
 
 
 def _wide(measured: Measured) -> Table:
-    """For each line what is printed, the measured presets, and how many objects there are."""
+    """Return for each line the printed values, the measured presets, and the number of objects."""
     printed = measured.printed
     first, *others = [label for label in measured.tallies if label != measured.beside]
     name = f"{first} ({measured.beside})" if measured.beside else first
@@ -184,7 +185,7 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """The preset's figures, those of the method next to it in parentheses."""
+    """Yield the values of the preset, with those of the second method in parentheses."""
     tallies = _tallies(measured, line, label)
     besides = _tallies(measured, line, measured.beside) if measured.beside else [None] * len(tallies)
     for tally, other in zip(tallies, besides, strict=True):
@@ -192,7 +193,7 @@ def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
 
 
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
-    """Along a line. None for what the paper leaves out."""
+    """Return the tallies of a line. None for cells that the paper omits."""
     places = [(line, column) for column in measured.printed.columns]
     return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]
 

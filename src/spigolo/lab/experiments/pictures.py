@@ -1,4 +1,4 @@
-"""Pictures of the worst frames: what was predicted next to what is true."""
+"""Pictures of the worst frames: prediction next to ground truth."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ WORST = 10
 PICTURE_WIDTH_PX = 640
 JPEG_QUALITY = 85
 SAME_F = 1e-6
-"""Overlap F that differ by less are one."""
+"""Difference of overlap F below which two frames count as equal."""
 
 Tell = Callable[[int, int], None]
 
 
 def goodness(row: Row) -> float:
-    """Return the figure that ranks frames: overlap F if every object is labelled, overlap recall if some are."""
+    """Return the measure that ranks frames: overlap F if every object is labelled, overlap recall if some are."""
     assert row.score is not None
     return row.score.overlap_f if row.labelling == "full" else row.score.overlap_recall
 
@@ -49,9 +49,10 @@ def worst_rows(rows: Sequence[Row]) -> list[Row]:
 def draw_worst(
     contender: Contender, folders: Mapping[tuple[str, str], Entry], out: Path, tell: Tell | None = None
 ) -> list[Picture]:
-    """Draw the worst frames of a contender into `out`/pictures, run anew with the parameters of the rows.
+    """Draw the worst frames of a contender into `out`/pictures, after running the method with the parameters of the
+    rows.
 
-    Frames that are not in `folders` are left out. So are all of them where the method cannot be made again.
+    Frames that are not in `folders` are left out. If the method cannot be made again, no frame is drawn.
     """
     rows = [row for row in worst_rows(contender.rows) if (row.data_set, row.frame) in folders]
     method = remake(rows[0]) if rows else None
@@ -69,7 +70,7 @@ def _draw(number: int, row: Row, method: Method, folder: Entry, label: str, out:
     try:
         frame, truth = folder.read_both()
         result = method(frame)
-    except SpigoloError:  # the files can no longer be read: no picture
+    except SpigoloError:  # no picture if files are unreadable
         return []
     if truth is None or row.score is None:
         return []

@@ -1,4 +1,4 @@
-"""Printed figures of the paper's Tables I to III, and the cell of each object of each frame."""
+"""Printed values of the paper's Tables I to III, and the cell of each object of each frame."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Place = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One printed cell, in per cent. beside: what stands in parentheses. objects: how many there were, if printed."""
+    """Printed cell in per cent. beside: value in parentheses. objects: number of objects, if printed."""
 
     found: str
     beside: str = ""
@@ -21,11 +21,11 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """One of the tables.
+    """Table of the paper.
 
-    data_set: name of its reader's frames. preset: with the parameters of its section. beside: the method in
-    parentheses, "" for none. figures: no entry where the paper has "-". place: the cell of an object by the names of
-    frame and object, whether or not the table has such a cell.
+    data_set: name of its reader's frames. preset: preset with the parameters of its section. beside: method whose
+    values are in parentheses, "" for none. figures: printed values, without an entry for "-". place: function that
+    returns the cell of an object from the names of frame and object, even if the table has no such cell.
     """
 
     number: str
@@ -39,12 +39,12 @@ class Printed:
 
     @property
     def lines(self) -> Sequence[str]:
-        """In their order."""
+        """Names of the lines in their order."""
         return list(dict.fromkeys(line for line, _ in self.figures))
 
     @property
     def columns(self) -> Sequence[str]:
-        """In their order."""
+        """Names of the columns in their order."""
         return list(dict.fromkeys(column for _, column in self.figures))
 
 
@@ -56,13 +56,15 @@ CATEGORIES = {
 
 
 def _run(frame: str, name: str) -> Place:
-    """Rutgers APC names frames OBJECT-BIN-CLUTTER-POSITION-SHOT: the runs have more and more objects in each image."""
+    """Return the cell of a Rutgers APC frame. Names are OBJECT-BIN-CLUTTER-POSITION-SHOT, with more clutter in later
+    runs.
+    """
     found = re.fullmatch(r".+-[A-L]-(\d+)-\d+-\d+", frame)
     return (f"Run_{int(found[1]) + 1}" if found else ""), ALL
 
 
 def _scene(frame: str, name: str) -> Place:
-    """RGB-D Scenes names frames SCENE_K_N, and objects by category and number."""
+    """Return the cell of an object in RGB-D Scenes. Frames are named SCENE_K_N, and objects by category and number."""
     return frame.rpartition("_")[0].capitalize(), CATEGORIES.get(name.rpartition("_")[0], "")
 
 

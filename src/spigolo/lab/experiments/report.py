@@ -1,4 +1,4 @@
-"""The page that says how good methods are and how fast, from their rows."""
+"""Report on accuracy and time of methods, made from their rows."""
 
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ def write_report(
 ) -> None:
     """Write index.html and report.md into the folder `out`, and pictures of the worst of `frames` next to them.
 
-    against: what differences are to, as `find_references` takes it. tell: called with the number of pictures drawn and
-    to draw, for each contender anew. Raises ConfigError for an unknown name, FileError where a file cannot be written.
+    against: reference of the differences, as in `find_references`. tell: called with the number of pictures drawn and
+    the total, separately for each contender. Raises ConfigError for an unknown name. Raises FileError if a file cannot
+    be written.
     """
     references = find_references(contenders, against)
     rows = [row for contender in contenders for row in contender.rows]

@@ -1,4 +1,4 @@
-"""Methods on frames, a row each, in this process or in several."""
+"""Evaluation of methods on frames, one row each, in this process or in several."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from spigolo.methods import Method
 from spigolo.objects.segmentation import Segmentation
 
 Tell = Callable[[int, int, Row | None], None]
-"""Called with the number of rows done, of rows to do and the row just done."""
+"""Function that is called with the number of rows done, the total, and the latest row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +37,13 @@ class Task:
 
     @property
     def key(self) -> Key:
-        """As that of the row that it will be."""
+        """Return the key of the row that the task will give."""
         return Key(self.frame.data_set, self.frame.name, self.method, self.digest)
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """What a method answered, and in what time."""
+    """Result and times of a method."""
 
     result: Segmentation
     cpu_s: float
@@ -51,14 +51,14 @@ class Run:
 
 
 class Worker:
-    """Does tasks one after the other. The first frame of a method is run once before it is timed."""
+    """Function that runs tasks. The first frame of a method is run once before it is timed."""
 
     def __init__(self, methods: Sequence[Method]) -> None:
         self._methods = {(method.name, method.digest): method for method in methods}
         self._warm: set[tuple[str, str]] = set()
 
     def __call__(self, task: Task) -> Row:
-        """The row of a task; an error that spigolo raises on purpose becomes a row as well."""
+        """Return the row of a task. An error that spigolo raises on purpose gives a row too."""
         method = self._methods[task.method, task.digest]
         content, truth = "", None
         try:
@@ -71,7 +71,9 @@ class Worker:
         return _row(task.frame, content, method, run, None if truth is None else _score(truth, run.result))
 
     def lost(self, task: Task, reason: str) -> Row:
-        """Return the row of a task that no worker survived. It has no content, so that another run tries it again."""
+        """Return the row of a task whose workers died. The row has no content checksum, so that a later run repeats the
+        task.
+        """
         method = self._methods[task.method, task.digest]
         return _row(task.frame, "", method, None, _score_of_nothing(_readable_truth(task.frame)), reason)
 
@@ -95,12 +97,13 @@ def evaluate(
     tell: Tell | None = None,
     engine: Engine | None = None,
 ) -> list[Row]:
-    """Run every method on every frame and append one row for each to the file `out`. Rows in the file are kept.
+    """Run every method on every frame and append one row each to the file `out`. Existing rows are kept.
 
-    Groups and labelling of the rows in the file follow the frames. Errors of frames that were mended are run again, and
-    so are tasks whose worker died. One run at a time owns the file. jobs: worker processes. engine: does the work
-    instead. Returns the rows of these methods on these frames, old and new. Raises SpigoloError where the measures
-    cannot run, FileError for a file that holds something else.
+    Groups and labelling of existing rows are updated from the frames. Frames that were repaired after an error are run
+    again, and so are tasks whose worker died. One run at a time owns the file.
+
+    jobs: worker processes. engine: used instead of worker processes. Returns the rows of these methods on these frames,
+    old and new. Raises SpigoloError if the measures cannot run, FileError for a file with another content.
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)
@@ -124,9 +127,9 @@ def evaluate(
 
 
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
-    """The rows of a file with groups and labelling as the frames have them now: neither asks for a new run.
+    """Return the rows of a file with the current groups and labelling of the frames, which require no new run.
 
-    Without errors of what was mended since. Raises FileError for rows of other frames that have the names of these.
+    Errors of repaired frames are dropped. Raises FileError if rows belong to other frames with the same names.
     """
     entries = {(frame.data_set, frame.name): frame for frame in frames}
     failed = _places(row for row in file.rows if row.error is not None)
@@ -153,7 +156,7 @@ def _places(rows: Iterable[Row]) -> set[tuple[str, str]]:
 
 
 def _readable_content(frame: Entry) -> str:
-    """As the row of a frame has it: nothing where a file cannot be read."""
+    """Return the content checksum of a frame as in its row. Empty if a file is unreadable."""
     try:
         return frame.content
     except FileError:
@@ -161,7 +164,7 @@ def _readable_content(frame: Entry) -> str:
 
 
 def _as_described(row: Row, frame: Entry | None) -> Row:
-    """A row with the group and labelling of its frame; what was scored without labels stays so."""
+    """Return a row with the group and labelling of its frame. A row that was scored without labels stays unlabelled."""
     if frame is None:
         return row
     unscored = "none" in (row.labelling, frame.labelling)
@@ -188,7 +191,7 @@ def _score(truth: Truth, result: Segmentation) -> RowScore:
 
 
 def _readable_truth(frame: Entry) -> Truth | None:
-    """The labels of a frame of which something cannot be read."""
+    """Return the labels of a frame with an unreadable file. None if the labels are unreadable."""
     try:
         return frame.read_truth()
     except SpigoloError:
@@ -196,7 +199,9 @@ def _readable_truth(frame: Entry) -> Truth | None:
 
 
 def _score_of_nothing(truth: Truth | None) -> RowScore | None:
-    """None also for an empty scene: who failed there has not seen that it is empty."""
+    """Return the score of an empty prediction. None for an empty scene, as a failed method did not detect that it is
+    empty.
+    """
     if truth is None or not truth.labels.any():
         return None
     return score_row(truth.labels, np.zeros_like(truth.labels), None, truth.ignore, truth.names)

@@ -1,4 +1,4 @@
-"""The tables of the report: accuracy beside time, differences, reasons of rejection."""
+"""Tables of the report: accuracy and time, differences, reasons of rejection."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.page import Cell, Table
 
 Scope = tuple[str, Callable[[Row], bool]]
-"""Its name, and which rows are in it."""
+"""Name of a scope, and the function that selects its rows."""
 
 EVERY_OBJECT = "every object labelled"
 ALL_LABELLED = "all labelled frames"
@@ -21,7 +21,7 @@ FOUND = "found (IoU\N{NO-BREAK SPACE}>\N{NO-BREAK SPACE}0.7)"
 NONE = "–"
 MINUS = "−"
 FEW_GROUPS = 10
-"""With fewer, an interval by resampling is too narrow to decide anything."""
+"""Number of groups below which an interval by resampling is too narrow."""
 
 
 FIGURES = (
@@ -33,12 +33,12 @@ BRIEF = ("frames", "overlap F", "boundary F", "F@.75", FOUND, "CPU time")
 
 
 def pooled_table(contenders: Sequence[Contender]) -> Table:
-    """Accuracy beside time over all sets together."""
+    """Return accuracy and time over all data sets together."""
     return _accuracy("sets together", contenders, pooled_scopes(contenders))
 
 
 def brief_table(contenders: Sequence[Contender]) -> Table:
-    """The pooled table for a terminal: fewer figures, intervals and counts with those that decide."""
+    """Return the pooled table for a terminal: fewer columns, with intervals and counts of the main ones."""
     table = pooled_table(contenders)
     columns = [k for k, title in enumerate(table.head) if k < table.names or title in BRIEF]
     noted = [table.head.index("overlap F"), table.head.index(FOUND)]
@@ -47,12 +47,12 @@ def brief_table(contenders: Sequence[Contender]) -> Table:
 
 
 def set_table(contenders: Sequence[Contender]) -> Table:
-    """Accuracy beside time for each data set."""
+    """Return accuracy and time for each data set."""
     return _accuracy("data set", contenders, set_scopes(contenders))
 
 
 def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
-    """Return the differences of each pair, second minus first, over all sets together and for each set."""
+    """Return the differences of each pair, second minus first, over all data sets together and for each one."""
     every = [c for pair in pairs for c in pair]
     several = len({first.label for first, _ in pairs}) > 1
     rows = []
@@ -66,7 +66,7 @@ def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
 
 
 def rejection_table(contenders: Sequence[Contender]) -> Table:
-    """Why regions were no objects, as regions per frame."""
+    """Return the reasons of rejection, as regions per frame."""
     totals = {c.label: sum((Counter(row.rejected) for row in c.rows), Counter[str]()) for c in contenders}
     reasons = sorted(set().union(*totals.values()), key=lambda r: -max(t[r] for t in totals.values()))
     rows = [
@@ -77,7 +77,7 @@ def rejection_table(contenders: Sequence[Contender]) -> Table:
 
 
 def pooled_scopes(contenders: Iterable[Contender]) -> list[Scope]:
-    """The fully labelled frames, and all labelled ones where these are more."""
+    """Return the fully labelled frames, and all labelled frames if there are more."""
     kinds = {row.labelling for c in contenders for row in c.rows}
     scopes: list[Scope] = [(EVERY_OBJECT, lambda row: row.labelling == "full")] if "full" in kinds else []
     if "part" in kinds:
@@ -86,7 +86,7 @@ def pooled_scopes(contenders: Iterable[Contender]) -> list[Scope]:
 
 
 def set_scopes(contenders: Iterable[Contender]) -> list[Scope]:
-    """The data sets by name."""
+    """Return one scope for each data set, indexed by name."""
     names = sorted({row.data_set for c in contenders for row in c.rows})
     return [(name, lambda row, name=name: row.data_set == name) for name in names]  # type: ignore[misc]
 
@@ -134,7 +134,7 @@ def _change_cells(d: Difference) -> list[Cell]:
 
 
 def _change(estimate: Estimate, form: str, many: bool) -> Cell:
-    """strong: the interval, of many groups, leaves out zero."""
+    """Return a cell, strong if there are many groups and the interval excludes zero."""
     value, low, high = estimate
     if math.isnan(value):
         return Cell(NONE)
@@ -175,5 +175,5 @@ def _milliseconds(value: float) -> str:
 
 
 def _number(value: float) -> str:
-    """Whole where it is whole."""
+    """Return a number as text, without decimals if it is an integer."""
     return NONE if math.isnan(value) else f"{value:.1f}".removesuffix(".0")

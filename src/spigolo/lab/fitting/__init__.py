@@ -1,4 +1,4 @@
-"""Parameters fitted to labelled frames: drawn, tried, chosen, and scored on frames that had no say in the choice.
+"""Fitting of parameters to labelled frames: random settings are tried, and the best one is scored on held-out frames.
 
 frames = find_labelled_frames([Path("frames")])
 tried = search(frames, Toscana2016(sp.TABLE), Path("fit/trials.jsonl"))

@@ -1,4 +1,4 @@
-"""Which trial is best, and what it is worth on frames that had no say in that."""
+"""Choice of the best trial, and its score on held-out frames."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from spigolo.lab.fitting.trials import Search, Trial
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """Rows of every frame by a trial chosen without its fold or set. chosen: the trial of each fold or set."""
+    """Rows of every frame with a trial chosen without its fold or set. chosen: trial of each fold or set."""
 
     rows: tuple[Row, ...]
     chosen: tuple[Trial, ...]
 
 
 def goodness(rows: Sequence[Row]) -> float:
-    """Return the goal of fitting: the share of labelled objects with IoU > 0.7, plus mean overlap F if every object is
-    labelled.
+    """Return the goal of fitting: the share of labelled objects with IoU > 0.7, plus mean overlap F on fully labelled
+    frames.
 
     Near-identical frames count once together.
     """
@@ -41,12 +41,12 @@ def goodness(rows: Sequence[Row]) -> float:
 
 
 def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> Trial:
-    """The best by its rows, those with these numbers if given. Among equally good ones the first."""
+    """Return the best trial on all rows, or on the rows with these indices. Among equal trials it is the first."""
     return max(trials, key=lambda trial: goodness(trial.rows if frames is None else [trial.rows[i] for i in frames]))
 
 
 def check_folds(groups: Sequence[str], count: int) -> None:
-    """Raises SpigoloError if there are too few groups, one of each labelled frame, for as many folds."""
+    """Raise SpigoloError if there are fewer groups of labelled frames than folds."""
     distinct = len(set(groups))
     if not 2 <= count <= distinct:
         raise SpigoloError(
@@ -56,10 +56,10 @@ def check_folds(groups: Sequence[str], count: int) -> None:
 
 
 def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
-    """Every frame scored by the trial that is best on the other folds. Near-identical frames share a fold.
+    """Score every frame with the trial that is best on the other folds. Near-identical frames share a fold.
 
-    with_start: the start may be chosen as well, which is honest only if it was not made on these frames. Raises
-    SpigoloError where there are fewer distinct frames than folds.
+    with_start: True if the start may be chosen too, which is valid only for a start that was not made on these frames.
+    Raises SpigoloError if there are fewer distinct frames than folds.
     """
     groups = [place.group for place in search.subject.places]
     check_folds(groups, count)
@@ -67,9 +67,9 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 
 
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
-    """Every data set scored by the trial that is best on the others: what to expect of another camera or place.
+    """Score every data set with the trial that is best on the other sets, to estimate the result with another camera.
 
-    The sets come in the order of their names. Raises SpigoloError if `set_splits` has none.
+    The sets are in the order of their names. Raises SpigoloError if `set_splits` returns None.
     """
     splits = set_splits(search)
     if not splits:
@@ -81,7 +81,7 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
 
 
 def set_splits(search: Search) -> list[Split]:
-    """One for each data set. None if there is one set alone, or nothing but frames like its own next to it."""
+    """Return one split for each data set. None if there is only one set, or if other sets have only similar frames."""
     places = search.subject.places
     if len({place.data_set for place in places}) < 2:
         return []

@@ -1,7 +1,7 @@
-"""Settings drawn at random from a space, by optuna.
+"""Random settings from a search space, drawn by optuna.
 
-They are drawn before anything is scored, so that every fold may choose among the same ones, and what it leaves out
-has had no say in them.
+All settings are drawn before anything is scored. Every fold chooses among the same settings, and its held-out frames
+have no influence on them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ DIGITS = 4
 
 
 def draw(space: Space, count: int, seed: int) -> list[Setting]:
-    """`count` settings. The same seed begins with the same ones. Raises SpigoloError if optuna is not installed."""
+    """Return `count` random settings. The same seed begins with the same settings. Raises SpigoloError if optuna is not
+    installed.
+    """
     try:
         import optuna
     except ModuleNotFoundError:
@@ -48,5 +50,5 @@ def _distribution(way: Range | Choice | Switch) -> BaseDistribution:
 
 
 def _short(value: object) -> object:
-    """Numbers with as many digits as mean something."""
+    """Return numbers rounded to significant digits."""
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value

@@ -17,20 +17,23 @@ from spigolo.methods import Method, Toscana2016
 
 
 def fitted(search: Search, start: Method) -> Method:
-    """The method with the best setting over all frames. A preset is named after the one that it starts from."""
+    """Return the method with the best setting over all frames. A preset is named after its start."""
     method = apply(best_trial(search.trials).setting, start)
     return method.replace(name=f"{start.preset}_FITTED") if isinstance(method, Toscana2016) else method
 
 
 def score_table(search: Search, held: HeldOut) -> Table:
-    """The start, the fitted parameters on the frames that chose them, on frames and on sets that had no say."""
+    """Return the scores of the start and of the fitted parameters, on the same frames, held-out frames and held-out
+    sets.
+    """
     return brief_table([contender for contender, _ in _lines(search, held)])
 
 
 def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
-    """Write the parameters as TOML and report.md, and say where they are. Raises FileError if it cannot.
+    """Write the parameters as TOML and report.md, and return their paths. Raises FileError on failure.
 
-    The TOML of `toscana2016` is a preset that every command takes. That of another method holds its fields.
+    The TOML of `toscana2016` is a preset that every command takes. For other methods, the TOML holds the fields of the
+    method.
     """
     method = fitted(search, start)
     preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"
@@ -41,7 +44,7 @@ def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tup
 
 
 def make_page(search: Search, held: HeldOut, start: Method) -> Page:
-    """The report."""
+    """Return the report."""
     lines = _lines(search, held)
     first, last = lines[0][0], lines[2][0]
     return Page(

@@ -1,4 +1,4 @@
-"""A search: settings drawn, each tried on all labelled frames."""
+"""Search: random settings, each tried on all labelled frames."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from spigolo.lab.machine import this_machine
 from spigolo.methods import Method
 
 Tell = Callable[[int, int, Trial | None], None]
-"""Called with the number of trials done, of trials to do and the trial just done."""
+"""Function that is called with the number of trials done, the total, and the latest trial."""
 
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """A method with a setting, to be run on the frames."""
+    """Method with a setting, to be run on the frames."""
 
     number: int
     setting: Setting
@@ -33,7 +33,7 @@ class Attempt:
     frames: tuple[Entry, ...]
 
     def __call__(self) -> Trial:
-        """Run it."""
+        """Run the method on all frames."""
         work = Worker([self.method])
         tasks = (Task(frame, self.method.name, self.method.digest) for frame in self.frames)
         return Trial(self.number, self.setting, tuple(work(task) for task in tasks))
@@ -49,11 +49,11 @@ def search(
     tell: Tell | None = None,
     engine: Engine | None = None,
 ) -> Search:
-    """Try the start and `trials` settings drawn at random, and append those to the file `out` that it lacks.
+    """Try the start and `trials` random settings. Append the missing trials to the file `out`.
 
-    frames: those without labels are left out. jobs: worker processes. engine: does the work instead. Raises
-    SpigoloError where optuna or scipy is missing or a trial kills its workers, FileError without labelled frames or for
-    a file of other trials.
+    frames: frames without labels are left out. jobs: worker processes. engine: used instead of worker processes. Raises
+    SpigoloError if optuna or scipy is missing or a trial kills its workers. Raises FileError without labelled frames,
+    or if the file has other trials.
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)
@@ -80,7 +80,7 @@ def search(
 
 
 def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Those with labels. Raises FileError if there are none."""
+    """Return the frames with labels. Raises FileError if there are none."""
     labelled = tuple(frame for frame in frames if frame.labelling != "none")
     if not labelled:
         raise FileError(f"expected labelled frames, got {len(frames)} without labels: label about twenty of them")
@@ -93,9 +93,9 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 
 
 def _check(trial: Trial) -> None:
-    """Refuse a trial without a score of every frame, because it cannot be compared.
+    """Raise an error for a trial without a score of every frame, as it cannot be compared.
 
-    If a frame fails with the start, the frame is at fault.
+    If a frame fails with the start, the error names the frame.
     """
     at_start = trial.number == 0
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)

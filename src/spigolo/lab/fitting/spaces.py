@@ -1,7 +1,7 @@
 """Search spaces: the parameters of a method that are fitted, and their ranges.
 
-A space maps dotted names of parameters to ranges, choices and switches. A switch turns on a stage that the preset
-leaves out. While it is off, what is drawn for that stage is left out as well.
+A space maps dotted names of parameters to ranges, choices and switches. A switch turns on a stage that is off in the
+preset. While it is off, the settings drawn for that stage are ignored.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from spigolo.settings.config import Config
 from spigolo.settings.paper import BoundaryCost, SaliencyCost
 
 Setting = dict[str, Any]
-"""Dotted names and values, as `replace` of a method takes them."""
+"""Dotted names and values, as a method's `replace` takes them."""
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Any number from low to high, whole where both are. log: as many small as large ones."""
+    """Number from low to high, an integer if both are integers. log: uniform in the logarithm."""
 
     low: float
     high: float
@@ -31,14 +31,14 @@ class Range:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One of several values."""
+    """Choice of one of several values."""
 
     options: tuple[Any, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """A stage with these fields, or none. needs: another switch, without which it stays off."""
+    """Switch of a stage with these fields. needs: another switch, without which the stage stays off."""
 
     on: Mapping[str, Any] = field(default_factory=dict)
     needs: str = ""
@@ -53,7 +53,7 @@ REJECTED: Space = {
     "additions.support.stacked_share": Range(0.3, 0.8),
     "rejection.max_eccentricity": Range(0.975, 0.99),
 }
-"""Which regions are no objects: the same for every method."""
+"""Rules that reject regions, the same for every method."""
 
 OPTIONAL: Mapping[str, Space] = {
     "additions.merging": {"additions.merging.max_mean": Range(0.2, 0.6)},
@@ -68,7 +68,7 @@ OPTIONAL: Mapping[str, Space] = {
     },
     "additions.rules.ledge": {"additions.rules.ledge.min_share": Range(0.35, 0.7)},
 }
-"""Numbers of additions that a preset may have. A preset without one does not draw them."""
+"""Parameters of additions that a preset may have. Without the addition, its parameters are not drawn."""
 
 IN_PIXELS: Space = {
     "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
@@ -78,14 +78,14 @@ IN_METRES: Space = {
     "additions.rules.max_length_m": Range(0.3, 0.6),
     "additions.rules.max_width_m": Range(0.18, 0.4),
 }
-"""Which of them depends on what the start has."""
+"""Size limits in metres. If the start has no limits in metres, limits in pixels are drawn instead."""
 
 ADDED: Space = {
     SUPPORT: Switch(),
     CONTOURS: Switch(),
     JOINING: Switch({"vessel": {}, "cap": {}, "smooth": {}, "enclosed": 0.85}, needs=SUPPORT),
 }
-"""Parameters of our additions. Drawn only where the preset leaves it out."""
+"""Additions that are switched on at random if the preset does not have them."""
 
 DEPTH: Space = {
     "depth.smoothing.max_radius_px": Range(4, 8),
@@ -152,9 +152,9 @@ OTHERS: Mapping[str, Space] = {
 
 
 def space_of(method: Method) -> Space:
-    """Return the search space of a method, around the parameters that it has now.
+    """Return the search space of a method, around its current parameters.
 
-    Raises ConfigError for a configuration with two cost functions, and for a method that is not known here.
+    Raises ConfigError for a configuration with two cost functions, and for an unknown method.
     """
     if isinstance(method, Toscana2016):
         return _ours(method.config)
@@ -174,7 +174,7 @@ def _ours(config: Config) -> Space:
     space: Space = {**added, **DEPTH, **JOINED, **REJECTED, **sizes, **optional}
     match config.cost:
         case BoundaryCost(k_b=k_b):
-            unit = k_b or 1.0  # k_b stays: only its ratios to k_x and gamma decide
+            unit = k_b or 1.0  # k_b is fixed: only its ratios to k_x and gamma matter
             return {
                 **space,
                 **BOUNDARIES,
@@ -196,7 +196,7 @@ def _ours(config: Config) -> Space:
 
 
 def _has(config: Config, place: str) -> bool:
-    """Return whether a configuration has an optional stage."""
+    """Return True if a configuration has an optional stage."""
     value: object = config
     for name in place.split("."):
         value = getattr(value, name, None)
@@ -204,7 +204,7 @@ def _has(config: Config, place: str) -> bool:
 
 
 def complete(drawn: Setting, space: Space) -> Setting:
-    """Return a drawn setting with its switches replaced by stages. Stages that are switched off are None."""
+    """Return a drawn setting with its switches replaced by stages. Stages that are off are None."""
     off = {name for name, way in space.items() if isinstance(way, Switch) and not drawn[name]}
     off |= {name for name, way in space.items() if isinstance(way, Switch) and way.needs in off}
     stages = {name: None if name in off else dict(way.on) for name, way in space.items() if isinstance(way, Switch)}
@@ -215,5 +215,5 @@ def complete(drawn: Setting, space: Space) -> Setting:
 
 
 def apply(setting: Setting, method: Method) -> Method:
-    """The method with a setting. Raises ConfigError for one that it cannot have."""
+    """Return the method with a setting. Raises ConfigError for an invalid setting."""
     return method.replace(**setting) if setting else method

@@ -1,8 +1,9 @@
-"""Trials: settings and what they made of each frame, in a file that a search can go on with.
+"""Trials: settings and their scores on each frame, in a file to which a search can append.
 
-The first line says of what the trials are, and names the frames. Each further line is a trial with a list of numbers
-per frame, in the order of the frames: `SHARES` in thousandths, `COUNTS`, the best IoU of each object with a predicted
-one and with any region in thousandths, and the CPU time in milliseconds (null after an error).
+The first line describes the subject of the trials and names the frames. Each further line is a trial with one list of
+numbers per frame, in the order of the frames. A list has `SHARES` in thousandths, `COUNTS`, the largest IoU of each
+object with a predicted object and with any region in thousandths, and the CPU time in milliseconds (null after an
+error).
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ SHARES = ("overlap_precision", "overlap_recall", "boundary_precision", "boundary
 COUNTS = ("n_segments", "true_positives", "found_70_recall", "found_70_both", "pieces")
 
 GZIP = b"\x1f\x8b"
-"""First bytes of a packed file."""
+"""First bytes of a compressed file."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A frame by name. group: shared by near-identical frames. content: checksum of its files."""
+    """Frame with its name. group: shared by near-identical frames. content: checksum of the files."""
 
     data_set: str
     frame: str
@@ -41,7 +42,7 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """Subject of a search: a method with the parameters it starts from, and some frames."""
+    """Subject of a search: a method with its initial parameters, and some frames."""
 
     method: str
     preset: str
@@ -53,7 +54,7 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A setting and a row per frame. Number 0 is the start, with an empty setting."""
+    """Setting with one row per frame. Number 0 is the start, with an empty setting."""
 
     number: int
     setting: Setting
@@ -62,21 +63,21 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """A subject with its trials."""
+    """Subject of a search with its trials."""
 
     subject: Subject
     trials: tuple[Trial, ...]
 
     @property
     def start(self) -> Trial:
-        """The parameters that the search started from."""
+        """Return the trial of the initial parameters."""
         return self.trials[0]
 
 
 def read_search(path: Path | str) -> Search:
-    """The trials of a file, packed by gzip or not. A last line without its end is what a crash left, and is dropped.
+    """Return the trials of a file, compressed by gzip or not. An incomplete last line, left by a crash, is dropped.
 
-    Raises FileError if the file cannot be read or holds something else.
+    Raises FileError if the file cannot be read or has another content.
     """
     try:
         data = Path(path).read_bytes()
@@ -99,9 +100,9 @@ def read_search(path: Path | str) -> Search:
 
 
 class TrialFile:
-    """A file of trials of one subject, open to append: each new one is on the disk at once.
+    """File of trials of one subject, open for appending. Each new trial is written to disk at once.
 
-    Raises FileError if it holds trials of another subject.
+    Raises FileError if it has trials of another subject.
     """
 
     trials: list[Trial]
@@ -111,7 +112,7 @@ class TrialFile:
         if path.exists() and b"\n" in path.read_bytes():
             held = read_search(path)
             if not held.trials:
-                write_bytes(path, b"")  # begun with these or other frames, and never went on
+                write_bytes(path, b"")  # the file has no complete trial
             elif held.subject != subject:
                 other = _describe(held.subject)
                 got = f"those of {other}" if other != _describe(subject) else "those of other frames, or other labels"
@@ -124,7 +125,7 @@ class TrialFile:
             self._write(asdict(subject))
 
     def append(self, trial: Trial) -> None:
-        """Write a trial, and keep it as it reads back."""
+        """Write a trial, and keep it as it would be read."""
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)
         self.trials.append(_unpack_trial(packed, self._subject, trial.number))

@@ -1,6 +1,6 @@
-"""Measurements behind the figures of the docs: `python -m spigolo.lab.studies.NAME --help`.
+"""Measurements for the values in the docs: `python -m spigolo.lab.studies.NAME --help`.
 
-Real frames come from the folder that SPIGOLO_DATA names, by default ../shared/data.
+Real frames come from the folder in SPIGOLO_DATA, by default ../shared/data.
 """
 
 from __future__ import annotations

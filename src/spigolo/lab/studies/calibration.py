@@ -1,8 +1,8 @@
-"""Calibration of the score: the share of right objects by score, as in docs/score.md.
+"""Calibration of the score: the share of correct objects at each score, as in docs/score.md.
 
     python -m spigolo.lab.studies.calibration [--preset OBJECTS]
 
-An object counts as right with IoU above 0.7 against a labelled object. Frames on which every object is labelled
+An object is correct if its IoU with a labelled object is above 0.7. Only frames with all objects labelled are used
 (osd-mosd, osd-full, hand-uoc). Objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
 """
 
@@ -25,7 +25,7 @@ IGNORE = 255
 
 
 def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
-    """IoU with the labelled object that fits best, ignored pixels left out. NaN where most of the mask is ignored."""
+    """Return the IoU with the best labelled object, without ignored pixels. NaN if most of the mask is ignored."""
     seen = mask & (label != IGNORE)
     if np.count_nonzero(seen) < 0.5 * np.count_nonzero(mask):
         return float("nan")

@@ -1,4 +1,4 @@
-"""All methods at equal chances: each fitted by the same search, scored on frames that had no say in its parameters.
+"""Comparison of all methods, each fitted by the same search and scored on held-out frames.
 
     python -m spigolo.lab.studies.comparison search --trials 30
     python -m spigolo.lab.studies.comparison table
@@ -39,16 +39,16 @@ from spigolo.view.comparison import comparison
 
 LOG = Path("docs/data")
 SETS = ("osd-mosd", "hand-uoc")
-"""Every object of them is labelled."""
+"""Data sets in which every object is labelled."""
 SEED, FOLDS, EVERY = 0, 5, 5
-"""Draws and folds. Every fifth frame is timed and drawn."""
+"""Seed, number of folds, and step between the frames that are timed and drawn."""
 DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (11, 11))
 OFF: dict[str, dict[str, Any]] = {
     "rao2010": {"levels_per_m": 0},
     "abramov2012": {"step_m": None},
     "mishra2012": {"depth": False},
 }
-"""Settings that ignore depth when regions are made. The rules of what is an object still read it."""
+"""Settings with which methods ignore depth for making regions. The rules that reject regions still read depth."""
 
 
 def frames() -> list[Entry]:
@@ -60,7 +60,7 @@ def log(name: str) -> Path:
 
 
 def logged(name: str) -> Search:
-    """The trials of a method, of the parameters that it has today."""
+    """Return the trials of a method with its current parameters."""
     held = read_search(log(name))
     if held.subject.digest != sp.METHODS[name].digest:
         raise SystemExit(f"{log(name)} is of other parameters ({held.subject.digest}): run `search` again")
@@ -76,17 +76,17 @@ def search_all(trials: int, jobs: int, out: Path) -> None:
 
         path = out / f"trials-{name}.jsonl"
         search(frames(), method, path, trials, SEED, jobs, tell)
-        lines = path.read_bytes().splitlines(keepends=True)[: trials + 2]  # the subject and the start come first
+        lines = path.read_bytes().splitlines(keepends=True)[: trials + 2]  # subject and start come first
         log(name).write_bytes(gzip.compress(b"".join(lines), mtime=0))
 
 
 def fitted(held: Search) -> Method:
-    """The method with the best setting over all frames."""
+    """Return the method with the best setting over all frames."""
     return apply(best_trial(held.trials).setting, sp.METHODS[held.subject.method])
 
 
 def time_all(methods: dict[str, Method]) -> dict[str, float]:
-    """CPU time as a ratio to ours: median over frames, one thread, methods in turn on each frame."""
+    """Return CPU times as a ratio to ours: median over frames, one thread, all methods in turn on each frame."""
     cv2.setNumThreads(1)
     chosen = frames()[::EVERY]
     taken: dict[str, list[float]] = {name: [] for name in methods}
@@ -96,7 +96,7 @@ def time_all(methods: dict[str, Method]) -> dict[str, float]:
             start = time.process_time()
             method(image)
             taken[name].append(time.process_time() - start)
-    ours = np.array(taken["toscana2016"][1:])  # the first one may compile
+    ours = np.array(taken["toscana2016"][1:])  # without the first frame, which may compile
     return {name: float(np.median(np.array(times[1:]) / ours)) for name, times in taken.items()}
 
 
@@ -167,7 +167,10 @@ def draw_all(out: Path) -> None:
 
 
 def fixate() -> None:
-    """An object is apart if it touches no other when dilated by 5 px."""
+    """Print the scores of `mishra2009` at the innermost pixel of each object, separately for isolated objects.
+
+    An object is isolated if it touches no other one when dilated by 5 px.
+    """
     for data_set in SETS:
         found: list[tuple[bool, float]] = []
         for folder in find_labelled_frames([FRAMES / data_set]):

@@ -1,8 +1,8 @@
-"""Detection rates of the doctor on spoilt frames, and its false warnings on good ones.
+"""Detection rates of `spigolo doctor` on frames with errors, and its false warnings on correct frames.
 
-Every frame is spoilt in each of the ways in SPOILT. Near-identical frames count once. Depth and colour that are shifted
-or mirrored are looked for in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the
-good frame.
+Every frame gets each of the errors in SPOILT. Near-identical frames count once. Shifted or mirrored depth is tested
+only in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the
+correct frame.
 
     python -m spigolo.lab.studies.doctor [FOLDER]
 """
@@ -39,7 +39,7 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Depth moved by (dx, dy) pixels. Depth that comes in from outside is missing."""
+    """Return the frame with depth moved by (dx, dy) pixels. Depth from outside the image is missing."""
     height, width = frame.depth.shape
     moved = np.zeros_like(frame.depth)
     moved[max(dy, 0) : height + min(dy, 0), max(dx, 0) : width + min(dx, 0)] = frame.depth[
@@ -53,14 +53,16 @@ def scale(frame: Frame, factor: float) -> Frame:
 
 
 def zoom(frame: Frame, factor: float) -> Frame:
-    """A wrong focal length."""
+    """Return the frame with a wrong focal length."""
     assert frame.camera is not None
     camera: Camera = replace(frame.camera, fx=frame.camera.fx * factor, fy=frame.camera.fy * factor)
     return Frame(frame.color, frame.depth, camera, name=frame.name)
 
 
 def whole_pixels(frame: Frame) -> Frame:
-    """Depth of a stereo camera, 50 mm wide, that measures disparity in whole pixels. Stored in millimetres."""
+    """Return the frame with the depth of a 50 mm stereo camera that measures disparity in whole pixels, in
+    millimetres.
+    """
     assert frame.camera is not None
     focal, baseline_m = frame.camera.fx, 0.05
     disparity = np.rint(focal * baseline_m / np.where(frame.depth > 0, frame.depth, np.inf))
@@ -69,7 +71,7 @@ def whole_pixels(frame: Frame) -> Frame:
 
 
 def along_rays(frame: Frame) -> Frame:
-    """Distance along the ray in place of Z, in millimetres."""
+    """Return the frame with distances along the ray instead of Z, in millimetres."""
     assert frame.camera is not None
     y, x = np.ogrid[: frame.shape[0], : frame.shape[1]]
     slopes = ((x - frame.camera.cx) / frame.camera.fx) ** 2 + ((y - frame.camera.cy) / frame.camera.fy) ** 2
@@ -77,7 +79,7 @@ def along_rays(frame: Frame) -> Frame:
 
 
 def not_registered(frame: Frame) -> Frame:
-    """Depth as the depth camera of a RealSense D435 would see it, 15 mm next to the colour camera."""
+    """Return the frame with unregistered depth of a RealSense D435 camera, 15 mm next to the colour camera."""
     camera = frame.camera
     assert camera is not None
     ratio = 384 / 615 if camera.width * 3 < camera.height * 5 else 640 / 922.5
@@ -89,7 +91,7 @@ def not_registered(frame: Frame) -> Frame:
 
 
 def sentinel(frame: Frame) -> Frame:
-    """65535 for missing depth, and for 1 % more of it."""
+    """Return the frame with 65535 for missing depth, and for a further 1 % of the pixels."""
     stored = np.rint(1000 * frame.depth).astype(np.uint16)
     stored[(stored == 0) | (np.random.default_rng(1).random(stored.shape) < 0.01)] = 65535
     with warnings.catch_warnings():
@@ -119,7 +121,7 @@ SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = {
 
 
 def looked_at(frame: Frame, check: str) -> Finding:
-    """Return the finding of one check, without the time that the others take."""
+    """Return the finding of one check without running the others."""
     filled = inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape))
     assert frame.camera is not None
     if check == "alignment":
@@ -134,12 +136,12 @@ def looked_at(frame: Frame, check: str) -> Finding:
 
 
 def has_steps(frame: Frame) -> bool:
-    """Enough contours to judge alignment by."""
+    """Return True if the frame has enough contours for a test of alignment."""
     return count_contours(depth_contours(frame.depth)) >= MIN_CONTOUR_SHARE * frame.depth.size
 
 
 def distinct(folder: Path) -> list[str]:
-    """Names of all frames, the first only of each group of near-identical ones."""
+    """Return the names of all frames, but only the first of each group of near-identical ones."""
     splits = json.loads((folder / "splits.json").read_text())
     repeated = {name for group in splits["near_duplicate_groups"] for name in group[1:]}
     names = (path.parent.relative_to(folder).as_posix() for path in listed(folder, "*/*/rgb.png"))
@@ -156,13 +158,13 @@ def main() -> None:
 
 
 def measure(folder: Path) -> None:
-    """Print the found faults and the false warnings. Missed faults go to stderr."""
+    """Print the detected errors and the false warnings. Missed errors are printed to stderr."""
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}
     seconds = []
     names = distinct(folder)
     for name in names:
-        warnings.simplefilter("ignore", UserWarning)  # for the frames as they are, and for the spoilt ones
+        warnings.simplefilter("ignore", UserWarning)  # for original frames and for those with errors
         frame = read_frame(folder / name / "rgb.png", folder / name / "depth.png", folder / name / "camera.json")
         start = time.perf_counter()
         for finding in diagnose(frame).findings:

@@ -1,6 +1,6 @@
-"""Counts the objects that presets see in rendered scenes without any, and the boxes that they find in the same scenes.
+"""Count the objects that presets report in rendered scenes without objects, and the boxes that they find when added.
 
-The default takes the fifty scenes that the rules were made on. `--first 500` takes fifty held-out scenes. `--first 120`
+The default uses the fifty scenes on which the rules were made. `--first 500` uses fifty held-out scenes. `--first 120`
 and `--first 300` were counted while rules were chosen.
 """
 
@@ -19,7 +19,7 @@ PLACES = [(family, seed) for seed in range(17) for family in FAMILIES][:50]
 
 
 def finds(frame: sp.Frame, box: np.ndarray, config: sp.Config) -> bool:
-    """True if an object has an IoU above 0.7 with the box."""
+    """Return True if an object has an IoU above 0.7 with the box."""
     masks = [o.mask for o in sp.segment(frame, config)]
     return max((np.sum(m & box) / np.sum(m | box) for m in masks), default=0.0) > 0.7
 

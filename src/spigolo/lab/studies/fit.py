@@ -1,7 +1,7 @@
 """Test of `spigolo fit` from TABLE on held-out frames: `python -m spigolo.lab.studies.fit`.
 
-For each seed the frames of `osd-mosd` are cut in two halves at random. Settings drawn with that seed are chosen on one
-half and scored on the other, both ways. Frames: SPIGOLO_DATA, or ../shared/data. Trials are kept in --out.
+For each seed, the frames of `osd-mosd` are split at random into halves. Settings of that seed are chosen on one
+half and scored on the other, in both directions. Frames: SPIGOLO_DATA, or ../shared/data. Trials are kept in --out.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ SETTLING_S = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class Logged(FrameFiles):
-    """A job that writes down each time it is read: its name and the process."""
+    """Job that logs its name and process each time it is read."""
 
     log: Path
 
@@ -50,14 +50,14 @@ class Logged(FrameFiles):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """The figures of one disturbed run."""
+    """Results of one disturbed run."""
 
     name: str
     disturbances: int
     twice: int
-    """How many frames were begun more often than once, counted with repetition."""
+    """Number of repeated frames, counted with repetition."""
     different: list[str]
-    """Files that differ from the undisturbed run, or exist in one of them only."""
+    """Files that differ from the undisturbed run, or exist in only one of the runs."""
     files: int
     wall_s: float
 
@@ -92,7 +92,7 @@ def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
 
 
 class Study:
-    """The folders of a study, and the undisturbed run in them."""
+    """Folders of a study, and its undisturbed run."""
 
     def __init__(self, root: Path, count: int) -> None:
         self.root, self.count, self.rng = root, count, random.Random(0)
@@ -112,11 +112,11 @@ class Study:
         return self.root / f"{out.name}.log"
 
     def moments(self, count: int) -> list[int]:
-        """Return random numbers of lines in the manifest."""
+        """Return random numbers of lines in the manifest at which to disturb the run."""
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
-        """Wait until the manifest has so many lines, and a little longer."""
+        """Wait until the manifest has this number of lines, and a little longer."""
         while process.poll() is None and lines_in(out / FILE) < lines:
             time.sleep(0.002)
         time.sleep(self.rng.random() * SETTLING_S)
@@ -133,7 +133,7 @@ class Study:
         return times
 
     def robbed(self, out: Path, times: int) -> int:
-        """Kill the worker that began the newest frame."""
+        """Kill the worker that started the newest frame, several times. Return the number of kills."""
         process = self.start(out, "dask")
         for moment in self.moments(times):
             self.wait_for(out, moment, process)
@@ -177,7 +177,7 @@ def mount(*arguments: str) -> None:
 
 @contextmanager
 def small_disk(folder: Path) -> Iterator[Path | None]:
-    """Mount a disk in memory. None where that is not possible."""
+    """Mount a disk in memory. None if that is not possible."""
     folder.mkdir()
     try:
         mount("-t", "tmpfs", "-o", "size=1m", "tmpfs", str(folder))

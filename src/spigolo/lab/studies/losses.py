@@ -1,8 +1,9 @@
-"""Counts the fates of labelled objects with a preset: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
+"""Count the outcomes of labelled objects with a preset: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
-By kind: covered by a returned object by more than 70 %, as the paper's tables count. One region with its surroundings.
-Split. Rejected otherwise. Then the depth that exact masks lack and the rules of the preset that they break. With
-`--gammas` also what each threshold makes of every second frame: objects of which a region has an IoU above 0.7.
+There are four kinds of outcomes. Covered: a returned object covers more than 70 %, as in the paper's tables. Flooded:
+one region covers the object and its surroundings. Split. Rejected for another reason. The study then prints the share
+of depth missing in exact masks, and the rules of the preset that they violate. With `--gammas`, it also prints for each
+threshold the objects of every second frame for which a region has an IoU above 0.7.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ Labels = npt.NDArray[np.int32]
 
 COVERED, JOINED, SPLIT, REJECTED = "covered", "with its surroundings", "split", "rejected otherwise"
 LARGER = 3.0
-"""A region so many times as large as the object that it covers holds its surroundings."""
+"""Minimum ratio of a region's area to that of the object at which the region includes its surroundings."""
 
 
 def main() -> None:
@@ -66,7 +67,7 @@ def main() -> None:
 
 
 def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple[str, int]:
-    """Return the fate of an object (H, W), and the region that covers most of it."""
+    """Return the outcome of an object (H, W), and the region that covers most of it."""
     area = mask.sum()
     returned = np.bincount(labels[mask])[1:]
     counts = np.bincount(regions[mask])
@@ -79,13 +80,13 @@ def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple
 
 
 def best_iou(mask: npt.NDArray[np.bool_], regions: Labels) -> float:
-    """The largest IoU of an object with any region."""
+    """Return the largest IoU of an object with any region."""
     inside = np.bincount(regions[mask], minlength=regions.max() + 1)
     return float(np.max(inside / (mask.sum() + np.bincount(regions.ravel()) - inside)))
 
 
 def breaks_a_rule(mask: npt.NDArray[np.bool_], trace: sp.Trace) -> bool:
-    """True if the exact mask, were it a region, would be rejected."""
+    """Return True if the exact mask would be rejected if it were a region."""
     judged = select_objects(Regions(mask.astype(np.int32), 2), trace.segmentation.scene)
     return any(region.region == 1 for region in judged.rejected)
 

@@ -1,8 +1,8 @@
-"""Do models drawn at the truth poses give the exact masks of rendered frames? `python -m spigolo.lab.studies.masks`.
+"""Compare models rendered at the true poses with the exact masks: `python -m spigolo.lab.studies.masks`.
 
-In the depth that a perfect camera would have measured, of which a model may lie 2 mm behind: that tests poses and
-models alone. And by BOP's rule of 15 mm in the depth of the simulated camera, as readers of data sets do. The last
-column counts the arrangements that were not kept, as their poses do not tell their masks.
+The first test uses the depth of an ideal camera, with a tolerance of 2 mm. It tests only poses and models. The second
+test uses BOP's tolerance of 15 mm and the depth of the simulated camera, as readers of data sets do. The last column
+counts the arrangements that were discarded because their poses do not give their masks.
 """
 
 from __future__ import annotations

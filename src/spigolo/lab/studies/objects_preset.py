@@ -1,11 +1,11 @@
-"""Scores of OBJECTS on held-out frames, and the effect of each of its ingredients.
+"""Scores of OBJECTS on held-out frames, and the effect of each of its additions.
 
     python -m spigolo.lab.studies.objects_preset search --trials 48 --out DIR
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
-`search` draws settings as `spigolo fit` does and scores each fifth of the frames with the setting that is best on the
-others, each set with the one that is best on the other sets. The preset itself may not be chosen: its rules were made
-while looking at all of these frames. `ablation` leaves one ingredient out at a time. Rows are kept in --out. Frames:
+`search` draws settings as `spigolo fit` does. It scores each fifth of the frames with the setting that is best on the
+others, and each set with the setting that is best on the other sets. The preset itself is excluded: its rules were made
+while looking at all of these frames. `ablation` leaves out one addition at a time. Rows are kept in --out. Frames:
 SPIGOLO_DATA, or ../shared/data.
 """
 
@@ -27,7 +27,7 @@ from spigolo.lab.page import to_text
 from spigolo.lab.studies import FRAMES
 
 WHOLE = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Sets in which every object is labelled. An object too many is an error only there."""
+"""Patterns of data sets in which every object is labelled. Only there is a false object an error."""
 GROUPS = {
     "mOSD": ("osd-mosd",),
     "mOSD, test split": ("osd-mosd-b",),
@@ -39,7 +39,7 @@ GROUPS = {
 }
 EMPTY = "arc_tote_empty"
 LITTLE_WORTH = {"femtobolt_box", "pepper_greenhouse", "slambook_dining", "sbtc_battery_cables", "kpick_dewbell_bin"}
-"""Field frames that are left out: unregistered depth, labels that say little, and the packed tote."""
+"""Field frames that are left out: unregistered depth, labels of low quality, and the packed tote."""
 
 ABLATIONS: dict[str, dict[str, Any]] = {
     "`OBJECTS`": {},
@@ -62,7 +62,9 @@ ABLATIONS: dict[str, dict[str, Any]] = {
 
 
 def held_out(out: Path, trials: int, jobs: int) -> None:
-    """The preset, the best of what was drawn, and what is best without the frames or sets that it is scored on."""
+    """Print the scores of the preset, of the best setting on all frames, and of the best setting on held-out frames or
+    sets.
+    """
     frames = find_labelled_frames([FRAMES], WHOLE)
     tried = search(frames, Toscana2016(sp.OBJECTS), out / "trials.jsonl", trials, jobs=jobs, tell=tell)
     rows = {
@@ -83,7 +85,7 @@ def tell(done: int, total: int, trial: Trial | None) -> None:
 
 
 def ablation(out: Path, jobs: int) -> None:
-    """Print a line for each ingredient left out: overlap F, boundary F and objects found of each group."""
+    """Print one line for each addition that is left out: overlap F, boundary F and objects found in each group."""
     frames = find_labelled_frames([FRAMES], WHOLE)
     print(f"| | {' | '.join(f'{group}: F / boundary F / found' for group in GROUPS)} | empty tote |")
     print("|---" * (2 + len(GROUPS)) + "|")
@@ -95,7 +97,7 @@ def ablation(out: Path, jobs: int) -> None:
 
 
 def figures(rows: Sequence[Row], sets: Sequence[str]) -> str:
-    """Return overlap F, boundary F and the labelled objects found of some sets. The last alone if others lie there."""
+    """Return overlap F, boundary F and the labelled objects found in some sets. Without full labels, only the last."""
     pooled = pool([row for row in rows if row.data_set in sets and row.frame not in LITTLE_WORTH])
     found = f"{pooled.true_positives / pooled.n_objects:.0%}".replace("%", " %")
     if np.isnan(pooled.overlap_f.value):

@@ -1,7 +1,7 @@
-"""Figures of rendered families next to those of real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
+"""Compare statistics of rendered and real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
 
-FRAMES is a folder of sets as SET/FRAME/ with rgb.png, depth.png and camera.json. Frames of one scene count once. With
-`--slant` it also prints the noise by how fast the disparity changes, with `--presets` how many objects each preset
+FRAMES is a folder with SET/FRAME/ that holds rgb.png, depth.png and camera.json. Frames of one scene count once. With
+`--slant` it also prints the noise for each disparity gradient, with `--presets` the number of objects that each preset
 finds in the rendered frames.
 """
 
@@ -34,9 +34,9 @@ REAL = {
         "*pcl_bottles",
     ),
 }  # fmt: skip
-"""Patterns SET/FRAME of the real scenes that each family is held against."""
+"""Patterns SET/FRAME of the real scenes with which each family is compared."""
 CHANGES_PX = (0.02, 0.04, 0.06, 0.09, 0.13, 0.2)
-"""Limits of the bands of how much the disparity changes from a pixel to the next."""
+"""Limits of the bands of disparity gradient, pixels per pixel."""
 BASELINE_M, NEAR_M, FAR_M = 0.075, 0.4, 2.5
 PRESETS = ("SHELF", "TABLE", "CLUTTER", "OBJECTS")
 
@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
-    """One entry a scene: the mean of its frames."""
+    """Return one entry per scene: the mean of its frames."""
     scenes: dict[tuple[str, str], list[Realism]] = defaultdict(list)
     for entry in find_labelled_frames(folders) if folders else []:
         for family, patterns in REAL.items():
@@ -83,7 +83,9 @@ def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
 
 
 def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
-    """Rms residual to planes in pixels of disparity: the median over frames, or real scenes, of their medians."""
+    """Print the rms residual to planes in pixels of disparity: the median over frames, or real scenes, of their
+    medians.
+    """
     print("\n| frames | " + " | ".join(f"{low}-{high}" for low, high in pairwise(CHANGES_PX)) + " |")
     print("|---" * len(CHANGES_PX) + "|")
     scenes: dict[str, list[list[float]]] = defaultdict(list)
@@ -101,7 +103,9 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
 
 
 def noise_by_slant(frame: sp.Frame) -> list[float]:
-    """The median in each band of change. NaN in one with fewer than 400 windows, and without a camera."""
+    """Return the median noise in each band of disparity gradient. NaN with fewer than 400 windows or without a
+    camera.
+    """
     planes = fit_local_planes(frame.depth)
     focal_px = frame.camera.fx if frame.camera else float("nan")
     there = planes.whole & (frame.depth > NEAR_M) & (frame.depth < FAR_M)
@@ -112,7 +116,7 @@ def noise_by_slant(frame: sp.Frame) -> list[float]:
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:
-    """Share of objects of which one segment covers more than 70 %, and with IoU above 0.7, by object or scene."""
+    """Print the shares of objects covered by more than 70 % and with IoU above 0.7, for each object or scene."""
     hits: dict[str, list[list[bool]]] = defaultdict(list)
     for sample in samples:
         labels = [sp.segment(sample.frame, sp.PRESETS[name]).labels for name in PRESETS]

@@ -1,9 +1,9 @@
-"""Scores of presets on real frames that are changed as another camera or room would change them.
+"""Scores of presets on real frames with simulated changes of camera and room.
 
 `python -m spigolo.lab.studies.robustness`, a few minutes: overlap F where all objects are labelled, and the share of
 labelled objects with a segment of IoU above 0.7, of hand-uoc and of the five sets of single objects and clutter.
-`--shelves 24`: of so many rendered shelves in place of them, in which two thirds of the depth are missing. The rules
-were made while looking at those of seeds 413 and 977. Frames: SPIGOLO_DATA, or ../shared/data.
+With `--shelves 24`, 24 rendered shelves are used instead, in which two thirds of the depth are missing. The rules
+were made while looking at seeds 413 and 977. Frames: SPIGOLO_DATA, or ../shared/data.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def score(config: sp.Config, frame: sp.Frame, truth: np.ndarray) -> FrameScore:
 
 
 def score_folder(task: tuple[Path, str, str]) -> FrameScore:
-    """The score of one changed frame."""
+    """Return the score of one changed frame."""
     cv2.setNumThreads(1)
     folder, change, config = task
     frame = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")

@@ -1,4 +1,4 @@
-"""Measure what limits many frames, and compute what 10 million cost: `python -m spigolo.lab.studies.scaling FRAMES`.
+"""Measure the limits of batch runs, and the cost of 10 million frames: `python -m spigolo.lab.studies.scaling FRAMES`.
 
 Tiny jobs through the scheduler of a Dask cluster give its overhead for groups of 1 to 1000 jobs: 1 million in groups of
 1000, and fewer in smaller groups. Scheduler and writing process share one process, as with `--scheduler local`. Answers
@@ -27,18 +27,18 @@ from spigolo.errors import FileError
 from spigolo.lab.machine import this_machine
 
 JOBS = {1: 2_000, 10: 20_000, 100: 200_000, 1000: 1_000_000}
-"""Number of tiny jobs for each size of a group."""
+"""Number of tiny jobs for each group size."""
 FRAMES = 10_000_000
 CORES = 16
-"""Cores of a machine in the computed table."""
+"""Number of cores of a machine in the computed table."""
 MACHINES = 1, 4, 16, 64, 256
 DISK_MB_PER_S = 500
-"""Rate of the shared storage in the computed table."""
+"""Write rate of the shared storage in the computed table, MB/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Overhead:
-    """The time that a scheduler takes for tiny jobs."""
+    """Time that a scheduler takes for tiny jobs."""
 
     group: int
     jobs: int
@@ -46,37 +46,37 @@ class Overhead:
 
     @property
     def task_ms(self) -> float:
-        """Return milliseconds for each group."""
+        """Return the time per group, ms."""
         return 1e3 * self.wall_s / (self.jobs / self.group)
 
     @property
     def job_us(self) -> float:
-        """Return microseconds for each job."""
+        """Return the time per job, microseconds."""
         return 1e6 * self.wall_s / self.jobs
 
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """The measured cost of a frame."""
+    """Measured cost of a frame."""
 
     rates: dict[int, float]
-    """Frames per second by number of processes."""
+    """Frames per second, indexed by number of processes."""
     read_bytes: float
     written_bytes: float
-    """Both for each frame, with the tables."""
+    """Bytes written per frame, including its share of the tables."""
     files: float
-    """Files for each frame."""
+    """Number of files per frame."""
     writer_ms: float
-    """Time of the writing process for each frame."""
+    """Time of the writing process per frame, ms."""
 
 
 def tiny(job: int) -> int:
-    """Return the answer of a job that takes no time."""
+    """Return the result of a job that takes no time."""
     return job
 
 
 def overhead(group: int, jobs: int, workers: int) -> Overhead:
-    """Push tiny jobs through a scheduler. The first tenth warms it up."""
+    """Run tiny jobs through a scheduler. The first tenth warms it up."""
     warm, start, done = jobs // 10, 0.0, 0
     for done, (job, answer) in enumerate(dask_local(workers, group)(tiny, range(jobs + warm)), start=1):
         if done == warm:
@@ -112,7 +112,7 @@ def measure(jobs: list[FrameFiles], workers: Iterable[int]) -> Frames:
 
 
 def rate(jobs: list[FrameFiles], engine: Engine) -> float:
-    """Return frames per second from the first answer to the last one, without the start of the processes."""
+    """Return frames per second from the first to the last result, without the start of the processes."""
     times: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
         run_batch(jobs, sp.OBJECTS, Path(folder), engine, tell=lambda _: times.append(time.perf_counter()))
@@ -121,7 +121,7 @@ def rate(jobs: list[FrameFiles], engine: Engine) -> float:
 
 
 def ready(jobs: list[FrameFiles]) -> Engine:
-    """Return an engine whose answers are computed beforehand."""
+    """Return an engine whose results are computed beforehand."""
     work = Work(sp.OBJECTS)
     answers = {job.name: work(job) for job in jobs}
 
@@ -132,9 +132,9 @@ def ready(jobs: list[FrameFiles]) -> Engine:
 
 
 def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
-    """Yield the rows of a table: what the frames cost on more and more machines, and what limits them."""
+    """Yield the rows of a table: time and cost on more and more machines, and the limiting part."""
     frame_s = core_s(frames)
-    group = max(int(TASK_S / frame_s), 1)  # as the engine chooses it
+    group = max(int(TASK_S / frame_s), 1)  # as chosen by the engine
     task_s = median(one.task_ms for one in schedulers) / 1e3
     moved_mb = (frames.read_bytes + frames.written_bytes) / 1e6
     for machines in MACHINES:
@@ -150,7 +150,7 @@ def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
 
 
 def core_s(frames: Frames) -> float:
-    """Return the seconds of a core for each frame, with all processes at work."""
+    """Return the core seconds per frame while all processes are busy."""
     workers = max(frames.rates)
     return workers / frames.rates[workers]
 

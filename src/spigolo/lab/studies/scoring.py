@@ -1,8 +1,8 @@
 """Time to score a frame, compared with the time to segment it: `python -m spigolo.lab.studies.scoring FRAMES --presets
 TABLE`.
 
-CPU time with one thread. Each frame is segmented and scored in turn, once to warm up and then in rounds. Ratios are
-taken within each round.
+The times are CPU times with one thread. Each frame is segmented and scored in turn, once for warming up and then in
+rounds. Ratios are taken within each round.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def times(segmenter: sp.Segmenter, frame: sp.Frame, truth: Truth | None, rounds: int) -> list[tuple[float, float]]:
-    """Seconds of segmenting and of scoring, a pair a round."""
+    """Return the times of segmenting and of scoring in seconds, one pair per round."""
     assert truth is not None
     answer = []
     for _ in range(rounds + 1):

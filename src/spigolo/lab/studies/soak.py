@@ -1,8 +1,8 @@
-"""Segment frames for a long while and watch memory, time and answers: `python -m spigolo.lab.studies.soak`.
+"""Segment frames for a long time and check memory, time and results: `python -m spigolo.lab.studies.soak`.
 
-One process sees 20,000 frames: a thousand scenes of changing content and size, over and over. Presets alternate.
+One process segments 20,000 frames: a thousand scenes of changing content and size, repeatedly. Presets alternate.
 The exit code is 1 if memory is not flat over the last three quarters, if the last thousand frames take longer than the
-first thousand, or if an answer differs from that of a fresh run. Memory is read from /proc, so this needs Linux.
+first thousand, or if a result differs from that of a fresh run. Memory is read from /proc, so Linux is required.
 """
 
 from __future__ import annotations
@@ -23,28 +23,32 @@ import spigolo as sp
 
 MIB = 2**20
 SCENES = 1000
-"""Different frames. The last thousand frames show what the first thousand showed, so that their times compare."""
+"""Number of different frames. The last thousand frames repeat the first thousand, so that their times are
+comparable.
+"""
 SETTLED = 0.25
-"""Share of the frames after which memory has to be flat."""
+"""Share of the frames after which memory must be flat."""
 MAY_GROW_MIB = 5.0
 MAY_SLOW = 1.05
-"""Maximum ratio of CPU times, last thousand to first. Equal ones differ by a few per cent on a busy machine."""
+"""Maximum ratio of CPU times of the last thousand to the first. Equal work varies by a few per cent on a busy
+machine.
+"""
 EVERY = 50
-"""Distance of frames whose answers are compared with those of a fresh run."""
+"""Step between frames whose results are compared with those of a fresh run."""
 WIDTHS_PX = 96, 200
 
 
 @dataclass(frozen=True, slots=True)
 class Soak:
-    """The outcome of a soak."""
+    """Results of a soak test."""
 
     frames: int
     other_answers: int
-    """Answers that differ from a fresh run, or from those to the same frame earlier."""
+    """Number of results that differ from a fresh run or from an earlier result of the same frame."""
     settled_mib: float
-    """Resident memory once settled."""
+    """Resident memory after the start phase, MiB."""
     range_mib: float
-    """Difference between maximum and minimum after that."""
+    """Difference between maximum and minimum memory after the start phase, MiB."""
     slower: float
     """Median over the scenes of the CPU time in the last round, divided by that in the first."""
     first_ms: float
@@ -52,19 +56,19 @@ class Soak:
 
     @property
     def failed(self) -> bool:
-        """Return whether a limit is exceeded."""
+        """Return True if a limit is exceeded."""
         return self.other_answers > 0 or self.range_mib > MAY_GROW_MIB or self.slower > MAY_SLOW
 
 
 class Scenes:
-    """The bundled scene, changed at random: cropped, scaled, darkened, with other boxes and more holes."""
+    """Bundled scene with random changes: cropped, scaled, darkened, with other boxes and more holes."""
 
     def __init__(self) -> None:
         folder = Path(sp.__file__).parent / "demo_scene"
         self.seen = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
 
     def __call__(self, number: int) -> sp.Frame:
-        """Return a frame; a number always gives the same one."""
+        """Return a frame. The same number always gives the same frame."""
         rng = np.random.default_rng(number)
         height, width = self.seen.depth.shape
         share = rng.uniform(0.6, 1)
@@ -127,7 +131,7 @@ def main() -> int:
         parser.error(f"expected at least {2 * SCENES} frames, got {given.frames}: the first and last thousand compare")
     cv2.setNumThreads(1)
     configs = [sp.preset(name) for name in given.presets]
-    for config in configs:  # compiled before anything is timed
+    for config in configs:  # compile before timing
         sp.segment(Scenes()(0), config)
     found = soak(configs, given.frames)
     print(

@@ -1,10 +1,10 @@
-"""Counts how often an object changes its id while a rendered camera moves: `python -m spigolo.lab.studies.tracking`.
+"""Count how often an object changes its id while a rendered camera moves: `python -m spigolo.lab.studies.tracking`.
 
-A camera is carried about each table of the family `table` as a hand carries it, 20 degrees a second at 30 frames a
-second. Truth is exact. A true object is found in a frame if one mask has an IoU of at least 0.5 with it, one to one.
-Its id changes (an identity switch of MOT metrics) if that mask has another id than the mask by which it was last found.
-The share is of the finds that had an earlier one. Every third or sixth frame is the same at a lower rate. `labels` are
-the numbers of each frame's masks by score, taken as ids.
+A camera moves around each table of the family `table` like a hand-held one, at 20 degrees per second and 30 frames per
+second. Ground truth is exact. A true object is found in a frame if one mask has an IoU of at least 0.5 with it, one to
+one. Its id changes if that mask has another id than the mask that found the object before. Such a change is the
+identity switch of MOT metrics. The share is relative to the finds that had an earlier find. Every third or sixth frame
+simulates a lower frame rate. `labels` uses the labels of each frame, sorted by score, as ids.
 """
 
 from __future__ import annotations
@@ -26,27 +26,27 @@ from spigolo.objects.tracking import Tracker
 
 FOUND_IOU = 0.5
 TURN_DEG = 0.7
-"""Turn of the camera about the table from frame to frame, degrees."""
+"""Turn of the camera around the table per frame, degrees."""
 SWEEP_DEG = 12.0
-"""Turn at which the camera goes back, degrees."""
+"""Turn at which the camera reverses, degrees."""
 
 
 @dataclass(frozen=True)
 class Count:
-    """Finds of true objects over a sequence, and what became of their ids."""
+    """Finds of true objects over a sequence, and changes of their ids."""
 
     objects: int
-    """True objects that were found at least once."""
+    """Number of true objects that were found at least once."""
     present: int
-    """True objects summed over frames."""
+    """Number of true objects, summed over frames."""
     found: int
-    """Those that were found."""
+    """Number of true objects that were found, summed over frames."""
     again: int
-    """Those that had been found before."""
+    """Number of finds whose object had been found before."""
     switches: int
-    """Those whose id was another one than before."""
+    """Number of finds whose id differs from that of the last find."""
     ids: int
-    """Different ids that true objects had."""
+    """Number of different ids of true objects."""
 
     @property
     def share(self) -> float:
@@ -55,7 +55,7 @@ class Count:
 
 
 def sequence(scene: str, count: int, seed: int = 0) -> Iterator[Sample]:
-    """Yield the frames of a camera that is carried about a table, and their truth."""
+    """Yield the frames of a camera that moves around a table, and their ground truth."""
     rng = np.random.default_rng([seed, list(TABLES).index(scene)])
     stage = table_stage(scene, rng)
     quick = replace(stage.lighting, lamp_samples=6, sky_samples=10)
@@ -67,7 +67,7 @@ def sequence(scene: str, count: int, seed: int = 0) -> Iterator[Sample]:
 
 
 def _carried(view: View, k: int, sway: npt.NDArray[np.float64]) -> View:
-    """Return a view after k frames: swept to and fro, and swayed in x, y, distance (m) and pitch (degrees)."""
+    """Return a view after k frames: swept back and forth, with sway in x, y, distance (m) and pitch (degrees)."""
     turn = (k * TURN_DEG) % (4 * SWEEP_DEG)
     swept = turn if turn <= SWEEP_DEG else 2 * SWEEP_DEG - turn if turn <= 3 * SWEEP_DEG else turn - 4 * SWEEP_DEG
     x_m, y_m, z_m = view.look_at_m
@@ -81,19 +81,19 @@ def _carried(view: View, k: int, sway: npt.NDArray[np.float64]) -> View:
 
 
 def finds(sample: Sample, result: sp.Segmentation) -> Mapping[str, sp.ObjectMask]:
-    """Return the masks by the names of the true objects that they find."""
+    """Return the masks that find true objects, indexed by the object's name."""
     found = {}
     for instance in sample.instances:
         truth = sample.labels == instance.label
         ious = {o.label: np.sum(o.mask & truth) / np.sum(o.mask | truth) for o in result}
         best = max(ious, key=lambda label: ious[label], default=None)
-        if best is not None and ious[best] >= FOUND_IOU:  # above a half only one truth can have it
+        if best is not None and ious[best] >= FOUND_IOU:  # above 0.5 only one true object can match
             found[instance.model] = result[[o.label for o in result].index(best)]
     return found
 
 
 def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_label: bool = False) -> Count:
-    """Count the finds and the changes of ids. by_label: the number of each frame's mask stands for an id."""
+    """Count the finds and the changes of ids. by_label: use the label of each frame's mask as id."""
     last: dict[str, int] = {}
     present = found = again = switches = 0
     ids: set[int] = set()
@@ -111,7 +111,7 @@ def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_labe
 
 
 def follow(results: Sequence[sp.Segmentation]) -> tuple[list[sp.Segmentation], float]:
-    """Return the answers with ids, and the median time of the tracker, ms."""
+    """Return the results with ids, and the median time of the tracker, ms."""
     tracker, followed, took_ms = Tracker(), [], []
     for result in results:
         start = time.perf_counter()
@@ -121,7 +121,7 @@ def follow(results: Sequence[sp.Segmentation]) -> tuple[list[sp.Segmentation], f
 
 
 def report(scene: str, samples: Sequence[Sample]) -> Iterator[str]:
-    """Yield the rows of a scene: at 30, 10 and 5 frames a second."""
+    """Yield the rows of a scene at 30, 10 and 5 frames per second."""
     results = [sp.segment(sample.frame) for sample in samples]
     for rate, step in ((30, 1), (10, 3), (5, 6)):
         followed, took_ms = follow(results[::step])

@@ -1,1 +1,1 @@
-"""Synthetic RGB-D frames: a depth-camera model, and the bundled demo scene that MuJoCo renders."""
+"""Synthetic RGB-D frames: rendered scenes, and a model of a depth camera."""

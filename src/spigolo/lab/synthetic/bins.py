@@ -1,4 +1,4 @@
-"""The family of shelves: a few products in a bin seen from the front, in little light."""
+"""Rendered family of shelves: a few products in a bin seen from the front, in low light."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ PRODUCTS = (
     "soda_can_3",
 )  # fmt: skip
 VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
-"""Views of the camera: turned to the side and pitched down, degrees."""
+"""Angles of the camera for each view: turn to the side and pitch down, degrees."""
 _WALL_M, _BOARD_M = 0.006, 0.02
 _LIPS_M = 0.035, 0.05
-"""Minimum and maximum height of the lips."""
+"""Minimum and maximum height of the lips, m."""
 
 
 def shelf_stage(name: str, rng: Rng) -> Stage:
-    """One to three products in the middle one of three by three bins, whose edges hide nothing of them.
+    """Return one to three products in the middle one of three by three bins. No edge of a bin hides them.
 
-    The first is the nearest to the camera: a data set that labels one object a frame labels this.
+    The first product is the nearest to the camera. A data set that labels one object per frame labels this one.
     """
     width_m, tall_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
@@ -66,7 +66,7 @@ def shelf_stage(name: str, rng: Rng) -> Stage:
 
 
 def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m: float, rng: Rng) -> SceneObject | None:
-    """Most of them stand or lie, flat things also lean on a wall."""
+    """Place a product in a bin. Most products stand or lie, and flat ones may also lean on a wall."""
     if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
         side = int(rng.choice([-1, 1]))
         leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
@@ -86,7 +86,7 @@ def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m:
 
 
 def _in_sight(thing: SceneObject, view: View, width_m: float, tall_m: float) -> bool:
-    """True if all of it is seen through the opening of the bin, between its walls, its lip and the one above."""
+    """Return True if the whole object is visible through the opening of its bin, between walls and lips."""
     rays = world_points(thing) - view.position_m
     x, _, z = (view.position_m + rays * (-view.position_m[1] / rays[:, 1])[:, None]).T
     low_m, high_m = _lip_middle_m(0.0) + _LIPS_M[1] / 2, _lip_middle_m(tall_m + _BOARD_M) - _LIPS_M[1] / 2
@@ -98,7 +98,7 @@ def _lip_middle_m(board_top_m: float) -> float:
 
 
 def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]:
-    """Walls and backs of cardboard, boards and lips of galvanised steel."""
+    """Return the shelf: walls and backs of cardboard, boards and lips of galvanised steel."""
     pitch_x, pitch_z = width_m + _WALL_M, tall_m + _BOARD_M
     span_m, middle_m = 3 * pitch_x, 0.5 * tall_m
     tone = rng.uniform(0.8, 1.1)
@@ -120,7 +120,7 @@ def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]
 
 
 def _printed(cardboard: Image, rng: Rng) -> Image:
-    """Return the printed parts of the cartons that the walls were cut from: words, marks, tape."""
+    """Return the cardboard with the print of the cartons from which the walls were cut: words, marks, tape."""
     image = np.asarray(cv2.resize(cardboard, (1024, 1024)), np.uint8)
     for _ in range(int(rng.integers(3, 9))):
         x, y = (int(at) for at in rng.integers(60, 964, 2))
@@ -139,7 +139,7 @@ def _printed(cardboard: Image, rng: Rng) -> Image:
 
 
 def _perforated(steel: Image) -> Image:
-    """Holes in a row, as in the beams of such shelves, and stickers that name the bins."""
+    """Return the steel with a row of holes, as in the beams of such shelves, and with labels of the bins."""
     image = np.asarray(cv2.resize(steel, (1024, 1024)), np.uint8)
     for x in range(16, 1024, 32):
         cv2.rectangle(image, (x, 1008), (x + 9, 1012), (30, 30, 32), -1)
@@ -150,7 +150,7 @@ def _perforated(steel: Image) -> Image:
 
 
 def _light(view: View, rng: Rng) -> Lighting:
-    """Little of the aisle's light, and that of a lamp near the camera, which casts large shadows."""
+    """Return a little light from the aisle, and a lamp near the camera that casts large shadows."""
     aisle = aisle_light(rng, view.look_at_m)
     side_m, up_m = rng.choice([-1, 1]) * rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.5)
     lamp_m = view.position_m + side_m * view.axes[0] + up_m * view.axes[1]
@@ -163,7 +163,7 @@ def _light(view: View, rng: Rng) -> Lighting:
 
 
 def _tool(view: View, rng: Rng) -> SceneObject:
-    """The robot's own gripper, black, at an edge of the picture and too near to be measured."""
+    """Return the robot's own gripper: black, at an edge of the image and too near to be measured."""
     up, side = rng.choice([-1, 1]) * rng.uniform(0.115, 0.15), rng.uniform(-0.12, 0.12)
     forward = np.array(view.look_at_m) - view.position_m
     middle = view.position_m + 0.3 * forward / np.linalg.norm(forward) + side * view.axes[0] + up * view.axes[1]
@@ -175,7 +175,7 @@ def _tool(view: View, rng: Rng) -> SceneObject:
 
 
 def _sensor(rng: Rng) -> StructuredLight:
-    """A camera on a wrist, near its least distance."""
+    """Return a sensor on a wrist, close to its minimum distance."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
     level = float(np.exp(rng.uniform(np.log(0.5), np.log(2.0))))
     camera = StructuredLight(

@@ -1,4 +1,4 @@
-"""The bundled demo scene: household objects on a table, built from code and rendered with MuJoCo.
+"""Bundled demo scene: household objects on a table, built from code and rendered with MuJoCo.
 
 World axes: x to the right, y away from the robot, z up. The table top is z = 0. Lengths are in metres.
 """
@@ -36,12 +36,12 @@ _LIGHTING = Lighting(
     lamp_rgb=0.85 * np.array([1.0, 0.95, 0.87]),
     sky_rgb=1.05 * np.array([0.93, 0.98, 1.08]),
 )
-_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels: more would make the PNG much larger
+_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels. More noise makes the PNG much larger
 
 
 @dataclass(frozen=True)
 class RenderedScene:
-    """Images that MuJoCo renders: rgb (H, W, 3) 8 bit, depth_m (H, W) along the optical axis, label (H, W) 0..N."""
+    """Images rendered by MuJoCo: rgb (H, W, 3) uint8, depth_m (H, W) along the optical axis, label (H, W) 0..N."""
 
     rgb: npt.NDArray[np.uint8]
     depth_m: npt.NDArray[np.float32]
@@ -49,11 +49,11 @@ class RenderedScene:
 
 
 def scene_objects() -> list[SceneObject]:
-    """The objects in the order of their labels, 1..N."""
+    """Return the objects in the order of their labels, 1..N."""
     pair_yaw_deg = -24.0
     tea_m, plain_m = (0.125, 0.07, 0.17), (0.09, 0.10, 0.10)
     tea_at = np.array([0.25, 0.19])
-    # The plain box stands right against the tea's right-hand side, its front a little further forward.
+    # The plain box touches the right side of the tea box. Its front is a little nearer.
     yaw = np.radians(pair_yaw_deg)
     along, back = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
     plain_at = tea_at + (tea_m[0] + plain_m[0]) / 2 * along - 0.030 * back
@@ -97,7 +97,7 @@ def _milk_carton_parts() -> tuple[Part, ...]:
 
 
 def _bowl_parts() -> tuple[Part, ...]:
-    """A hollow bowl 17 cm across with a foot ring and a wall of 4 mm."""
+    """Return a hollow bowl, 17 cm in diameter, with a foot ring and a wall of 4 mm."""
     t = np.linspace(0.0, 1.0, 40)
     outside = np.column_stack([0.036 + 0.049 * np.sin(t * np.pi / 2) ** 0.9, 0.008 + 0.060 * t**1.7])
     inside = np.column_stack([0.081 * np.sin(t * np.pi / 2) ** 0.85, 0.012 + 0.056 * t**2.1])[::-1]
@@ -108,7 +108,7 @@ def _bowl_parts() -> tuple[Part, ...]:
 
 
 def _mug_parts() -> tuple[Part, ...]:
-    """A hollow mug 8 cm across, 9 cm tall, and its handle."""
+    """Return a hollow mug with a handle, 8 cm in diameter and 9 cm high."""
     foot_corner = arc((0.034, 0.006), 0.006, -90, 0, 8)
     inner_corner = arc((0.030, 0.012), 0.006, 0, -90, 8)
     outside = [line((0.0, 0.0), (0.034, 0.0)), np.vstack([foot_corner, line((0.040, 0.088))])]
@@ -128,7 +128,7 @@ def _mug_parts() -> tuple[Part, ...]:
 
 
 def _can_parts() -> tuple[Part, ...]:
-    """A tin can: the printed label round it, and a metal lid with a raised rim."""
+    """Return a tin can with a printed label and a metal lid with a raised rim."""
     side = [
         line((0, 0.004), (0.0335, 0.004)),
         line((0.0335, 0.004), (0.0335, 0.106)),
@@ -149,7 +149,7 @@ def _can_parts() -> tuple[Part, ...]:
 
 
 def _ball_parts() -> tuple[Part, ...]:
-    """A ball of 84 mm about the object's own origin."""
+    """Return a ball of 84 mm in diameter, centred at the object's origin."""
     cap_from_deg = 74
     wedges = lathe([arc((0, 0), 0.042, -cap_from_deg, cap_from_deg, 60)])
     blue = textures.plain_card((38, 92, 170))
@@ -158,7 +158,9 @@ def _ball_parts() -> tuple[Part, ...]:
 
 
 def _flashlight_parts() -> tuple[Part, ...]:
-    """A flashlight 15 cm long, tail at z = 0. It lies on its barrel, the head is as wide as the barrel."""
+    """Return a flashlight, 15 cm long, with its tail at z = 0. The flashlight lies on its barrel, which is as wide as
+    the head.
+    """
     profile = [
         line((0.0, 0.0), (0.0155, 0.0)),
         arc((0.0155, 0.002), 0.002, -90, 0, 5),
@@ -170,7 +172,7 @@ def _flashlight_parts() -> tuple[Part, ...]:
 
 
 def _surroundings() -> list[SceneObject]:
-    """Table, floor and wall, which are no objects and carry label 0."""
+    """Return table, floor and wall, which are not objects and have label 0."""
     rng = np.random.default_rng(20)
     table = np.array([[-1.0, -0.62], [1.0, -0.62], [1.0, 0.70], [-1.0, 0.70]])
     top = [(*corner, 0.0) for corner in table]
@@ -188,14 +190,14 @@ def _surroundings() -> list[SceneObject]:
 
 
 def load_model() -> Any:
-    """Compile the scene: a ``mujoco.MjModel`` whose body ``object k`` is the object of label k."""
+    """Compile the scene to a ``mujoco.MjModel``. The body ``object k`` of the model is the object of label k."""
     bodies = {thing.name: thing for thing in _surroundings()}
     bodies |= {f"object {label}": thing for label, thing in enumerate(scene_objects(), start=1)}
     return compile_scene("spigolo demo scene", bodies, _VIEW)
 
 
 def make_demo_frame(seed: int = 0) -> RenderedScene:
-    """The demo scene as an RGB-D camera would record it: rendered, then with both sensors' noise."""
+    """Return the demo scene as an RGB-D camera would record it, with the noise of both sensors."""
     ideal = render_demo_scene()
     rng = np.random.default_rng(seed)
     depth_m = simulate_structured_light(ideal.depth_m, ideal.rgb, CAMERA.fx, rng)
@@ -211,10 +213,12 @@ def render_demo_scene() -> RenderedScene:
 
 
 def render_geometry(model: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
-    """Ideal depth (H, W) in metres along the optical axis, and labels (H, W), from ``load_model()``."""
+    """Return the ideal depth (H, W) in metres along the optical axis, and labels (H, W), of a ``load_model()``
+    result.
+    """
     import mujoco
 
-    label_of_geom = np.zeros(model.ngeom + 1, dtype=np.uint8)  # the last, for geom -1, is the void
+    label_of_geom = np.zeros(model.ngeom + 1, dtype=np.uint8)  # the last entry is for geom -1, the background
     for k in range(1, len(OBJECT_NAMES) + 1):
         body = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, f"object {k}")
         label_of_geom[:-1][model.geom_bodyid == body] = k
@@ -222,5 +226,5 @@ def render_geometry(model: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np
 
 
 def render_colour(model: Any) -> npt.NDArray[np.uint8]:
-    """Colour image (H, W, 3) of ``load_model()``'s scene, anti-aliased, under soft light."""
+    """Return the anti-aliased colour image (H, W, 3) of a ``load_model()`` result under soft light."""
     return developed(render_light(model, _LIGHTING))

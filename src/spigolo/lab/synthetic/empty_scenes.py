@@ -1,4 +1,4 @@
-"""Frames without any object: table-tops, bins and shelves in seeded variety, as an RGB-D camera would record them.
+"""Frames without objects, to count false detections: random tables, bins and shelves as an RGB-D camera records them.
 
 World axes: x to the right, y away from the camera, z up. Objects would stand at z = 0. Lengths are in metres.
 """
@@ -25,7 +25,7 @@ _SHADOW_PX = 1024
 
 @dataclass(frozen=True)
 class _Scene:
-    """Content, view and light of a scene. exposure: how bright the picture is, noise in levels of 255."""
+    """Content, view and light of a scene. exposure: brightness of the image. noise: in levels of 255."""
 
     parts: tuple[Part, ...]
     view: View
@@ -35,12 +35,15 @@ class _Scene:
 
 
 def empty_scene(family: str, seed: int) -> Frame:
-    """The frame of that family, one of `FAMILIES`, and seed. Raises ValueError for a family that is not known."""
+    """Return the frame of a family (one of `FAMILIES`) and a seed. Raises ValueError for an unknown family."""
     return _render(family, seed, lambda view: None)[0]
 
 
 def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
-    """The same with a box of 9 x 7 x 13 cm in it, and its pixels (H, W): what tells emptiness from blindness."""
+    """Return the same frame with a box of 9 x 7 x 13 cm, and the box's pixels (H, W).
+
+    The box tests that a method which finds nothing in the empty frame can still detect an object there.
+    """
     return _render(family, seed, lambda view: _box(family, seed, view))
 
 
@@ -54,7 +57,7 @@ def _render(family: str, seed: int, put: Callable[[View], SceneObject | None]) -
         things[box.name] = box
     model = compile_scene("spigolo empty scene", things, scene.view, _SHADOW_PX)
     light, ideal_m = render_quickly(model, scene.lighting)
-    # The depth camera brings its own light: what reflects well is measured in the dark as well.
+    # The depth camera has its own light, so bright surfaces are measured in the dark too.
     depth_m = simulate_structured_light(ideal_m, developed(light), CAMERA.fx, rng)
     noisy = developed(scene.exposure * light) + rng.normal(0.0, scene.noise_levels, light.shape)
     frame = Frame(np.clip(np.round(noisy), 0, 255).astype(np.uint8), depth_m, CAMERA, name=f"{family}-{seed}")
@@ -62,7 +65,7 @@ def _render(family: str, seed: int, put: Callable[[View], SceneObject | None]) -
 
 
 def _box(family: str, seed: int, view: View) -> SceneObject:
-    """In the middle of the view. On a shelf 12 cm behind its front."""
+    """Return the box in the middle of the view. On a shelf, it is 12 cm behind the front."""
     rng = np.random.default_rng([99, seed])
     outline, _ = rounded_rectangle((0.09, 0.07), 0.003, 3)
     at = view.look_at_m[0], 0.12 if family == "shelf" else view.look_at_m[1], 0.0
@@ -71,14 +74,14 @@ def _box(family: str, seed: int, view: View) -> SceneObject:
 
 
 def empty_scenes(count: int = 50) -> Iterator[Frame]:
-    """So many frames, the families in turn."""
+    """Yield `count` frames. The families alternate."""
     names = list(FAMILIES)
     for k in range(count):
         yield empty_scene(names[k % len(names)], k // len(names))
 
 
 def _table(rng: np.random.Generator, kind: str) -> _Scene:
-    """A table on four legs: its edges, the floor and walls behind it are in view of some cameras."""
+    """Return a table on four legs. Some cameras also see its edges, the floor and the walls behind it."""
     size_m = rng.uniform(0.8, 1.8), rng.uniform(0.6, 1.0)
     thickness_m, height_m = rng.uniform(0.018, 0.045), rng.uniform(0.68, 0.78)
     round_m = min(size_m) / 2 if rng.uniform() < 0.15 else rng.choice([0.0005, 0.02, 0.06])
@@ -101,7 +104,7 @@ def _table(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _bin(rng: np.random.Generator, kind: str) -> _Scene:
-    """A tote or a straight-walled box, open at the top, that fills most of the picture, on a floor."""
+    """Return a tote or a straight-walled box on a floor, open at the top, that fills most of the image."""
     distance_m = rng.uniform(0.6, 1.3)
     length_m = distance_m * rng.uniform(0.75, 1.2)
     size_m = length_m, length_m * rng.uniform(0.55, 0.85)
@@ -122,7 +125,9 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Outside, inside and floor of a tote: walls that lean outward, round corners, a flange about the rim."""
+    """Return the outside, inside and floor of a tote. The walls of a tote lean outward, its corners are round, and its
+    rim has a flange.
+    """
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))
     fillet_m = rng.uniform(0.004, 0.02)
@@ -141,7 +146,7 @@ def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Genera
 
 
 def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Outside, inside and floor of a carton or a crate."""
+    """Return the outside, inside and floor of a carton or a crate."""
     thick, radius_m = rng.uniform(0.004, 0.018), 0.001
     skirt = [line((thick, 0.0), (thick, height_m)), line((thick, height_m), (0.0, height_m))]
     floor = prism(rounded_rectangle(size_m, radius_m, 2)[0], 0.0005, 0.005)
@@ -149,7 +154,7 @@ def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generato
 
 
 def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
-    """Three by three compartments, each with bottom, back, walls, ceiling and front lip. Little light gets in."""
+    """Return three by three compartments in low light, each with bottom, back, walls, ceiling and front lip."""
     width_m, height_m, deep_m = rng.uniform(0.24, 0.42), rng.uniform(0.2, 0.34), rng.uniform(0.28, 0.48)
     board_m, divider_m, lip_m = rng.uniform(0.004, 0.022), rng.uniform(0.003, 0.015), rng.uniform(0.012, 0.05)
     boards, walls, back = (surface(k, rng) for k in (kind, shelf_kind(rng), shelf_kind(rng)))
@@ -177,4 +182,4 @@ def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 FAMILIES: Mapping[str, Callable[[np.random.Generator, str], _Scene]] = {"table": _table, "bin": _bin, "shelf": _shelf}
-"""Makers of each family, by name."""
+"""Functions that make a scene of each family, indexed by name."""

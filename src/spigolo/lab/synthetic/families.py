@@ -1,7 +1,7 @@
-"""Three families of rendered scenes, after the three data sets of the paper, with exact masks and poses.
+"""Three families of rendered scenes with exact masks and poses, modelled on the three data sets of the paper.
 
-`shelf`: products in a bin seen from the front, as the Rutgers APC set. `table`: table-tops with several categories,
-as RGB-D Scenes. `multi`: three instances of one object among clutter, as the set of Tejani et al.
+`shelf`: products in a bin seen from the front, as in the Rutgers APC set. `table`: table-tops with several categories,
+as in RGB-D Scenes. `multi`: three instances of one object among clutter, as in the set of Tejani et al.
 """
 
 from __future__ import annotations
@@ -36,15 +36,15 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_IOU = 0.98
-"""Minimum IoU between the mask that a reader draws at an object's pose and the exact one."""
+"""Minimum IoU between the exact mask and the mask that a reader renders at an object's pose."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """scenes: their names, which frames take in turn. objects: names of what may be labelled in them.
+    """Family of scenes. scenes: names, one per frame in turn. objects: names of the objects that may be labelled.
 
-    fully_labelled: whether everything that stands there is labelled. first_alone: whether the data set that it stands
-    in for labels one object a frame, the first.
+    fully_labelled: True if every object is labelled. first_alone: True if the original data set labels only one object
+    per frame, the first one.
     """
 
     stage: Callable[[str, np.random.Generator], Stage]
@@ -62,21 +62,23 @@ FAMILIES: Mapping[str, Family] = {
 
 
 def render_family(family: str, number: int, seed: int = 0) -> Sample:
-    """One frame of a family, of `FAMILIES`, and its truth: frame.name is its scene and the number in it, from 1.
+    """Return one frame of a family in `FAMILIES` with its ground truth.
 
-    number: counts the frames of a seed from 0. The scenes have their turns. Equal numbers and seeds give equal
-    frames. Raises ConfigError for a family that is not known.
+    frame.name is the name of its scene and its number in the scene, from 1.
+
+    number: index of the frame, from 0. The scenes alternate. Equal numbers and seeds give equal frames. Raises
+    ConfigError for an unknown family.
     """
     return record_family(family, number, seed).sample
 
 
 def record_family(family: str, number: int, seed: int = 0) -> Recording:
-    """The same with the depth that a perfect camera would have measured."""
+    """Return the same frame as `render_family`, with the depth of an ideal camera in addition."""
     return next(made for made in arrangements(family, number, seed) if is_told_by_poses(family, made.sample))
 
 
 def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]:
-    """One after another, without end, what `record_family` takes the first of that will do."""
+    """Yield random arrangements without end. `record_family` uses the first one that is valid."""
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
     rng = np.random.default_rng([list(FAMILIES).index(family), seed, number])
@@ -86,19 +88,19 @@ def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]
 
 
 def is_told_by_poses(family: str, sample: Sample) -> bool:
-    """True if any object is in view, and readers that draw masks at the poses get the exact ones, or nearly so.
+    """Return True if an object is in view, and masks rendered at the poses agree with the exact ones.
 
-    If something hides an object and returns no depth they cannot tell.
+    Masks cannot agree if something without measured depth hides an object.
     """
     ious = drawn_iou(family, sample, sample.frame.depth)
     return bool(ious.size and ious.min() >= LEAST_IOU)
 
 
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
-    """Intersection over union (N,) of each exact mask of a family's frame with that which a reader draws at the pose.
+    """Return the IoU (N,) between each exact mask and the mask that a reader renders at the object's pose.
 
-    measured: depth (H, W) in metres by which it is judged what is visible. If the set labels the first object alone,
-    that one counts as it is drawn without the others, if that is worse.
+    measured: depth (H, W) in metres that decides visibility. If the data set labels only the first object, its mask is
+    also rendered without the other objects. The smaller IoU counts.
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)
     if _family(family).first_alone:
@@ -115,7 +117,7 @@ def _ious(sample: Sample, shown: tuple[Instance, ...], measured: DepthMap, toler
 
 
 def family_models(family: str) -> tuple[Model, ...]:
-    """The models that the instances of a family name. Raises ConfigError for a family that is not known."""
+    """Return the models of all instances in a family. Raises ConfigError for an unknown family."""
     return tuple(household(name).model() for name in _family(family).objects)
 
 

@@ -1,4 +1,4 @@
-"""Furniture of rooms and desks that is not an object to grasp: screens, chairs, cartons, posters, paper.
+"""Furniture of rooms and desks that is not to be grasped: screens, chairs, cartons, posters, paper.
 
 World axes: x to the right, y away from the camera, z up. Lengths are in metres.
 """
@@ -22,7 +22,7 @@ Place = tuple[float, float, float]
 
 
 def screen(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """A monitor on its stand, black or with windows on it."""
+    """Return a monitor on its stand, with a black screen or with windows on it."""
     wide, tall = rng.uniform(0.4, 0.55), rng.uniform(0.26, 0.34)
     shell = _put(
         joined([_slab((wide, 0.03, tall), 0.12), _slab((0.05, 0.03, 0.14), 0.0), _slab((0.2, 0.15, 0.012), 0.0)]),
@@ -41,7 +41,7 @@ def screen(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
 
 
 def chair(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """Seat and back, covered in cloth. `at_m` is the middle of the seat."""
+    """Return the seat and the back of a chair, covered in cloth. `at_m` is the middle of the seat."""
     back = prism(rounded_rectangle((0.44, 0.48), 0.09)[0], -0.03, 0.03)
     upright = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     seat = prism(rounded_rectangle((0.46, 0.44), 0.08)[0], -0.04, 0.04)
@@ -50,7 +50,7 @@ def chair(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
 
 
 def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """A larger carton on the floor, or at the back of a table."""
+    """Return a large carton for the floor or the back of a table."""
     size_m = rng.uniform(0.2, 0.45), rng.uniform(0.2, 0.4), rng.uniform(0.15, 0.4)
     colours = (168, 128, 84), (150, 112, 72), palette(rng)[2], (70, 52, 40)
     print_m = tuple(0.4 * length for length in size_m)
@@ -60,7 +60,7 @@ def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[
 
 
 def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
-    """On a wall, `at_m` in its middle: print, a page, a shelf of books, a window with its blinds down."""
+    """Return a poster on a wall: print, a page, a bookshelf, or a window with closed blinds. `at_m` is its middle."""
     wide, tall = rng.uniform(0.3, 0.8), rng.uniform(0.3, 0.9)
     size = round(500 * tall), round(500 * wide)
     makes = (_spines, _blinds, page, lambda size, rng: cover(size, palette(rng), rng))
@@ -70,7 +70,7 @@ def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
 
 
 def _spines(size: tuple[int, int], rng: np.random.Generator) -> Image:
-    """Rows of books."""
+    """Return an image of rows of books."""
     height, width = size
     image = np.full((height, width, 3), 40, np.uint8)
     for low in range(height, 60, -150):
@@ -86,14 +86,14 @@ def _spines(size: tuple[int, int], rng: np.random.Generator) -> Image:
 
 
 def _blinds(size: tuple[int, int], rng: np.random.Generator) -> Image:
-    """Slats, bright in between."""
+    """Return an image of slats with bright gaps."""
     rows = np.arange(size[0]) % int(rng.integers(9, 16))
     tone = np.where(rows < 2, rng.uniform(60, 120), rng.uniform(170, 230) - 4.0 * rows)
     return np.ascontiguousarray(np.broadcast_to(tone[:, None, None], (*size, 3))).astype(np.uint8)
 
 
 def sheet_of_paper(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> Part:
-    """A printed sheet on the table or on other sheets, so thin that things stand on it."""
+    """Return a printed sheet on the table or on other sheets, thin enough that objects can stand on it."""
     size_m = (0.297, 0.21) if rng.uniform() < 0.6 else (rng.uniform(0.07, 0.2), rng.uniform(0.1, 0.2))
     outline, _ = rounded_rectangle(size_m, 0.0005, 2)
     image: Image = page((420, 420), rng)
@@ -101,7 +101,7 @@ def sheet_of_paper(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> Par
 
 
 def keyboard(spot_m: tuple[float, float], yaw_deg: float, rng: np.random.Generator) -> Part:
-    """A row of rows of keys."""
+    """Return a keyboard: several rows of keys."""
     dark = rng.uniform() < 0.7
     ground, key = ((20, 20, 22), (48, 48, 52)) if dark else ((150, 150, 148), (214, 212, 206))
     image = np.full((440, 440, 3), ground, np.uint8)

@@ -1,4 +1,4 @@
-"""Household objects by name: what they look like, how they rest, and their meshes as models."""
+"""Household objects by name: their parts, the poses in which they rest, and their meshes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rest:
-    """A way to rest: how far the object's own z leans over after a turn about it. No turn is as good as any."""
+    """Pose in which an object rests: the lean of its z axis after a turn about that axis. roll_deg None: any turn."""
 
     tilt_deg: float = 0.0
     roll_deg: float | None = None
@@ -31,7 +31,7 @@ class Rest:
 
 @dataclass(frozen=True)
 class Product:
-    """An object that stands on z = 0 of its own axes, the ways it rests, the likeliest first."""
+    """Object that stands on z = 0 of its own axes, with the poses in which it rests, the most likely first."""
 
     name: str
     parts: tuple[Part, ...]
@@ -39,11 +39,11 @@ class Product:
 
     @property
     def points_m(self) -> FloatArray:
-        """Vertices (N, 3) of all its parts."""
+        """Return the vertices (N, 3) of all parts."""
         return np.concatenate([part.mesh.vertices_m for part in self.parts])
 
     def model(self) -> Model:
-        """All parts as one mesh, coloured by the textures at its vertices."""
+        """Return all parts as one mesh, with vertex colours from the textures."""
         mesh = joined([part.mesh for part in self.parts])
         colours = np.concatenate([_vertex_colours(part) for part in self.parts])
         return Model(self.name, mesh.vertices_m, mesh.triangles.astype(np.int32), colours)
@@ -70,16 +70,16 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
     "pouch": (packages.pouch, (Rest(90.0, 90.0),)),
     "glue": (turned.glue_bottle, (Rest(0.0, 0.0), Rest(90.0, 90.0))),
 }
-"""Makers and rests of each kind."""
+"""Function that makes each kind of object, and the poses in which it rests."""
 FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
-"""Those on which other things stay, some only when they lie."""
+"""Kinds of objects that can carry other objects, some only when they lie."""
 
 
 @cache
 def household(name: str) -> Product:
-    """The object of that name: one of `KINDS`, alone or with a number that tells it from others: soda_can_4.
+    """Return the object of a name: one of `KINDS`, optionally with a number, such as soda_can_4.
 
-    One name is one object, of its own size and print. Raises ConfigError for a kind that is not known.
+    A name always gives the same object, with its own size and print. Raises ConfigError for an unknown kind.
     """
     kind = kind_of(name)
     if kind not in KINDS:
@@ -89,7 +89,7 @@ def household(name: str) -> Product:
 
 
 def kind_of(name: str) -> str:
-    """The kind that a name begins with: soda_can of soda_can_4."""
+    """Return the kind of a name: soda_can for soda_can_4."""
     return name if name in KINDS else name.rpartition("_")[0]
 
 

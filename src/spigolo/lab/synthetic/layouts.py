@@ -1,4 +1,4 @@
-"""Rendered families as files: one folder a frame, as BOP, or in the layout of the set that they stand in for."""
+"""Writing of rendered families to files: one folder per frame, BOP, or the layout of the original data set."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ _BINS = "ABCDEFGHIJKL"
 def write_family(
     family: str, count: int, seed: int, folder: Path, layout: str = "folders", tell: Tell | None = None
 ) -> int:
-    """Render frames 0..count-1 of a family and seed and writes them.
+    """Render and write frames 0..count-1 of a family and seed.
 
-    layout: "folders" for `Folders`, "bop" for `Bop`, "original" for the set that the family stands in for: `Rutgers`
-    (each frame counts for the first of its objects), `UwScenes` or `Tejani`. tell: called after each frame with how
-    many there are. Returns their number. Raises ConfigError, FileError or FrameError.
+    layout: "folders" for `Folders`, "bop" for `Bop`, "original" for the data set that the family stands in for. These
+    are `Rutgers` (each frame counts for its first object), `UwScenes` and `Tejani`. tell: called after each frame with
+    the number of frames so far. Returns the number of frames. Raises ConfigError, FileError or FrameError.
     """
     if layout not in LAYOUTS:
         raise ConfigError(f"unknown layout {layout!r}: expected one of {', '.join(LAYOUTS)}")
@@ -67,7 +67,9 @@ LAYOUTS = ("folders", "bop", "original")
 
 
 def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, data_set: str, about: str) -> int:
-    """Write the layout of `Folders`, set `data_set`. Info.json also has names and poses. Returns how many."""
+    """Write the layout of `Folders` for a `data_set`. info.json also has names and poses. Return the number of
+    frames.
+    """
     count = 0
     write_json(folder / RENDERED, {"about": about})
     for _, sample in samples:
@@ -84,7 +86,7 @@ def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: s
 
 
 def _refuse_others(folder: Path, about: str) -> None:
-    """Two renderings in one folder would be one set of neither."""
+    """Raise an error if the folder holds another rendering, as both would mix."""
     marker = folder / RENDERED
     there = read_mapping(marker).get("about") if marker.is_file() else about
     if there != about:
@@ -92,7 +94,7 @@ def _refuse_others(folder: Path, about: str) -> None:
 
 
 def _require_extra() -> None:
-    """Before minutes are spent on rendering."""
+    """Raise an error if the extra for rendering is missing, before minutes are spent."""
     for name in ("scipy", "trimesh"):
         if importlib.util.find_spec(name) is None:
             raise SpigoloError(

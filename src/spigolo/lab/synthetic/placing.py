@@ -1,6 +1,6 @@
-"""Placing of objects that stand, lie or are piled up, so that none goes through another.
+"""Placing of objects that stand, lie or are piled up, without intersections.
 
-On one level it is enough that the shadows which objects would throw straight down do not meet.
+For objects on one level, the test is that their vertical projections do not overlap.
 """
 
 from __future__ import annotations
@@ -28,7 +28,9 @@ _TRIES = 40
 
 
 def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_m: Spot) -> SceneObject:
-    """The product at a spot (x, y) in metres, let down until it touches z = 0. Roll where the rest leaves it open."""
+    """Return the product at a spot (x, y) in metres, lowered until it touches z = 0. roll: turn, if the rest allows
+    any.
+    """
     roll_deg = roll_deg if rest.roll_deg is None else rest.roll_deg
     hung = SceneObject(product.name, (*spot_m, 0.0), yaw_deg, product.parts, rest.tilt_deg, roll_deg)
     lowest_m = float((product.points_m @ hung.rotation[2]).min())
@@ -36,14 +38,14 @@ def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_
 
 
 def height_m(product: Product, rest: Rest) -> float:
-    """Return the height of the product in that rest."""
+    """Return the height of the product in a rest."""
     return float(np.ptp(product.points_m @ settled(product, rest, 0.0, 0.0, (0.0, 0.0)).rotation[2]))
 
 
 class Plot:
-    """A level within a convex outline (N, 2) in metres, and what stands there already with its footprint.
+    """Level area inside a convex outline (N, 2) in metres, and the footprints of the objects on it.
 
-    allows: says of a thing whether it may stand as it does.
+    allows: function that returns True if an object may stand as it does.
     """
 
     def __init__(self, outline_m: npt.ArrayLike, allows: Callable[[SceneObject], bool] = lambda thing: True) -> None:
@@ -52,11 +54,11 @@ class Plot:
         self.taken: list[tuple[SceneObject, Outline]] = []
 
     def keep_off(self, gap_m: float) -> None:
-        """Whatever comes now keeps that far from what is there."""
+        """Keep at least this gap between the present objects and all later ones."""
         self.taken = [(thing, _grown(footprint, gap_m)) for thing, footprint in self.taken]
 
     def take(self, thing: SceneObject) -> bool:
-        """True if the thing fits. If so its place is taken."""
+        """Return True if the object fits, and reserve its footprint."""
         footprint = _footprint(thing)
         if not (self._is_free(footprint) and self.allows(thing)):
             return False
@@ -71,9 +73,9 @@ class Plot:
         rng: np.random.Generator,
         touching: bool = False,
     ) -> SceneObject | None:
-        """The product in one of these rests, somewhere that `spot` proposes (x, y). None if there is no room.
+        """Return the product in one of its rests at a position (x, y) that `spot` proposes. None if there is no room.
 
-        touching: it is then pushed against what stands nearest.
+        touching: push the product against the nearest object.
         """
         for _ in range(_TRIES):
             rest = rests[int(rng.integers(len(rests)))]
@@ -86,7 +88,7 @@ class Plot:
         return None
 
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
-        """The product on the flat top of something that is there. None if it does not fit or would meet others."""
+        """Return the product on the flat top of a present object. None if it does not fit or would touch others."""
         points = world_points(below)
         top_m = float(points[:, 2].max())
         face = _hull(points[points[:, 2] > top_m - _LEVEL_M, :2])
@@ -108,7 +110,7 @@ class Plot:
         return _within(footprint, self.outline) and all(_apart(footprint, other) for _, other in self.taken)
 
     def _pushed(self, thing: SceneObject) -> SceneObject:
-        """Moved towards the nearest of the others until they touch."""
+        """Return the object moved towards its nearest neighbour until they touch."""
         if not self.taken:
             return thing
         footprint = _footprint(thing)
@@ -123,13 +125,13 @@ class Plot:
 
 
 def world_points(thing: SceneObject) -> FloatArray:
-    """Its vertices (N, 3) where it stands."""
+    """Return the vertices (N, 3) of an object in world coordinates."""
     points = np.concatenate([part.mesh.vertices_m for part in thing.parts])
     return np.asarray(points @ thing.rotation.T + np.array(thing.position_m))
 
 
 def _footprint(thing: SceneObject) -> Outline:
-    """A hair larger than the thing, so that neighbours that touch share no point."""
+    """Return the object's outline on the ground, slightly enlarged so that touching neighbours share no point."""
     return _grown(_hull(world_points(thing)[:, :2]), _GAP_M)
 
 
@@ -142,7 +144,7 @@ def _hull(points_m: FloatArray) -> Outline:
 
 
 def _apart(a: Outline, b: Outline) -> bool:
-    """True if a line along an edge of one of two convex polygons divides them."""
+    """Return True if a line along an edge of one of two convex polygons separates them."""
     for corners in (a, b):
         edges = np.roll(corners, -1, axis=0) - corners
         across = np.stack([edges[:, 1], -edges[:, 0]])
@@ -153,5 +155,5 @@ def _apart(a: Outline, b: Outline) -> bool:
 
 
 def _grown(hull_m: Outline, by_m: float) -> Outline:
-    """By so much to all sides."""
+    """Return the outline enlarged by `by_m` on all sides."""
     return _hull((hull_m[:, None] + by_m * _ALL_ROUND).reshape(-1, 2))

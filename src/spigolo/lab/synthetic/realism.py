@@ -1,4 +1,4 @@
-"""Figures by which rendered frames are held against real ones.
+"""Statistics for the comparison of rendered frames with real ones.
 
 Letters used in shapes: B = distance bands.
 """
@@ -19,21 +19,22 @@ from spigolo.frames.frame import Frame
 __all__ = ["BANDS_M", "Realism", "quartiles", "realism"]
 
 BANDS_M = (0.4, 0.6, 0.8, 1.1, 1.6)
-"""Limits of the bands of distance, metres."""
+"""Limits of the distance bands, metres."""
 WIDTH_PX = 640
-"""Edges are counted at this width: a larger image of the same scene has fewer per pixel."""
+"""Image width at which edges are counted. A larger image of the same scene has fewer edges per pixel."""
 CANNY = (60.0, 150.0)
-"""Thresholds of `cv2.Canny` on 8-bit grey."""
+"""Thresholds of `cv2.Canny` on 8-bit grey images."""
 LEAST_WINDOWS = 500
-"""Fewer whole windows in a band say nothing of its noise."""
+"""Minimum number of complete windows in a band for a noise estimate."""
 
 
 @dataclass(frozen=True, slots=True)
 class Realism:
-    """missing: share of pixels without depth. edges: share of pixels on Canny edges. brightness: median grey, 0..255.
+    """Statistics of a frame.
 
-    noise_*: depth noise in millimetres, the median rms residual to planes in 7x7 windows, in bands of distance whose
-    limits are `BANDS_M`. NaN if a frame shows next to nothing.
+    missing: share of pixels without depth. edges: share of pixels on Canny edges. brightness: median grey, 0..255.
+    noise_*: depth noise in millimetres for each distance band of `BANDS_M`. The noise is the median rms residual to
+    planes in 7x7 windows, NaN if a band has too few windows.
     """
 
     missing: float
@@ -46,7 +47,7 @@ class Realism:
 
 
 def realism(frame: Frame) -> Realism:
-    """The figures of one frame."""
+    """Return the statistics of one frame."""
     grey = cv2.cvtColor(frame.color, cv2.COLOR_RGB2GRAY)
     height = round(grey.shape[0] * WIDTH_PX / grey.shape[1])
     small = cv2.resize(grey, (WIDTH_PX, height), interpolation=cv2.INTER_AREA)
@@ -55,7 +56,10 @@ def realism(frame: Frame) -> Realism:
 
 
 def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
-    """Per band. Planes are fitted to inverse depth, whose noise is that of depth by its square."""
+    """Return the noise of each distance band, mm. Planes are fitted to inverse depth.
+
+    The noise of inverse depth is the noise of depth divided by the squared depth.
+    """
     planes = fit_local_planes(depth)
     residual_mm = 1000 * planes.residual[planes.whole] * depth[planes.whole].astype(np.float64) ** 2
     distance_m = depth[planes.whole]
@@ -64,7 +68,7 @@ def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
 
 
 def quartiles(figures: Sequence[Realism]) -> Mapping[str, tuple[float, float, float]]:
-    """First quartile, median and third quartile of each figure over frames. NaN if no frame has it."""
+    """Return the first quartile, median and third quartile of each statistic over frames. NaN without values."""
     values = np.array([astuple(one) for one in figures], np.float64)
     answers = {}
     for field, column in zip(fields(Realism), values.T, strict=True):

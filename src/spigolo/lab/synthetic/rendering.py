@@ -30,9 +30,9 @@ _LIGHT_DISTANCE_M = 1.9
 
 @dataclass(frozen=True)
 class Lighting:
-    """A broad lamp, and the light of the room from all over a hemisphere, both towards `aim_m`.
+    """Light of a scene: a broad lamp, and the light of the room from a hemisphere, both directed at `aim_m`.
 
-    The weights are linear RGB. The hemisphere's pole is the zenith, leant over towards -y by `sky_tilt_deg`.
+    The weights are linear RGB. The hemisphere's pole is the zenith, tilted towards -y by `sky_tilt_deg`.
     """
 
     aim_m: tuple[float, float, float]
@@ -45,7 +45,7 @@ class Lighting:
     sky_samples: int = 40
 
     def points(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Positions, in metres, and weights of the point lights that make up lamp and sky."""
+        """Yield position in metres and weight of each point light that makes up lamp and sky."""
         golden = np.pi * (3 - np.sqrt(5))
         for k in range(self.lamp_samples):
             radius_m, turn = self.lamp_radius_m * np.sqrt((k + 0.5) / self.lamp_samples), golden * k
@@ -60,22 +60,22 @@ class Lighting:
 
 
 def render_depth(model: Any) -> FloatMap:
-    """Ideal depth (H, W) in metres along the optical axis, 8 m or so in the void."""
-    with _renderer(model, samples=0) as renderer:  # a mean of several samples is no depth
+    """Return the ideal depth (H, W) in metres along the optical axis, about 8 m in the background."""
+    with _renderer(model, samples=0) as renderer:  # the mean of several depth samples is not a depth
         return _depth(renderer, _at_rest(model))
 
 
 def render_geoms(model: Any) -> npt.NDArray[np.int32]:
-    """The geom of each pixel (H, W), -1 for the void."""
+    """Return the geom of each pixel (H, W), -1 for the background."""
     with _renderer(model, samples=0) as renderer:
         return _geoms(renderer, _at_rest(model))
 
 
 def render_light(model: Any, lighting: Lighting) -> FloatArray:
-    """Linear light (H, W, 3), anti-aliased, of a model for supersampling.
+    """Return the anti-aliased linear light (H, W, 3) of a model for supersampling.
 
-    MuJoCo's own shadows are hard. The mean of many renderings, each with the one light elsewhere, has the
-    penumbras of a broad lamp and the soft contact shadows of a room's light.
+    MuJoCo's own shadows are hard. The mean of many renderings with the light at different positions has the penumbras
+    of a broad lamp and the soft contact shadows of a room.
     """
     height, width = _size(model)
     shape = (height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
@@ -88,7 +88,11 @@ def render_light(model: Any, lighting: Lighting) -> FloatArray:
 
 @dataclass(frozen=True)
 class Rendering:
-    """light: linear (H, W, 3). lamp_light: that of the second lighting. depth_m (H, W). Geoms (H, W), -1 the void."""
+    """Rendered images of a scene.
+
+    light: linear (H, W, 3). lamp_light: linear light of the second lighting. depth_m (H, W). geoms (H, W), -1 is the
+    background.
+    """
 
     light: FloatArray
     lamp_light: FloatArray
@@ -97,7 +101,7 @@ class Rendering:
 
 
 def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
-    """Everything at once, the light of two lightings as `render_quickly` makes it."""
+    """Render light of two lightings, depth and geoms, as in `render_quickly`."""
     with _renderer(model, samples=0) as renderer:
         light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))
         depth_m = _depth(renderer, _at_rest(model))
@@ -106,9 +110,9 @@ def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
 
 
 def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap]:
-    """`render_light` and `render_depth` in a tenth of the time, at the camera's own size.
+    """Return `render_light` and `render_depth` in a tenth of the time, at the camera's own size.
 
-    Each light's image is moved by a part of a pixel, so that their mean is anti-aliased.
+    The image of each light is shifted by a part of a pixel, so that their mean is anti-aliased.
     """
     with _renderer(model, samples=0) as renderer:
         return _quick_light(renderer, model, lighting), _depth(renderer, _at_rest(model))
@@ -117,7 +121,7 @@ def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap
 def _quick_light(renderer: Any, model: Any, lighting: Lighting) -> FloatArray:
     light = np.zeros((*_size(model), 3))
     for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
-        _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads them evenly
+        _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads the shifts evenly
         light += colour / 255.0 * renderer.render()
     return light
 
@@ -130,7 +134,7 @@ def _renderer(model: Any, samples: int, supersampling: int = 1) -> Any:
 
 
 def _size(model: Any) -> tuple[int, int]:
-    """Height and width of the camera's image."""
+    """Return the height and width of the camera's image."""
     width, height = model.cam_resolution[0]
     return int(height), int(width)
 
@@ -155,7 +159,7 @@ def _geoms(renderer: Any, data: Any) -> npt.NDArray[np.int32]:
 
 
 def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
-    """Set the scene with each of the lights in turn and gives its weight."""
+    """Set the scene for each light in turn and yield the weight of the light."""
     aim_m = np.array(lighting.aim_m)
     for position_m, colour in lighting.points():
         model.light_pos[0] = position_m
@@ -165,7 +169,7 @@ def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
 
 
 def _move_image(renderer: Any, right_px: float, up_px: float) -> None:
-    """Shift what the next rendering shows by less than a pixel."""
+    """Shift the next rendering by less than a pixel."""
     for camera in renderer.scene.camera:
         camera.frustum_center += right_px * 2 * camera.frustum_width / renderer.width
         up_m = up_px * (camera.frustum_top - camera.frustum_bottom) / renderer.height
@@ -174,7 +178,7 @@ def _move_image(renderer: Any, right_px: float, up_px: float) -> None:
 
 
 def developed(light: FloatArray) -> npt.NDArray[np.uint8]:
-    """Linear light to 8-bit sRGB, with a soft shoulder so that highlights do not clip."""
+    """Return 8-bit sRGB of linear light, with a soft shoulder so that highlights do not clip."""
     knee = 0.7
     bright = knee + (1 - knee) * np.tanh((light - knee) / (1 - knee))
     toned = np.where(light > knee, bright, light)

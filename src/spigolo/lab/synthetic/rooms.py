@@ -19,13 +19,13 @@ LAMP_SAMPLES, SKY_SAMPLES = 5, 13
 
 
 def block(centre_m: tuple[float, float, float], size_m: tuple[float, float, float]) -> Mesh:
-    """A box with faces along the axes."""
+    """Return a box with faces along the axes."""
     outline, _ = rounded_rectangle(size_m[:2], min(size_m[:2]) / 100, 2)
     return prism(outline + centre_m[:2], centre_m[2] - size_m[2] / 2, centre_m[2] + size_m[2] / 2)
 
 
 def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
-    """A floor, a wall behind and, now and then, one at the side."""
+    """Return a floor, a wall at the back and sometimes a wall at one side."""
     below = surface(str(rng.choice(["plain", "wood", "checker", "terrazzo", "cloth"])), rng)
     paint = surface("plain", rng)
     parts = [
@@ -39,7 +39,7 @@ def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part
 
 
 def hall(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
-    """A large room in quiet colours: floor, wall behind, walls at both sides."""
+    """Return a large room in plain colours: floor, back wall, walls at both sides."""
     below = str(rng.choice(["carpet", "carpet", "wood", "terrazzo", "paint"]))
     paint = surface("paint", rng)
     middle_m = floor_m + 1.5
@@ -49,20 +49,20 @@ def hall(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part
 
 
 def floor(texture: Image, floor_m: float) -> Part:
-    """Wide enough for every camera."""
+    """Return a floor wide enough for every camera."""
     outline, _ = rounded_rectangle((6.0, 6.0), 0.01, 2)
     return Part(prism(outline, floor_m - 0.05, floor_m, texture_m=1.3), texture, 0.05, 0.2)
 
 
 def room_light(rng: np.random.Generator, aim_m: tuple[float, float, float]) -> Lighting:
-    """A lamp somewhere above and the light of a room."""
+    """Return a lamp at a random position above, and the light of a room."""
     lamp_m = rng.uniform(-1.2, 1.2), rng.uniform(-1.3, 0.5), rng.uniform(1.4, 2.2)
     lamp = rng.uniform(0.2, 0.9)
     return _lighting(rng, aim_m, lamp_m, lamp, 1.6 - lamp, 0.0)
 
 
 def aisle_light(rng: np.random.Generator, aim_m: tuple[float, float, float]) -> Lighting:
-    """Lamps above the aisle, from which hardly any light falls into a shelf."""
+    """Return lamps above the aisle, of which little light reaches a shelf."""
     lamp_m = rng.uniform(-0.8, 0.8), rng.uniform(-1.8, -0.9), rng.uniform(0.6, 1.6)
     lamp = rng.uniform(0.2, 0.8)
     return _lighting(rng, aim_m, lamp_m, lamp, 1.6 - lamp, 60.0)
@@ -76,7 +76,7 @@ def _lighting(
     sky: float,
     sky_tilt_deg: float,
 ) -> Lighting:
-    """Warm or cold."""
+    """Return a lighting with a warm or cold colour."""
     warmth = rng.uniform(-0.06, 0.12)
     tint = np.array([1 + warmth, 1.0, 1 - 1.2 * warmth])
     return Lighting(
@@ -85,15 +85,15 @@ def _lighting(
 
 
 def any_kind(rng: np.random.Generator) -> str:
-    """A kind of surface."""
+    """Return a random kind of surface."""
     return str(rng.choice(list(SURFACES)))
 
 
 def shelf_kind(rng: np.random.Generator) -> str:
-    """A kind of surface that shelves are made of."""
+    """Return a random kind of surface for shelves."""
     return str(rng.choice(["plain", "plain", "wood", "terrazzo", "cloth"]))
 
 
 def finish(rng: np.random.Generator) -> tuple[float, float]:
-    """Specular and shininess, from matt to lacquered."""
+    """Return specular and shininess, from matt to lacquered."""
     return rng.uniform(0.0, 0.35), rng.uniform(0.1, 0.6)

@@ -1,4 +1,4 @@
-"""Textured meshes in a scene that MuJoCo can draw.
+"""Scene of textured meshes for MuJoCo.
 
 World axes: x to the right, y away from the camera, z up. Lengths are in metres.
 """
@@ -25,14 +25,14 @@ __all__ = ["CAMERA", "SUPERSAMPLING", "Part", "SceneObject", "View", "compile_sc
 
 FloatArray = npt.NDArray[np.float64]
 
-# The principal point is the centre of the image, counting from the centre of the first pixel.
+# The principal point is the centre of the image, relative to the centre of the first pixel.
 CAMERA = Camera(fx=525.0, fy=525.0, cx=319.5, cy=239.5, width=640, height=480)
 SUPERSAMPLING = 2
 
 
 @dataclass(frozen=True)
 class Part:
-    """A piece of an object: its mesh and what it is made of."""
+    """Part of an object: its mesh and its material."""
 
     mesh: Mesh
     texture: npt.NDArray[np.uint8]
@@ -42,9 +42,9 @@ class Part:
 
 @dataclass(frozen=True)
 class SceneObject:
-    """Something in the scene: where it is, how far its own z leans over, and to which side (yaw).
+    """Object in the scene: its position, the lean of its z axis, and the direction of the lean (yaw).
 
-    roll: it is first turned so far about its own z.
+    roll: turn about its own z axis, applied first.
     """
 
     name: str
@@ -56,7 +56,7 @@ class SceneObject:
 
     @property
     def rotation(self) -> FloatArray:
-        """From its own axes to the world's, (3, 3)."""
+        """Return the rotation (3, 3) from the object's axes to the world's."""
         return _about_z(self.yaw_deg) @ _about_y(self.tilt_deg) @ _about_z(self.roll_deg)
 
 
@@ -64,7 +64,7 @@ class SceneObject:
 class View:
     """View of the camera: distance from a point on its optical axis, pitch down, turn to the left (yaw).
 
-    camera: its intrinsics, without distortion.
+    camera: intrinsics, without distortion.
     """
 
     look_at_m: tuple[float, float, float]
@@ -83,7 +83,7 @@ class View:
 
     @property
     def axes(self) -> FloatArray:
-        """To the right and to the top of the image, (2, 3)."""
+        """Return the unit vectors to the right and to the top of the image, (2, 3)."""
         pitch, yaw, roll = np.radians([self.pitch_deg, self.yaw_deg, self.roll_deg])
         right = np.array([np.cos(yaw), np.sin(yaw), 0.0])
         up = np.array([-np.sin(yaw) * np.sin(pitch), np.cos(yaw) * np.sin(pitch), np.cos(pitch)])
@@ -91,7 +91,7 @@ class View:
 
     @property
     def world_to_camera(self) -> FloatArray:
-        """(4, 4), to X right, Y down, Z forward. Metres."""
+        """Return the transformation (4, 4) from world axes to X right, Y down, Z forward, metres."""
         right, up = self.axes
         matrix = np.eye(4)
         matrix[:3, :3] = right, -up, np.cross(up, right)
@@ -100,7 +100,7 @@ class View:
 
 
 def load_mujoco() -> Any:
-    """The renderer. Raises FileError if it is missing. Without a screen it draws by EGL."""
+    """Return the module `mujoco`. Raises FileError if it is missing. Without a screen it renders by EGL."""
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         os.environ.setdefault("MUJOCO_GL", "egl")
     try:
@@ -112,7 +112,7 @@ def load_mujoco() -> Any:
 
 
 def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, shadow_px: int = 4096) -> Any:
-    """A ``mujoco.MjModel`` with a body of each name."""
+    """Return a ``mujoco.MjModel`` with one body for each name."""
     mujoco = load_mujoco()
     assets: dict[str, bytes] = {}
     asset_xml: list[str] = []
@@ -129,7 +129,7 @@ def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, sha
 
 
 def _scene_xml(title: str, asset_xml: list[str], body_xml: list[str], view: View, shadow_px: int) -> str:
-    """The MJCF around the assets and bodies: camera, one movable light, rendering quality."""
+    """Return MJCF of the assets and bodies, a camera, one movable light, and rendering quality."""
     axes = " ".join(f"{value:.9f}" for value in view.axes.ravel())
     return f"""<mujoco model={quoteattr(title)}>
   <compiler angle="degree" eulerseq="zyz" balanceinertia="true"/>
@@ -151,7 +151,7 @@ def _scene_xml(title: str, asset_xml: list[str], body_xml: list[str], view: View
 
 
 def _part_xml(name: str, part: Part) -> str:
-    """Mesh, texture and material of one part."""
+    """Return MJCF of mesh, texture and material of one part."""
     mesh = part.mesh
     return (
         f"<mesh name={quoteattr(name)} vertex={quoteattr(_numbers(mesh.vertices_m))}"
@@ -164,12 +164,12 @@ def _part_xml(name: str, part: Part) -> str:
 
 
 def _pose(thing: SceneObject) -> str:
-    """Position and orientation of a body as MJCF attributes."""
+    """Return position and orientation of a body as MJCF attributes."""
     return f'pos="{_numbers(thing.position_m)}" euler="{thing.yaw_deg} {thing.tilt_deg} {thing.roll_deg}"'
 
 
 def _intrinsics(camera: Camera) -> str:
-    """A pinhole as MJCF attributes. MuJoCo counts from the middle of the image, between the middle pixels."""
+    """Return intrinsics as MJCF attributes. MuJoCo's origin is the centre of the image, between the middle pixels."""
     middle = (camera.width - 1) / 2, (camera.height - 1) / 2
     return (
         f'resolution="{camera.width} {camera.height}" sensorsize="{1e-5 * camera.width:.9g} {1e-5 * camera.height:.9g}"'
@@ -192,7 +192,7 @@ def _numbers(values: npt.ArrayLike) -> str:
 
 
 def _linear_png(texture: npt.NDArray[np.uint8]) -> bytes:
-    """A texture as PNG in linear light, so that lights add up as real ones do."""
+    """Return a texture as PNG in linear light, so that lights add up physically."""
     linear = np.round(255 * _srgb_to_linear(np.arange(256) / 255)).astype(np.uint8)[texture]
     return bytes(cv2.imencode(".png", linear[..., ::-1])[1].tobytes())
 

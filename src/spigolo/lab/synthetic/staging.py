@@ -1,4 +1,4 @@
-"""A scene with objects, and what an RGB-D camera records of it next to the exact truth.
+"""Recording of a scene by an RGB-D camera model, with exact ground truth.
 
 World axes: x to the right, y away from the camera, z up. Objects stand at z = 0. Lengths are in metres.
 """
@@ -24,7 +24,7 @@ __all__ = ["Recording", "Stage", "record"]
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_VISIBLE_PX = 150
-"""Minimum number of visible pixels of an object. Smaller ones become background, because nobody would draw a mask."""
+"""Minimum number of visible pixels of an object. Smaller objects become background, as nobody would label them."""
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0
 _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
@@ -32,11 +32,11 @@ _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
 
 @dataclass(frozen=True)
 class Stage:
-    """objects: what is labelled, 1..N. Surroundings and bystanders: what is not.
+    """Scene with camera settings. objects: labelled, 1..N. surroundings, bystanders: not labelled.
 
-    grey: what the exposure makes of the median of the picture, of 255. noise_levels: of colour, of 255. blur_px: of
-    lens and demosaicing, one standard deviation. sharpening: what the camera does about it. contrast: exponent.
-    Saturation: share of the colours' own.
+    grey: target of the exposure for the median of the image, of 255. noise_levels: colour noise, of 255. blur_px:
+    standard deviation of the blur by lens and demosaicing. sharpening: correction by the camera. contrast: exponent.
+    saturation: factor on the saturation of colours.
     """
 
     objects: tuple[SceneObject, ...]
@@ -55,23 +55,23 @@ class Stage:
 
 @dataclass(frozen=True)
 class Recording:
-    """A recording of the camera, with its truth, and the depth (H, W) in metres that a perfect camera would record."""
+    """Recorded frame with its ground truth, and the depth (H, W) in metres of an ideal camera."""
 
     sample: Sample
     ideal_m: npt.NDArray[np.float32]
 
 
 def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
-    """The frame of that name and its truth: labels of what is visible, poses from each object's axes to the camera's.
+    """Return the recorded frame with its ground truth: visible labels, and poses from object axes to camera axes.
 
-    Its depth is in whole millimetres, as files hold it.
+    The depth is rounded to whole millimetres, as in files.
     """
     bodies = {"surroundings": SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, stage.surroundings)}
     bodies |= {f"bystander {k}": _renamed(thing, f"bystander {k}") for k, thing in enumerate(stage.bystanders)}
     bodies |= {f"object {k}": _renamed(thing, f"object {k}") for k, thing in enumerate(stage.objects)}
     model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
     drawn = render_all(model, stage.lighting, _projector(stage.view))
-    # The depth camera brings its own light: what reflects well is measured in the dark as well. It compares windows.
+    # The depth camera has its own light, so bright surfaces are measured in the dark too. It compares windows.
     seen = cv2.GaussianBlur(developed(drawn.lamp_light), (0, 0), _WINDOW_PX)
     depth_m = simulate_structured_light(
         drawn.depth_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, drawn.geoms)
@@ -84,12 +84,12 @@ def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
 
 
 def _projector(view: View) -> Lighting:
-    """Light from where the camera is."""
+    """Return light from the position of the camera."""
     return Lighting(view.look_at_m, tuple(view.position_m), 0.0, np.ones(3), np.zeros(3), lamp_samples=1, sky_samples=0)
 
 
 def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
-    """Numbers the objects that are visible."""
+    """Return the sample with visible objects numbered."""
     labels = np.zeros(indices.shape, np.int32)
     instances: list[Instance] = []
     for k, thing in enumerate(stage.objects):
@@ -107,21 +107,21 @@ def _pose(thing: SceneObject, view: View) -> FloatArray:
 
 
 def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArray[np.int32]:
-    """The index of the object at each pixel (H, W), -1 where there is none."""
-    of_geom = np.full(model.ngeom + 1, -1, np.int32)  # the last, for geom -1, is the void
+    """Return the index of the object at each pixel (H, W), -1 without an object."""
+    of_geom = np.full(model.ngeom + 1, -1, np.int32)  # the last entry is for geom -1, the background
     for k in range(count):
         of_geom[:-1][model.geom_bodyid == model.body(f"object {k}").id] = k
     return of_geom[geoms]
 
 
 def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
-    """(H, W), 0 = matt or glazed, 1 = a mirror: what is specular beyond glaze."""
+    """Return the gloss (H, W): 0 = matt or glazed, 1 = a mirror. Gloss is the specular part beyond that of glaze."""
     specular = np.append(model.mat_specular[model.geom_matid], 0.0)
     return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)
 
 
 def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
-    """Through a plain lens, exposed, a little blurred, with noise whose grains are larger than a pixel."""
+    """Return the photograph of a scene: lens, exposure, slight blur, and noise with grains larger than a pixel."""
     toned = (light / max(float(np.median(light)), 1e-4)) ** stage.contrast
     soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * _through_lens(toned)), (0, 0), stage.blur_px)
     luma, red, blue = cv2.split(cv2.cvtColor(soft.astype(np.float32) / 255, cv2.COLOR_RGB2YCrCb))
@@ -138,7 +138,7 @@ def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> 
 
 
 def _through_lens(light: FloatArray) -> FloatArray:
-    """Darker towards the corners, and with a veil of stray light, so that no black is quite black."""
+    """Return light that is darker towards the corners and has stray light, so that black is never 0."""
     height, width = light.shape[:2]
     y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
     bright = np.minimum(light, 4.0).astype(np.float32)
@@ -147,11 +147,11 @@ def _through_lens(light: FloatArray) -> FloatArray:
 
 
 def _grain(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> npt.NDArray[np.float32]:
-    """Noise of unit variance (H, W) with grains of that size, as demosaicing and coding leave it."""
+    """Return noise of unit variance (H, W) with grains of a size, as left by demosaicing and compression."""
     grain = cv2.GaussianBlur(np.asarray(rng.standard_normal(shape), np.float32), (0, 0), radius_px)
     return np.asarray(grain / grain.std(), np.float32)
 
 
 def _renamed(thing: SceneObject, name: str) -> SceneObject:
-    """Bodies have names of their own, also where they are several instances of one product."""
+    """Return the object with a unique name, as several instances of one product need different names."""
     return SceneObject(name, thing.position_m, thing.yaw_deg, thing.parts, thing.tilt_deg, thing.roll_deg)

@@ -1,12 +1,11 @@
-"""A numpy-only model of a structured-light depth camera (in the manner of the first Kinect).
+"""NumPy model of a structured-light depth camera, similar to the first Kinect.
 
-The camera finds depth by triangulation: a projector next to it throws a pattern, and each pixel's disparity
-``d = fx * baseline / Z`` says how far off the surface is. The faults of such a camera follow from that, and
-the model has them in the same order: the projector's shadows, surfaces that send no usable pattern back,
-noise and quantisation of the disparity.
+The camera measures depth by triangulation. A projector next to the camera projects a pattern, and the disparity of each
+pixel is ``d = fx * baseline / Z``. The model applies the errors of such a camera in this order: shadows of the
+projector, surfaces that return no usable pattern, noise, and quantisation of the disparity.
 
-Axes are those of a camera: x to the right of the image, y down, Z forward. The projector is at
-``x = +baseline_m``, so that shadows fall on the left of whatever casts them.
+Axes are those of a camera: x to the right of the image, y down, Z forward. The projector is at ``x = +baseline_m``, so
+shadows fall to the left of objects.
 """
 
 from __future__ import annotations
@@ -22,19 +21,21 @@ __all__ = ["StructuredLight", "projector_shadow", "simulate_structured_light"]
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-# A pixel covers about one projector column on either side, so a smaller disparity jump casts no shadow.
+# A pixel covers about one projector column on each side, so a smaller disparity step casts no shadow.
 _SHADOW_TOLERANCE_PX = 1.5
 _TURNED_AWAY = 0.95
 
 
 @dataclass(frozen=True)
 class StructuredLight:
-    """Model of the depth camera.
+    """Parameters of the depth camera model.
 
-    Brightness is the mean of red, green and blue on a scale of 0 to 1. slant_noise_px: what a disparity that changes by
-    a pixel from one pixel to the next adds to `noise_px`. edge_jitter_px: how far the outlines in depth stray from
-    those in colour, one standard deviation. patch_px: how large are the patches in which what is barely measured comes
-    and goes. margin_px: what the depth camera does not see of the colour image, at its top, right, bottom and left.
+    Brightness is the mean of red, green and blue on a scale of 0 to 1.
+
+    slant_noise_px: addition to `noise_px` for a disparity gradient of one pixel per pixel. edge_jitter_px: standard
+    deviation between outlines in depth and in colour. patch_px: size of the patches in which barely measurable depth
+    comes and goes. margin_px: part of the colour image that the depth camera does not see, at its top, right, bottom
+    and left.
     """
 
     baseline_m: float = 0.075
@@ -54,9 +55,10 @@ class StructuredLight:
     margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
 
     def at_noise_level(self, level: float) -> StructuredLight:
-        """The same camera with the noise that real ones have, by whose residuals to planes it was set.
+        """Return the same camera with the noise of real cameras, set by their residuals to planes.
 
-        level: 1 = a usual first Kinect. Cameras differ by half to twice that. Finer ones also have finer steps.
+        level: 1 is a usual first Kinect. Cameras range from half to twice that value. A lower level also gives finer
+        quantisation.
         """
         return replace(
             self,
@@ -75,12 +77,13 @@ def simulate_structured_light(
     sensor: StructuredLight | None = None,
     gloss: npt.NDArray[np.floating[Any]] | None = None,
 ) -> npt.NDArray[np.float32]:
-    """Turn ideal depth into what a structured-light camera would measure.
+    """Simulate the depth that a structured-light camera measures, from ideal depth.
 
-    depth_m: ideal distance along the optical axis, (H, W), metres. 0 or non-finite where there is none.
-    rgb: colour image, (H, W, 3), 8 bit. fx_px: focal length in pixels. The principal point is taken to be the
-    centre of the image. rng: source of all the randomness. sensor: the default is like the first Kinect. gloss:
-    (H, W), 0 = matt, 1 = a mirror, which is measured only where it faces the camera.
+    depth_m: ideal distance along the optical axis, (H, W), metres. 0 or non-finite without a surface. rgb: colour
+    image, (H, W, 3), 8 bit. fx_px: focal length in pixels. The principal point is the centre of the image. rng: source
+    of all random numbers. sensor: by default similar to the first Kinect. gloss: (H, W), 0 = matt, 1 = a mirror. A
+    mirror is measured only if it faces the camera.
+
     Returns measured depth, (H, W), metres, 0 where missing.
     """
     sensor = sensor or StructuredLight()
@@ -91,7 +94,7 @@ def simulate_structured_light(
     disparity_px = np.zeros_like(ideal)
     disparity_px[valid] = fx_px * sensor.baseline_m / ideal[valid]
 
-    # Drawn even where nothing uses them: the random stream then does not depend on the scene.
+    # Drawn even if unused, so that the random stream does not depend on the scene.
     raggedness, rim_noise, measuring_noise = (
         correlated_noise(ideal.shape, radius, rng) for radius in (sensor.patch_px, 1.8, sensor.noise_radius_px)
     )
@@ -113,9 +116,9 @@ def simulate_structured_light(
 
 
 def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatArray | float:
-    """One standard deviation of the disparity's noise, (H, W).
+    """Return the standard deviation of the disparity noise, (H, W).
 
-    On slanted surfaces a window of matching spans many disparities and finds their mean the worse.
+    On slanted surfaces, a matching window contains many disparities, so their mean is less precise.
     """
     if sensor.slant_noise_px == 0:
         return sensor.noise_px
@@ -124,10 +127,10 @@ def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatA
 
 
 def projector_shadow(disparity_px: FloatArray) -> BoolArray:
-    """Pixels that the camera sees and the projector does not, from (H, W) disparities. 0 = nothing there.
+    """Return the pixels that the camera sees and the projector does not, from (H, W) disparities. 0 = no surface.
 
-    Camera column u with disparity d is lit by projector column u - d. Among all the pixels of a row that share a
-    projector column only the nearest, of the greatest disparity, is lit.
+    Camera column u with disparity d is lit by projector column u - d. Among all pixels of a row with the same projector
+    column, only the nearest one, with the largest disparity, is lit.
     """
     height, width = disparity_px.shape
     seen = disparity_px > 0
@@ -136,8 +139,8 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
     row_start = np.arange(height)[:, None] * (width + margin + 2)
     left = row_start + np.floor(column).astype(np.int64)
     nearest_px = np.zeros(height * (width + margin + 2))
-    # Each pixel covers the two columns about it: slanted surfaces, stretched as the projector sees them, would
-    # otherwise let light through between neighbouring pixels.
+    # Each pixel covers the two columns around it. Otherwise slanted surfaces, which the projector sees stretched,
+    # would let light through between neighbouring pixels.
     for index in (left, left + 1):
         np.maximum.at(nearest_px, index[seen], disparity_px[seen])
     in_front_px = np.minimum(nearest_px[left], nearest_px[left + 1])
@@ -148,8 +151,8 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
 def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
     """Return the disparity that a pixel's own surface gains within two projector columns, (H, W).
 
-    A surface that turns away from the projector has many pixels in a column: its nearer ones cast no shadow on the
-    others, until it turns its back on the projector (a gain of one a pixel).
+    A surface that turns away from the projector has many pixels in one projector column. Its nearer pixels cast no
+    shadow on the others, until the surface faces away from the projector (a gain of one per pixel).
     """
     if disparity_px.shape[1] < 2:
         return np.zeros_like(disparity_px)
@@ -158,7 +161,7 @@ def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
 
 
 def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> FloatArray:
-    """Gaussian noise of unit variance, (H, W), smoothed over ``radius_px`` (one standard deviation)."""
+    """Return Gaussian noise of unit variance, (H, W), smoothed with a standard deviation of ``radius_px``."""
     noise = rng.standard_normal(shape)
     if radius_px <= 0:
         return noise
@@ -177,7 +180,7 @@ def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Ge
 
 
 def _unlit(rgb: npt.NDArray[np.uint8], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """Surfaces too dark to return the pattern, or so shiny that the glare hides it."""
+    """Return the pixels too dark to return the pattern, or so glossy that glare hides it."""
     brightness = rgb.astype(np.float64).mean(axis=2) / 255.0
     uneven = brightness + 0.02 * raggedness
     unlit: BoolArray = (uneven < sensor.dark_brightness) | (brightness > sensor.shiny_brightness)
@@ -191,7 +194,7 @@ def _steep(
     sensor: StructuredLight,
     gloss: npt.NDArray[np.floating[Any]],
 ) -> BoolArray:
-    """Surfaces that turn too far away from the viewing ray, the sooner the glossier they are."""
+    """Return the pixels whose surface turns too far from the viewing ray. The limit is lower for glossy surfaces."""
     height, width = depth_m.shape
     if height < 2 or width < 2:
         return np.zeros(depth_m.shape, dtype=np.bool_)
@@ -208,9 +211,9 @@ def _steep(
 
 
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
-    """Step from each point of (H, W, K) to the neighbour before or after it that is nearer in the last coordinate.
+    """Return the step from each point of (H, W, K) to the previous or next one that is nearer in the last coordinate.
 
-    At a depth discontinuity that is the neighbour on the same surface.
+    At a depth discontinuity, that neighbour is on the same surface.
     """
     steps = np.diff(points, axis=axis)
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)
@@ -222,11 +225,13 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
 def _strayed(
     disparity_px: FloatArray, lost: BoolArray, spread_px: float, rng: np.random.Generator
 ) -> tuple[FloatArray, BoolArray]:
-    """Both with every pixel taken from nearby: windows of matching find outlines to a pixel or two only."""
+    """Return both images with every pixel taken from nearby, as matching windows locate outlines to one or two
+    pixels.
+    """
     down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
     rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)
     columns = np.clip(np.arange(lost.shape[1]) + across, 0, lost.shape[1] - 1)
-    # Only disparity that strays across an outline counts: within a surface it would be noise of another kind.
+    # Apply it only across outlines. Within a surface it would be another kind of noise.
     strayed_px = disparity_px[rows, columns]
     jumps = np.abs(strayed_px - disparity_px) > 1.0
     return np.where(jumps, strayed_px, disparity_px), lost[rows, columns]
@@ -243,7 +248,7 @@ def _outside(shape: tuple[int, ...], raggedness: FloatArray, sensor: StructuredL
 
 
 def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """Some of the pixels within two of a depth discontinuity: matching fails where a window straddles it."""
+    """Return random pixels within two pixels of a depth discontinuity, where matching windows fail."""
     near_jump = np.zeros(disparity_px.shape, dtype=np.bool_)
     for axis in (0, 1):
         jump = np.abs(np.diff(disparity_px, axis=axis)) > sensor.rim_jump_px
@@ -255,7 +260,7 @@ def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: Structu
     one_away[:-1] |= near_jump[1:]
     one_away[:, 1:] |= near_jump[:, :-1]
     one_away[:, :-1] |= near_jump[:, 1:]
-    # Thresholds on Gaussian noise. A pixel further out is lost a good deal more seldom.
+    # Thresholds on Gaussian noise. Pixels farther away are lost less often.
     ragged_near = rim_noise > 1.6 - 3.2 * sensor.rim_loss
     ragged_far = rim_noise > 2.4 - 3.2 * sensor.rim_loss
     rim: BoolArray = (near_jump & ragged_near) | (one_away & ragged_far)

@@ -1,4 +1,4 @@
-"""Seeded textures of what objects stand on and in: square, (H, W, 3), RGB, 8 bit."""
+"""Seeded textures of surfaces on which or in which objects stand: square, (H, W, 3), RGB, 8 bit."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ _WORDS = ("fresh", "No. 7", "coffee", "daily", "2 + 1", "lemon", "market", "gard
 
 
 def surface(kind: str, rng: np.random.Generator) -> Image:
-    """A texture of that kind, one of `SURFACES` or `ROOM_SURFACES`, in colours of its own."""
+    """Return a texture in random colours. kind: a key of `SURFACES` or `ROOM_SURFACES`."""
     return {**SURFACES, **ROOM_SURFACES}[kind](rng)
 
 
 def _plain(rng: np.random.Generator) -> Image:
-    """Paint, plastic or card of one colour, faintly mottled."""
+    """Return paint, plastic or card of one colour, slightly mottled."""
     return plaster(_colour(rng, rng.uniform(0.0, 0.55), rng.uniform(0.3, 0.95)), rng)[:, :256]
 
 
 def _wood(rng: np.random.Generator) -> Image:
-    """From pale oak to walnut."""
+    """Return wood, from pale oak to walnut."""
     pale = wood(rng, int(rng.integers(3, 10)), (_SIZE_PX, _SIZE_PX)).astype(np.float64)
     mean = pale.mean(axis=(0, 1))
     grain = rng.uniform(0.8, 2.0) * (pale / mean - 1) + 1
@@ -40,12 +40,12 @@ def _wood(rng: np.random.Generator) -> Image:
 
 
 def _cloth(rng: np.random.Generator) -> Image:
-    """A coarse weave, creased where it was folded."""
+    """Return a coarse weave with creases of folding."""
     return _woven(np.array(_colour(rng, rng.uniform(0.1, 0.7), rng.uniform(0.4, 0.9)), np.float64), rng)
 
 
 def _checker(rng: np.random.Generator) -> Image:
-    """Tiles, or the gingham of a table-cloth, where the rows cross darker."""
+    """Return tiles, or the gingham of a table-cloth, which is darker where stripes cross."""
     a, b = _two_colours(rng)
     cells = 2 * int(rng.integers(3, 11))
     odd = np.arange(_SIZE_PX) * cells // _SIZE_PX % 2
@@ -56,7 +56,7 @@ def _checker(rng: np.random.Generator) -> Image:
 
 
 def _stripes(rng: np.random.Generator) -> Image:
-    """Bands of two or three colours and several widths, along or across."""
+    """Return stripes of two or three colours and several widths, along or across."""
     a, b = _two_colours(rng)
     colours = np.array([a, b, _colour(rng, rng.uniform(0.1, 0.7), rng.uniform(0.3, 0.95))], np.float64)
     widths = np.maximum(rng.integers(1, 9, 60) * int(rng.integers(4, 16)), 4)
@@ -67,20 +67,20 @@ def _stripes(rng: np.random.Generator) -> Image:
 
 
 def _paint(rng: np.random.Generator) -> Image:
-    """Quiet colours of walls and desks: white, cream, beige, grey."""
+    """Return plain colours of walls and desks: white, cream, beige, grey."""
     red, green, blue = colorsys.hsv_to_rgb(rng.uniform(0.05, 0.18), rng.uniform(0.0, 0.22), rng.uniform(0.6, 0.97))
     return plaster((round(255 * red), round(255 * green), round(255 * blue)), rng)[:, :256]
 
 
 def _carpet(rng: np.random.Generator) -> Image:
-    """Loops of yarn in several tones of one colour."""
+    """Return loops of yarn in several tones of one colour."""
     ground = np.array(_colour(rng, rng.uniform(0.05, 0.35), rng.uniform(0.2, 0.6)), np.float64)
     yarn = smooth_noise((_SIZE_PX, _SIZE_PX), (_SIZE_PX // 5, _SIZE_PX // 5), rng)
     return _to_image(ground * (1 + rng.uniform(0.15, 0.45) * yarn[..., None]) + _mottle(rng))
 
 
 def _print(rng: np.random.Generator) -> Image:
-    """Flowers, leaves, rings or words strewn over a plain ground, as on oilcloth and wrapping paper."""
+    """Return flowers, leaves, rings or words on a plain ground, as on oilcloth and wrapping paper."""
     ground, ink = _two_colours(rng)
     inks = [ink, *(_colour(rng, rng.uniform(0.2, 0.9), rng.uniform(0.2, 0.95)) for _ in range(2))]
     image = np.full((_SIZE_PX, _SIZE_PX, 3), ground, np.uint8)
@@ -95,7 +95,7 @@ def _print(rng: np.random.Generator) -> Image:
 
 
 def _terrazzo(rng: np.random.Generator) -> Image:
-    """Chips in a pale ground: stone floors, laminate."""
+    """Return chips in a pale ground, as in stone floors and laminate."""
     ground = np.array(_colour(rng, rng.uniform(0.0, 0.2), rng.uniform(0.55, 0.9)), np.float64)
     cells = int(rng.integers(60, 160))
     fine = smooth_noise((_SIZE_PX, _SIZE_PX), (cells, cells), rng)
@@ -112,10 +112,10 @@ SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {
     "print": _print,
     "terrazzo": _terrazzo,
 }
-"""Surfaces that objects stand on, by name."""
+"""Surfaces on which objects stand, indexed by name."""
 
 ROOM_SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {"paint": _paint, "carpet": _carpet}
-"""Surfaces of walls and floors, some quieter and some coarser."""
+"""Surfaces of walls and floors, some plainer and some coarser, indexed by name."""
 
 
 def _flower(image: Image, centre: tuple[int, int], radius_px: int, ink: Colour, rng: np.random.Generator) -> None:
@@ -143,7 +143,7 @@ def _word(image: Image, centre: tuple[int, int], radius_px: int, ink: Colour, rn
 
 
 def _woven(colours: FloatArray, rng: np.random.Generator) -> Image:
-    """Threads and folds over one colour, or over an image of colours."""
+    """Return threads and folds over one colour, or over an image of colours."""
     along = np.sin(2 * np.pi * np.arange(_SIZE_PX) / rng.uniform(5, 9))
     threads = 3.5 * along[:, None] * along + _mottle(rng)[..., 0]
     folds = rng.uniform(1, 5) * smooth_noise((_SIZE_PX, _SIZE_PX), (3, 3), rng)
@@ -151,7 +151,7 @@ def _woven(colours: FloatArray, rng: np.random.Generator) -> Image:
 
 
 def _mottle(rng: np.random.Generator) -> FloatArray:
-    """Return the mottling of a surface, (H, W, 1), fine and coarse."""
+    """Return a mottle pattern, (H, W, 1), with fine and coarse structure."""
     size = (_SIZE_PX, _SIZE_PX)
     return (1.5 * smooth_noise(size, (200, 200), rng) + 1.5 * smooth_noise(size, (6, 6), rng))[..., None]
 
@@ -162,7 +162,7 @@ def _mixed(a: Colour, b: Colour, share: FloatArray) -> FloatArray:
 
 
 def _two_colours(rng: np.random.Generator) -> tuple[Colour, Colour]:
-    """A pale and a deeper one, in either order."""
+    """Return a pale and a darker colour, in either order."""
     pale = _colour(rng, rng.uniform(0.0, 0.35), rng.uniform(0.75, 0.97))
     deep = _colour(rng, rng.uniform(0.3, 0.85), rng.uniform(0.25, 0.7))
     return (pale, deep) if rng.uniform() < 0.6 else (deep, pale)

@@ -1,4 +1,6 @@
-"""Two families on tables: cluttered table-tops of several categories, and instances of one object among clutter."""
+"""Two rendered families on tables: cluttered table-tops of several categories, and instances of one object in
+clutter.
+"""
 
 from __future__ import annotations
 
@@ -32,10 +34,10 @@ TABLES = {
         "bowl_4", "cap_1", "cereal_2", "coffee_mug_5", "flashlight_2", "flashlight_5", "soda_can_1", "soda_can_6",
     ),
 }  # fmt: skip
-"""The objects of each scene, named as in RGB-D Scenes."""
+"""Objects of each scene, named as in RGB-D Scenes."""
 
 INSTANCES = ("Milk", "Coffee_Cup", "Shampoo", "Camera")
-"""Objects in several instances in the scenes of that name."""
+"""Objects with several instances. The scenes have their names."""
 CLUTTER = (
     "box_1",
     "box_2",
@@ -49,15 +51,16 @@ CLUTTER = (
     "pouch_1",
 )
 _CLEAR_M = TOLERANCE_M + 0.001
-"""Minimum distance of unlabelled things from the instances. Nearer in front of one, they would hide nothing by the rule
-of masks.
+"""Minimum distance of unlabelled objects from the instances, m. The rule for masks ignores objects that hide an
+instance from a smaller distance.
 """
 
 
 def table_stage(scene: str, rng: Rng) -> Stage:
-    """All of a scene's objects on a table in a room, seen as somebody who walks by sees them.
+    """Return all objects of a scene on a table in a room, seen by a person passing by.
 
-    In every second frame what has a flat top lies, and one of the others is on it, if the scene has such things.
+    In every second frame, objects with a flat top lie and one other object stands on them, if the scene has such
+    objects.
     """
     size_m = rng.uniform(1.2, 1.8), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
@@ -82,7 +85,10 @@ def table_stage(scene: str, rng: Rng) -> Stage:
 
 
 def multi_stage(name: str, rng: Rng) -> Stage:
-    """Three instances of one object, standing or lying, and other things close about them. In every second a pile."""
+    """Return three instances of one object, standing or lying, with other objects close to them.
+
+    In every second frame, some are piled up.
+    """
     size_m = rng.uniform(0.9, 1.3), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
     plot = Plot(top)
@@ -105,7 +111,9 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 
 
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
-    """In two frames of five a fine camera of short reach, near and rather from above. Else one like the Kinect."""
+    """Return the view: in two of five frames a precise camera with short range, near and looking down, else a camera
+    like the Kinect.
+    """
     sensor = _sensor(rng, (0.65, 1.7))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)
     if rng.uniform() < 0.4:
@@ -116,7 +124,7 @@ def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View
 
 
 def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float64], list[Part], float]:
-    """Outline of its top, the table with the room around it, and where the wall behind it stands."""
+    """Return the outline of the table top, the table with its room, and the position of the back wall."""
     height_m, wall_y_m = rng.uniform(0.7, 0.76), size_m[1] / 2 + rng.uniform(0.02, 1.2)
     top, _ = rounded_rectangle(size_m, 0.01)
     legs = [
@@ -143,9 +151,9 @@ def _strewn(
     touching: float = 0.0,
     flat: bool = False,
 ) -> list[SceneObject]:
-    """Those of them that find room about the middle.
+    """Return the objects that fit around the middle of the table.
 
-    lying, touching: shares of those that do not stand and are pushed against others. flat: what can lie flat does.
+    lying, touching: shares of the objects that lie and that are pushed against others. flat: flat objects lie.
     """
 
     def spot() -> tuple[float, float]:
@@ -161,7 +169,7 @@ def _strewn(
 
 
 def _piled(things: list[SceneObject], onto: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
-    """The things with one of them moved on top of another or of what else is there, where any fits."""
+    """Return the objects after one is moved onto another object, if any fits."""
     flat = [thing for thing in onto if kind_of(thing.name) in FLAT_KINDS]
     for below in rng.permutation(len(flat)):
         for k in rng.permutation(len(things)):
@@ -177,7 +185,7 @@ def _rests(product: Product, lying: float, rng: Rng) -> tuple[Rest, ...]:
 
 
 def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part]:
-    """Paper, and at the back of the table a screen or a keyboard where there is room."""
+    """Return paper, and a screen or a keyboard at the back of the table if there is room."""
     parts = _paper(size_m, rng)
     back_m = size_m[1] / 2 - 0.12
     x_m = float(rng.uniform(-0.6, 0.6) * (size_m[0] / 2))
@@ -196,7 +204,7 @@ def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part
 
 
 def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
-    """A few sheets on the table."""
+    """Return a few sheets of paper on the table."""
     reach = np.array(size_m) / 2 - 0.15
     spots = rng.uniform(-reach, reach, (int(rng.integers(1, 5)), 2))
     places = [(float(x), float(y), 0.0003 * k) for k, (x, y) in enumerate(spots)]
@@ -204,7 +212,7 @@ def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
 
 
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
-    """Posters on the wall, chairs and cartons on the floor."""
+    """Return posters on the wall, and chairs and cartons on the floor."""
     parts: list[Part] = []
     for _ in range(int(rng.integers(2, 7))):
         parts += furniture.poster((rng.uniform(-1.3, 1.3), wall_y_m - 0.01, rng.uniform(0.1, 0.9)), rng)
@@ -219,12 +227,12 @@ def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[
 
 
 def _light(rng: Rng, aim_m: tuple[float, float, float]) -> Lighting:
-    """A room's, of so many samples that walls show no steps of shadow."""
+    """Return the light of a room, with enough samples that walls show no steps in shadows."""
     return replace(room_light(rng, aim_m), lamp_samples=8, sky_samples=32, sky_tilt_deg=35.0)
 
 
 def _sensor(rng: Rng, noise_levels: tuple[float, float]) -> StructuredLight:
-    """Like the first Kinect and its kin, whose depth stops short of the colour image's border."""
+    """Return a sensor like the first Kinect, whose depth ends before the border of the colour image."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(2, 16, 4))
     camera = StructuredLight(
         dark_brightness=0.07,

@@ -39,13 +39,13 @@ _ROUND_FONT = cv2.FONT_HERSHEY_DUPLEX
 
 
 def smooth_noise(size: tuple[int, int], cells: tuple[int, int], rng: np.random.Generator) -> npt.NDArray[np.float64]:
-    """Smooth noise in about [-2, 2], (height, width), with ``cells`` (down, across) grid cells."""
+    """Return smooth noise in about [-2, 2], (height, width), with ``cells`` (down, across) grid cells."""
     grid = rng.standard_normal((cells[0] + 1, cells[1] + 1)).astype(np.float32)
     return cv2.resize(grid, (size[1], size[0]), interpolation=cv2.INTER_CUBIC).astype(np.float64)
 
 
 def wood(rng: np.random.Generator, planks: int = 7, size: tuple[int, int] = (1024, 2048)) -> Image:
-    """Pale oak: planks along u, each with its own tone, grain and a fine joint."""
+    """Return pale oak: planks along u, each with its own tone and grain, and fine joints."""
     height, width = size
     image = np.empty((height, width, 3))
     edges = np.linspace(0, height, planks + 1).astype(int)
@@ -62,31 +62,31 @@ def wood(rng: np.random.Generator, planks: int = 7, size: tuple[int, int] = (102
 
 
 def plaster(colour: Colour, rng: np.random.Generator) -> Image:
-    """A painted, faintly mottled surface."""
+    """Return a painted, slightly mottled surface."""
     size = (256, 512)
     mottle = 0.8 * smooth_noise(size, (5, 9), rng) + 1.2 * smooth_noise(size, (60, 110), rng)
     return _to_image(np.array(colour) + mottle[..., None])
 
 
 def plain_card(colour: Colour) -> Image:
-    """Nothing printed at all."""
+    """Return card without print."""
     return np.full((8, 24, 3), colour, dtype=np.uint8)
 
 
 def glazed(colour: Colour, rim: Colour, rim_share: float) -> Image:
-    """One colour of glaze, with a band of another along the top ``rim_share`` of the height."""
+    """Return glaze of one colour, with a band of another colour along the top ``rim_share`` of the height."""
     image = np.full((256, 8, 3), colour, dtype=np.uint8)
     image[: round(256 * rim_share)] = rim
     return image
 
 
 def box_panels(front: Image, side: Image, top: Image) -> Image:
-    """The texture of a box: its three printed panels side by side."""
+    """Return the texture of a box: three printed panels next to each other."""
     return np.hstack([cv2.resize(panel, (512, 512), interpolation=cv2.INTER_AREA) for panel in (front, side, top)])
 
 
 def cereal_box() -> Image:
-    """Red cereal box with a sunburst, a bowl of rings and its nutrition table."""
+    """Return a red cereal box with a sunburst, a bowl of rings and a nutrition table."""
     red, yellow, navy = (206, 38, 36), (252, 198, 38), (26, 46, 104)
     front = np.full((1000, 680, 3), red, dtype=np.uint8)
     for k in range(20):
@@ -114,7 +114,7 @@ def cereal_box() -> Image:
 
 
 def tea_box() -> Image:
-    """Green tea packet with leaves, stripes and a cream label."""
+    """Return a green tea packet with leaves, stripes and a cream label."""
     green, dark, gold = (72, 142, 84), (22, 74, 52), (226, 178, 74)
     front = np.full((900, 680, 3), green, dtype=np.uint8)
     for x in range(-900, 700, 90):
@@ -141,7 +141,7 @@ def tea_box() -> Image:
 
 
 def milk_carton() -> Image:
-    """White and blue milk carton with a hill, a splash and stripes."""
+    """Return a white and blue milk carton with a hill, a splash and stripes."""
     blue, pale, grass = (34, 96, 182), (150, 200, 236), (96, 172, 78)
     front = np.full((700, 360, 3), _WHITE, dtype=np.uint8)
     front[:40] = blue
@@ -160,7 +160,7 @@ def milk_carton() -> Image:
 
 
 def milk_roof() -> Image:
-    """Roof of the milk carton: blue slopes with a stripe, a white glued fin."""
+    """Return the roof of the milk carton: blue slopes with a stripe, and a white glued fin."""
     blue = (34, 96, 182)
     slope = np.full((200, 360, 3), blue, dtype=np.uint8)
     slope[150:170] = _WHITE
@@ -170,7 +170,7 @@ def milk_roof() -> Image:
 
 
 def can_label() -> Image:
-    """Tomato can: red and cream stripes, a gold band and lettering, twice round."""
+    """Return a tomato can: red and cream stripes, a gold band and text, twice around."""
     cream, red, gold = (250, 240, 216), (196, 40, 44), (222, 170, 62)
     half = np.full((512, 512, 3), cream, dtype=np.uint8)
     half[:205] = red
@@ -187,13 +187,13 @@ def can_label() -> Image:
 
 
 def beach_ball() -> Image:
-    """Six wedges, orange and white in turn."""
+    """Return six wedges, alternately orange and white."""
     colours = np.array(3 * [(240, 138, 28), (226, 223, 216)], dtype=np.uint8)
     return np.ascontiguousarray(np.broadcast_to(np.repeat(colours, 128, axis=0), (64, 768, 3)))
 
 
 def flashlight_bands() -> Image:
-    """Along the length of the flashlight from its tail (bottom) to its lens (top)."""
+    """Return the bands of a flashlight from its tail (bottom) to its lens (top)."""
     image = np.full((512, 8, 3), (46, 49, 56), dtype=np.uint8)
     image[:8] = (214, 226, 232)  # the lens
     image[8:140] = (238, 186, 28)
@@ -204,7 +204,7 @@ def flashlight_bands() -> Image:
 
 
 def mug_glaze() -> Image:
-    """Cream mug with a deep blue dipped foot and a row of dots, unlike round its back."""
+    """Return a cream mug with a dark blue foot and a row of dots that differs at the back."""
     image = np.full((256, 1024, 3), (242, 232, 214), dtype=np.uint8)
     image[168:] = (44, 84, 140)
     image[158:164] = (44, 84, 140)
@@ -214,7 +214,7 @@ def mug_glaze() -> Image:
 
 
 def write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, int], colour: Colour) -> None:
-    """Write text about its centre. pen_px is the width of the text and that of its strokes."""
+    """Write text centred at a point. pen_px: width of the text and width of its strokes."""
     (unit_width, unit_height), _ = cv2.getTextSize(text, _ROUND_FONT, 1.0, 1)
     scale = pen_px[0] / unit_width
     x, y = centre[0] - pen_px[0] / 2, centre[1] + scale * unit_height / 2
@@ -232,7 +232,7 @@ def disc(image: Image, centre: tuple[int, int], radius_px: int, colour: Colour) 
 
 
 def _bowl_of_rings(image: Image, centre: tuple[int, int], radius_px: int) -> None:
-    """A bowl from the front, heaped with cereal rings."""
+    """Draw the front of a bowl, heaped with cereal rings."""
     x, y = centre
     rng = np.random.default_rng(3)
     cv2.ellipse(image, (x, y), (radius_px, radius_px // 3), 0, 0, 360, (252, 250, 244), -1, cv2.LINE_AA)
@@ -246,7 +246,7 @@ def _bowl_of_rings(image: Image, centre: tuple[int, int], radius_px: int) -> Non
 
 
 def small_print(image: Image, corners: tuple[int, int, int, int], rows: int) -> None:
-    """A white panel of small print."""
+    """Draw a white panel of small print."""
     left, top, right, bottom = corners
     image[top:bottom, left:right] = (250, 248, 240)
     rng = np.random.default_rng(rows)
@@ -259,7 +259,7 @@ def small_print(image: Image, corners: tuple[int, int, int, int], rows: int) -> 
 
 
 def bar_code(image: Image, corners: tuple[int, int, int, int]) -> None:
-    """Bars on white, within left, top, right, bottom."""
+    """Draw bars on white inside left, top, right, bottom."""
     left, top, right, bottom = corners
     image[top:bottom, left:right] = 250
     rng = np.random.default_rng(9)

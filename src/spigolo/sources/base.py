@@ -105,7 +105,7 @@ class Source(ABC):
 
 
 class SizedSource(Source):
-    """A source whose number of frames is known."""
+    """A source whose number of frames is known, and of which each can be read by its number."""
 
     def __init__(self, name: str, options: Options, count: int) -> None:
         super().__init__(name, options)
@@ -118,6 +118,10 @@ class SizedSource(Source):
 
     def __len__(self) -> int:
         return self._count
+
+    @abstractmethod
+    def __getitem__(self, number: int) -> Frame:
+        """Return one frame by its number, from 0. Raises SpigoloError if it cannot be read, IndexError without it."""
 
 
 def _warn(name: str, error: SpigoloError) -> None:

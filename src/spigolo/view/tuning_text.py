@@ -15,7 +15,7 @@ def status(answer: Answer, session: Session) -> str:
     found = count(len(answer.result), "object")
     frame = answer.run.frame
     known = session.reel.count
-    place = f"frame {session.reel.position + 1}{'' if known is None else f' of {known}'}" if known != 1 else "frame"
+    place = f"frame {answer.position + 1}{'' if known is None else f' of {known}'}" if known != 1 else "frame"
     named = f"{place} {frame.name}".strip()
     lines = [f"### {found} · {answer.wall_s * 1000:.0f} ms", f"{named} · {len(answer.result.rejected)} rejected"]
     if session.corrections:

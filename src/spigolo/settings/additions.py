@@ -270,7 +270,8 @@ class Rules(Settings):
     metric: bool = False
     """Judge sizes in metres wherever intrinsics are known. The limits in pixels then hold only without intrinsics."""
     max_length_m: Positive | None = None
-    """Maximum length, m, of a rectangle with the region's spread at its distance."""
+    """Maximum length, m, of a rectangle with the region's spread at its distance. It differs from the length of the
+    oriented box, which is measured in space between the outermost points."""
     max_width_m: Positive | None = None
     """Maximum width of that rectangle, m."""
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from spigolo.cli import DONE
 from spigolo.cli.inputs import Inputs, configure, split_flags
 from spigolo.cli.opening import opened
+from spigolo.sources.base import counted
 
 
 def tune(
@@ -49,7 +50,7 @@ def tune(
 
     with opened(words, camera, depth_scale) as source:
         page = show(source, config, port, host, open_browser=browser, folder=out, block=False)
-        size = "live frames" if source.live else "frames" if source.count is None else f"{source.count} frames"
-        print(f"{page.url} shows {'1 frame' if source.count == 1 else size}. Ctrl-C ends it.", flush=True)
+        size = "live frames" if source.live else "frames" if source.count is None else counted(source.count, "frame")
+        print(f"{page.url} shows {size}. Ctrl-C ends it.", flush=True)
         page.wait()
     return DONE

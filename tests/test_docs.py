@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 
 import cv2
+import numpy as np
 import pytest
 
 import spigolo as sp
@@ -123,6 +124,21 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
     done = run("-W", "error", "-c", "\n".join(blocks), folder=scene_in(tmp_path))
     assert done.returncode == 0, done.stderr
     assert done.stdout
+
+
+@compiled
+def test_the_file_for_a_grasp_planner_has_every_object_in_the_frame_of_the_robot(tmp_path: Path) -> None:
+    (block,) = [text for text in RUN[ROOT / "docs" / "outputs.md"] if "savez_compressed" in text]
+    done = run("-W", "error", "-c", block, folder=scene_in(tmp_path))
+    assert done.returncode == 0, done.stderr
+    result = sp.segment(sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"))
+    with np.load(tmp_path / "grasps.npz") as file:
+        assert len(file["masks"]) == len(file["scores"]) == len(result) > 5
+        T = file["T_base_camera"]
+        for o, mask, size_m, pose in zip(result, file["masks"], file["sizes_m"], file["T_base_box"], strict=True):
+            assert np.array_equal(mask, o.mask)
+            inside = (o.points_m() @ T[:3, :3].T + T[:3, 3] - pose[:3, 3]) @ pose[:3, :3]  # along the axes of the box
+            assert (np.abs(inside) <= size_m / 2 + 1e-6).all(axis=1).mean() > 0.85, o.label
 
 
 @compiled

@@ -87,16 +87,19 @@ class Bag:
         return path
 
 
-def usual_bag(kind: str, frame: Any, pairs: int = 60, unmatched: int = 3, corrupt: int = 1) -> Bag:
-    """A bag with pairs, colour images without depth, and depth messages of which half is missing."""
+def usual_bag(kind: str, frame: Any, pairs: int = 60, unmatched: int = 3, corrupt: int = 1, shift_px: int = 1) -> Bag:
+    """A bag with pairs, colour images without depth, and depth messages of which half is missing.
+
+    shift_px: how far the images of a pair are rolled to the right of those before.
+    """
     bag = Bag(kind)
     k = frame.camera
     bag.add_info(INFO, START_NS, [k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1], frame.shape)
     millimetres = np.round(frame.depth * 1000).astype(np.uint16)
     for number in range(pairs):
         stamp = START_NS + number * STEP_NS
-        bag.add_image(COLOR, stamp, np.roll(frame.color, number, axis=1), "rgb8")
-        bag.add_image(DEPTH, stamp + 4_000_000, np.roll(millimetres, number, axis=1), "16UC1")
+        bag.add_image(COLOR, stamp, np.roll(frame.color, shift_px * number, axis=1), "rgb8")
+        bag.add_image(DEPTH, stamp + 4_000_000, np.roll(millimetres, shift_px * number, axis=1), "16UC1")
     for number in range(unmatched):
         bag.add_image(COLOR, START_NS + (pairs + 3 * number + 3) * STEP_NS, frame.color, "rgb8")
     for number in range(corrupt):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -15,6 +17,7 @@ import pytest
 
 import spigolo as sp
 from spigolo.cli.inputs import configure
+from spigolo.cli.verbs import app
 from spigolo.sources.paths import find_frames
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
@@ -121,6 +124,19 @@ def test_output_that_cannot_be_written_ends_with_2(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 2
     assert "could not write" in done.stderr
+
+
+def test_every_out_says_whether_it_is_a_folder_or_a_file() -> None:
+    found = 0
+    for name in app:
+        function = app[name].default_command
+        if function is None or "out" not in inspect.signature(function).parameters:
+            continue
+        text = re.search(r"^    out\n((?: {8}.*\n)+)", function.__doc__ or "", flags=re.MULTILINE)
+        assert text is not None, name
+        assert re.search(r"\b([Ff]older|[Ff]ile)\b", text[1]), name
+        found += 1
+    assert found > 10
 
 
 def test_help_loads_neither_numba_nor_opencv() -> None:

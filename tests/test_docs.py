@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 
 import cv2
+import numpy as np
 import pytest
 
 import spigolo as sp
@@ -102,7 +103,17 @@ def test_the_page_of_bad_input_has_the_present_messages() -> None:
 RUN = {
     page: re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     for page in PAGES
-    if page.name in ("README.md", "index.md", "python.md", "cameras.md", "presets.md", "outputs.md", "wrong-results.md")
+    if page.name
+    in (
+        "README.md",
+        "index.md",
+        "python.md",
+        "cameras.md",
+        "presets.md",
+        "outputs.md",
+        "wrong-results.md",
+        "extending.md",
+    )
 }
 """The Python of pages whose blocks continue each other."""
 FIRST = {"python.md": 1, "cameras.md": 1}
@@ -126,11 +137,39 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
 
 
 @compiled
+def test_the_first_command_on_tuning_opens_a_page(tmp_path: Path) -> None:
+    line = (ROOT / "docs" / "tuning.md").read_text(encoding="utf-8").partition("```sh\n")[2].partition("\n")[0]
+    words = [sys.executable, "-m", *line.split(), "--no-browser"]
+    with subprocess.Popen(words, cwd=scene_in(tmp_path), stdout=subprocess.PIPE, text=True) as page:
+        assert page.stdout is not None
+        said = page.stdout.readline()
+        page.terminate()
+    assert re.fullmatch(r"http://127\.0\.0\.1:\d+ shows 1 frame\. Ctrl-C ends it\.\n", said)
+
+
+@compiled
+def test_the_file_for_a_grasp_planner_has_every_object_in_the_frame_of_the_robot(tmp_path: Path) -> None:
+    (block,) = [text for text in RUN[ROOT / "docs" / "outputs.md"] if "savez_compressed" in text]
+    done = run("-W", "error", "-c", block, folder=scene_in(tmp_path))
+    assert done.returncode == 0, done.stderr
+    result = sp.segment(sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"))
+    with np.load(tmp_path / "grasps.npz") as file:
+        assert len(file["masks"]) == len(file["scores"]) == len(result) > 5
+        T = file["T_base_camera"]
+        for o, mask, size_m, pose in zip(result, file["masks"], file["sizes_m"], file["T_base_box"], strict=True):
+            assert np.array_equal(mask, o.mask)
+            inside = (o.points_m() @ T[:3, :3].T + T[:3, 3] - pose[:3, 3]) @ pose[:3, :3]  # along the axes of the box
+            assert (np.abs(inside) <= size_m / 2 + 1e-6).all(axis=1).mean() > 0.85, o.label
+
+
+@compiled
 @pytest.mark.parametrize("page", [p for p in PAGES if "```sh" in p.read_text(encoding="utf-8")], ids=name)
 def test_the_shell_commands_of_a_page_run(page: Path, tmp_path: Path) -> None:
     scene_in(tmp_path)
     for block in re.findall(r"```sh\n(.*?)```", page.read_text(encoding="utf-8"), flags=re.DOTALL):
         for line in block.splitlines():
+            if line.startswith("spigolo tune "):
+                continue  # a page that waits: it has a test of its own
             done = run("-m", *line.split(), folder=tmp_path)
             assert done.returncode == 0, line + done.stderr
             assert done.stdout

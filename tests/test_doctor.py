@@ -80,7 +80,9 @@ def test_the_scale_is_guessed(demo: Frame, factor: float) -> None:
 
 
 def test_one_wall_says_nothing_of_alignment() -> None:
-    assert finding(plain(), "alignment").severity is Severity.NOTE
+    found = finding(plain(), "alignment")
+    assert found.severity is Severity.NOTE
+    assert "few. To check it, run the doctor on a frame of" in found.sentence
     assert diagnose(plain()).warnings == ()
 
 

@@ -101,6 +101,7 @@ def test_what_could_not_be_judged_stands_out(demo: sp.Frame, capsys: pytest.Capt
     print_diagnosis(Diagnosis((found, Finding("size", Severity.OK, "fine"))))
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("unknown alignment")
+    assert "To check it, run the doctor on a frame of" in lines[0]
     assert lines[-1].startswith("could not be judged: alignment.")
 
 

@@ -54,8 +54,16 @@ def test_every_format_of_a_bag_is_what_segment_finds(tmp_path: Path, bag: Path) 
 def test_a_single_frame_goes_to_the_file_that_is_named(tmp_path: Path) -> None:
     done = run("export", SCENE, "--format", "contact-graspnet", "--out", tmp_path / "scene.npz")
     assert done.returncode == 0 and (tmp_path / "scene.npz").is_file(), done.stderr
+    assert done.stdout.splitlines()[0].endswith("demo_scene: 1 frame")
+    assert "objects of 1 frame written to" in done.stdout
     refused = run("export", SCENE, "--format", "bop", "--out", tmp_path / "bop.json")
     assert refused.returncode == 2 and "SCENE/IMAGE" in refused.stderr
+
+
+def test_a_report_counts_in_words_and_leaves_out_what_did_not_happen() -> None:
+    assert str(sp.Report(1)) == "1 frame"
+    assert str(sp.Report(2, broken=1)) == "2 frames, 1 broken"
+    assert str(sp.Report(0, 1, 0, tolerance_ms=20)) == "0 frames, 1 unmatched image (no partner within 20 ms)"
 
 
 def test_segment_takes_a_bag_and_reports_it(tmp_path: Path, bag: Path) -> None:

@@ -19,6 +19,7 @@ import naive
 import spigolo as sp
 from bags import COLOR, DEPTH, INFO, KINDS, START_NS, STEP_NS, Bag, usual_bag
 from spigolo.errors import FileError, FrameError
+from spigolo.sources.base import SizedSource
 from spigolo.sources.pairing import pair_stamps
 from spigolo.sources.ros_images import color_of, depth_of
 
@@ -54,7 +55,7 @@ def test_a_broken_frame_of_a_folder_is_counted_and_the_others_come(tmp_path: Pat
         shutil.copytree(SCENE, tmp_path / name)
     (tmp_path / "b" / "depth.png").write_bytes(b"\x89PNG")
     source = sp.open_source(tmp_path)
-    assert len(source) == 3  # type: ignore[arg-type]
+    assert isinstance(source, SizedSource) and len(source) == 3 and source[2].name == "c"
     with pytest.warns(UserWarning, match=r"b: expected an image in .*depth\.png"):
         assert [f.name for f in source] == ["a", "c"]
     assert source.report() == sp.Report(frames=2, broken=1)
@@ -73,6 +74,7 @@ def test_tum_lists_pair_by_time_whatever_the_names(tmp_path: Path) -> None:
     source = sp.open_source(tmp_path)
     first, *_ = frames = list(source)
     assert len(frames) == source.count == 3 and source.intrinsics == "those of Tum"
+    assert isinstance(source, SizedSource) and source[1].name == frames[1].name
     assert first.unit_m == pytest.approx(1 / 5000)
     (other, *_) = sp.open_source(f"dataset:{tmp_path}", "60deg", depth_scale=1 / 1000)
     assert other.camera is not None and other.camera.fx == pytest.approx(320 / np.tan(np.radians(30)))
@@ -97,6 +99,27 @@ def test_a_bag_gives_all_pairs_and_counts_the_rest(tmp_path: Path, frame: sp.Fra
         assert one.camera == frame.camera
         np.testing.assert_array_equal(one.color, np.roll(frame.color, number, axis=1))
         np.testing.assert_allclose(one.depth, np.roll(frame.depth, number, axis=1), atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_frame_of_a_bag_is_read_by_its_number(tmp_path: Path, frame: sp.Frame, kind: str) -> None:
+    bag = usual_bag(kind, frame, pairs=12)
+    bag.add_image(DEPTH, START_NS + 12 * STEP_NS, millimetres(frame), "16UC1", cut=100)  # the partner of an image
+    bag.add_image(COLOR, START_NS + 12 * STEP_NS, frame.color, "rgb8")
+    source = sp.open_source(bag.write(tmp_path))
+    assert isinstance(source, SizedSource) and len(source) == 13
+    source.on_broken = lambda *_: None
+    inorder = list(source)
+    assert len(inorder) == 12
+    for number in (7, 0, 11, -2):
+        one = source[number]
+        same = inorder[number if number >= 0 else 11]
+        assert (one.name, one.stamp_ns) == (same.name, same.stamp_ns)
+        assert np.array_equal(one.color, same.color) and np.array_equal(one.depth, same.depth)
+    with pytest.raises(FrameError):
+        source[12]
+    with pytest.raises(IndexError):
+        source[13]
 
 
 @pytest.mark.parametrize("name", ["ros2-mcap", "ros2-sqlite"])

@@ -9,6 +9,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -16,7 +17,6 @@ import pytest
 import spigolo as sp
 from bags import START_NS, STEP_NS, Bag
 from spigolo.cli.opening import opened
-from spigolo.cli.tune import frames_of
 from spigolo.settings.config import Config
 from spigolo.view import tuning_scene as scene
 from spigolo.view.tuning_fields import MAIN, Leaf, controls_of, leaves, range_of
@@ -201,6 +201,29 @@ def test_a_reel_goes_to_and_fro(frame: sp.Frame) -> None:
     assert stream.count is None
     assert all(stream.move(1) for _ in range(40))
     assert sum(stream.move(-1) for _ in range(40)) == 29
+    assert not stream.go(35)
+
+
+def test_a_frame_is_read_once_while_the_reel_stands_there(frame: sp.Frame) -> None:
+    class Counted:
+        read: ClassVar[list[int]] = []
+
+        def __len__(self) -> int:
+            return 3
+
+        def __getitem__(self, number: int) -> sp.Frame:
+            self.read.append(number)
+            if number == 1:
+                raise sp.SpigoloError("broken")
+            return frame
+
+    reel = Reel(Counted())
+    assert reel.current() is reel.current() is frame
+    assert reel.go(1)
+    with pytest.raises(sp.SpigoloError, match="broken"):
+        reel.current()
+    assert reel.move(1) and reel.current() is reel.current()
+    assert Counted.read == [0, 1, 2]
 
 
 def test_of_many_requests_the_last_one_counts() -> None:
@@ -249,9 +272,11 @@ def test_the_verb_goes_through_a_bag_and_reads_files_by_number(tmp_path: Path) -
         bag.add_image("/camera/depth_registered/image", START_NS + k * STEP_NS, np.roll(depth, 9 * k, axis=1), "16UC1")
     path = str(bag.write(tmp_path))
     with opened([path]) as source:
-        session = Session(frames_of(source, [path]))
+        session = Session(source)
         seen = [session.reel.current().name, *(session.move(1) and session.reel.current().name for _ in range(3))]
         assert seen == ["000000", "000001", "000002", False]
         assert session.move(-1) and session.reel.current().name == "000001"
+        assert session.go(0) and not session.go(0) and session.reel.current().name == "000000"
+        assert session.go(99) and session.reel.position == 2 and session.reel.count == 3
     with opened([str(SCENE)]) as source:
-        assert len(list(frames_of(source, [str(SCENE)]))) == 1
+        assert Session(source).reel.count == 1

@@ -1,4 +1,4 @@
-"""The tuning page in a real browser: a slider changes the picture, a click keeps a rejected region.
+"""The tuning page in a real browser: a slider changes the picture, a click keeps a region, a bag is gone through.
 
 SPIGOLO_SCREENSHOTS=docs/images python -m pytest tests/test_tuning_page.py draws the picture of docs/tuning.md again.
 """
@@ -6,6 +6,7 @@ SPIGOLO_SCREENSHOTS=docs/images python -m pytest tests/test_tuning_page.py draws
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import socket
 import statistics
@@ -18,6 +19,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from bags import usual_bag
 from browser import chromium, in_browser, opened, until
 from spigolo.view.tuning import TuningPage
 from spigolo.view.tuning_session import Session
@@ -45,11 +47,14 @@ def browser() -> Iterator[Browser]:
 @pytest.fixture
 def page(tmp_path: Path) -> Iterator[TuningPage]:
     frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    with TuningPage(Session([frame, frame]), free_port(), folder=tmp_path) as started:
+        yield started
+
+
+def free_port() -> int:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    with TuningPage(Session([frame, frame]), port, folder=tmp_path) as started:
-        yield started
+        return int(free.getsockname()[1])
 
 
 def test_a_slider_changes_the_picture_and_a_click_keeps_a_region(
@@ -60,7 +65,7 @@ def test_a_slider_changes_the_picture_and_a_click_keeps_a_region(
     found = len(answer(page))
     before = canvas(seen)
 
-    slider = seen.get_by_role("slider").first  # that of the height above the plane
+    slider = seen.get_by_role("slider").nth(1)  # that of the height above the plane, after that of frames
     slider.focus()
     slider.press("End")  # an arrow key would turn the view too
     until(lambda: page.session.values.of[HEIGHT] == 0.05)
@@ -115,6 +120,69 @@ def test_a_new_picture_follows_each_move_of_a_slider(browser: Browser, page: Tun
     seen.close()
 
 
+def test_a_recording_is_gone_through_by_steps_and_by_numbers(browser: Browser, tmp_path: Path) -> None:
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    path = usual_bag("ros2-mcap", frame, pairs=5, shift_px=-60).write(tmp_path)
+    with sp.open_source(path) as source, TuningPage(Session(source), free_port(), folder=tmp_path) as page:
+        seen = opened(browser, page.url, *WINDOW)
+        number = seen.locator("input.mantine-NumberInput-input").first
+        pictures = [stand_at(page, seen, 1)]
+        press(page, seen, "next", 1)
+        pictures.append(stand_at(page, seen, 2))
+
+        number.fill("5")
+        pictures.append(stand_at(page, seen, 5))
+        press(page, seen, "next", 4)  # there is none
+        press(page, seen, "previous", 3)
+        pictures.append(stand_at(page, seen, 4))
+        number.fill("1")
+        again = stand_at(page, seen, 1)
+        seen.close()
+    assert all(changed(a, b) > 0.08 for a, b in itertools.combinations(pictures, 2))
+    assert changed(again, pictures[0]) < 0.02  # the page draws edges softer after a while
+
+
+def test_the_slider_of_frames_follows_play_and_fits_a_phone(browser: Browser, page: TuningPage) -> None:
+    seen = opened(browser, page.url, *PHONE)
+    settle(page, seen)
+    for thing in (seen.get_by_role("slider").first, seen.locator("input.mantine-NumberInput-input").first):
+        box = thing.bounding_box()
+        assert box is not None
+        assert 0 <= box["x"] < box["x"] + box["width"] <= PHONE[0]
+    page._playing.value = True
+    stand_at(page, seen, 2)
+    until(lambda: not page._playing.value)  # the last frame ends it
+    seen.close()
+
+
+def test_a_stream_has_steps_and_no_slider_of_frames(browser: Browser, tmp_path: Path) -> None:
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    with TuningPage(Session(itertools.repeat(frame)), free_port(), folder=tmp_path) as page:
+        seen = opened(browser, page.url, *WINDOW)
+        assert page._place is None
+        press(page, seen, "next", 1)
+        seen.get_by_text("frame 2 · ").first.wait_for(timeout=20_000)
+        seen.close()
+
+
+def press(page: TuningPage, seen: Page, name: str, position: int) -> None:
+    """Press a button until the session stands at a frame: a busy browser may miss a click."""
+    for _ in range(3):
+        seen.get_by_role("button", name=name).click()
+        with contextlib.suppress(AssertionError):
+            until(lambda: page.session.reel.position == position, 15)
+            return
+    raise AssertionError(f"no click on {name} arrived")
+
+
+def stand_at(page: TuningPage, seen: Page, number: int) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    """Return the picture once the text and the slider say that it is that of a frame, counted from 1."""
+    seen.get_by_text(f"frame {number} of ").first.wait_for(timeout=20_000)
+    settle(page, seen)
+    assert seen.get_by_role("slider").first.get_attribute("aria-valuenow") == str(number)
+    return canvas(seen)
+
+
 def follow(seen: Page, up: bool) -> float:
     """Move the slider and return the time until the page shows another answer, ms.
 
@@ -129,7 +197,7 @@ def follow(seen: Page, up: bool) -> float:
 
 MOVED = """async up => {
     const head = () => document.querySelector("h3").innerText
-    const slider = document.querySelector("[role=slider]")
+    const slider = document.querySelectorAll("[role=slider]")[1]
     const before = head(), began = performance.now()
     const changed = new Promise(done => {
         const look = () => { if (head() != before) { watch.disconnect(); done(performance.now() - began) } }

@@ -12,6 +12,7 @@ from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.opening import opened
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
+from spigolo.sources.base import counted
 
 if TYPE_CHECKING:
     from spigolo.objects.segmentation import Segmentation
@@ -48,8 +49,9 @@ def export(
         coco and bop: one JSON file. yolo: text. labels: 16-bit PNG. contact-graspnet: .npz with depth, K, rgb and
         segmap. workspace-mask: 1-bit PNG. ply and pcd: a cloud for each object.
     out
-        File to write for coco and bop, and for a single frame. Otherwise a folder with a file NAME for each frame, or,
-        for ply and pcd, a folder NAME.
+        coco and bop: the JSON file to write. ply and pcd: a folder for the clouds, with a folder NAME for each frame
+        of several. Other formats: the file to write for a single frame, or a folder with a file NAME for each of
+        several.
     camera
         Intrinsics, as for `segment`.
     preset
@@ -75,7 +77,8 @@ def export(
     print(f"{source.name}: {source.report()}")
     if not results.done:
         raise FileError(f"no frame of {source.name} could be exported")
-    print(f"{results.objects} objects of {results.done} frames written to {out} ({config.name} {config.digest})")
+    written = f"{counted(results.objects, 'object')} of {counted(results.done, 'frame')} written to {out}"
+    print(f"{written} ({config.name} {config.digest})")
     return SOME_FAILED if results.failed or source.report().broken else DONE
 
 
@@ -110,7 +113,7 @@ def view(
     show
         Open the viewer and send the frames to it, instead of writing a file.
     out
-        File of the recording.
+        File of the recording (.rrd).
 
     """
     words, flags = split_flags(inputs)
@@ -127,7 +130,7 @@ def view(
     if not results.done:
         raise FileError(f"no frame of {source.name} could be shown")
     written = "sent to the viewer" if show else f"written to {out}: open it with `rerun {out}`"
-    print(f"{results.done} frames {written}")
+    print(f"{counted(results.done, 'frame')} {written}")
     return SOME_FAILED if results.failed or source.report().broken else DONE
 
 

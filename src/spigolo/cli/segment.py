@@ -13,6 +13,7 @@ from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.opening import first_frame, opened
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
+from spigolo.sources.base import counted
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Frame
@@ -115,7 +116,7 @@ def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit
             result = _segmented(frame, run, wanted, check, out / frame.name)
             without += frame.camera is None
             done += 1
-            print(f"{frame.name}: {len(result)} objects")
+            print(f"{frame.name}: {counted(len(result), 'object')}")
         except SpigoloError as error:
             failed += 1
             _print_error(frame.name, error)
@@ -128,7 +129,7 @@ def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit
     if report.tolerance_ms is not None or report.pace is not None:
         print(f"{source.name}: {report}")
     print(f"segmenting: {run.pace}")
-    print(f"{done} of {total} frames written to {out} ({run.config.name} {run.config.digest})")
+    print(f"{done} of {counted(total, 'frame')} written to {out} ({run.config.name} {run.config.digest})")
     return SOME_FAILED if failed else DONE
 
 

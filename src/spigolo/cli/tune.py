@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, overload
 
 from spigolo.cli import DONE
 from spigolo.cli.inputs import Inputs, configure, split_flags
 from spigolo.cli.opening import opened
-from spigolo.sources.paths import FramePaths, find_frames
-
-if TYPE_CHECKING:
-    from spigolo.frames.frame import Frame
-    from spigolo.sources.base import Source
+from spigolo.sources.base import counted
 
 
 def tune(
@@ -55,43 +49,8 @@ def tune(
     from spigolo.view.tuning import tune as show
 
     with opened(words, camera, depth_scale) as source:
-        frames = frames_of(source, words, camera, depth_scale)
-        page = show(frames, config, port, host, open_browser=browser, folder=out, block=False)
-        size = "live frames" if source.live else "frames" if source.count is None else f"{source.count} frames"
-        print(f"{page.url} shows {'1 frame' if source.count == 1 else size}. Ctrl-C ends it.", flush=True)
+        page = show(source, config, port, host, open_browser=browser, folder=out, block=False)
+        size = "live frames" if source.live else "frames" if source.count is None else counted(source.count, "frame")
+        print(f"{page.url} shows {size}. Ctrl-C ends it.", flush=True)
         page.wait()
     return DONE
-
-
-def frames_of(
-    source: Source, words: Sequence[str], camera: str | None = None, depth_scale: float | None = None
-) -> Iterable[Frame]:
-    """Return the frames that a page shows: any of several files, or the frames of a recording or camera in order."""
-    from spigolo.sources.folders import FolderSource
-
-    return FilesInTurn(find_frames(words), camera, depth_scale) if isinstance(source, FolderSource) else source
-
-
-class FilesInTurn(Sequence["Frame"]):
-    """Sequence of frames in files. Each frame is read when it is requested."""
-
-    def __init__(self, paths: Sequence[FramePaths], camera: str | None, depth_scale: float | None) -> None:
-        self._paths, self._camera, self._scale = paths, camera, depth_scale
-
-    def __len__(self) -> int:
-        return len(self._paths)
-
-    @overload
-    def __getitem__(self, index: int) -> Frame: ...
-
-    @overload
-    def __getitem__(self, index: slice) -> FilesInTurn: ...
-
-    def __getitem__(self, index: int | slice) -> Frame | FilesInTurn:
-        if isinstance(index, slice):
-            return FilesInTurn(self._paths[index], self._camera, self._scale)
-        from spigolo.frames.files import read_frame
-
-        paths = self._paths[index]
-        given = self._camera if self._camera is not None else paths.camera
-        return read_frame(paths.color, paths.depth, given, self._scale)

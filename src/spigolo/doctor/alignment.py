@@ -18,6 +18,7 @@ from spigolo.kernels.contours import fill_shadows
 
 ALIGNMENT = "alignment"
 
+ELSEWHERE = "To check it, run the doctor on a frame of boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
 """Edges compare depth from 5 pixels on either side: an offset up to this is harmless."""
@@ -73,7 +74,7 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
     if count < MIN_CONTOUR_SHARE * filled.size:
         return note(
             ALIGNMENT,
-            f"alignment of depth and colour cannot be judged: {count} pixels of depth steps are few",
+            f"alignment of depth and colour cannot be judged: {count} pixels of depth steps are few. {ELSEWHERE}",
             judged=False,
         )
     gradients = color_gradients(color)
@@ -91,7 +92,7 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
         return _not_registered(scaled)
     if not fit.is_clear:
         why = "alignment of depth and colour cannot be judged: colour does not change at depth steps"
-        return note(ALIGNMENT, why, judged=False)
+        return note(ALIGNMENT, f"{why}. {ELSEWHERE}", judged=False)
     if fit.unshifted < SHIFTED * fit.score:
         return warning(
             ALIGNMENT,

@@ -132,9 +132,8 @@ class _Cache(FunctionCache):
 
 @functools.cache
 def _announce() -> None:
-    """Say once in a process that this is the first run on a machine."""
-    if CACHE_FOLDER is not None and not any(CACHE_FOLDER.iterdir()):
-        logging.getLogger("spigolo").warning("compiling the kernels, once on this machine: about 20 s")
+    """Say once in a process that it waits for kernels that the cache does not have."""
+    logging.getLogger("spigolo").warning("compiling kernels that are new on this machine: up to 20 s")
 
 
 @functools.cache

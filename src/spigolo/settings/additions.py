@@ -314,8 +314,8 @@ class Rules(Settings):
     metric: bool = False
     """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
     max_length_m: Positive | None = None
-    """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. None: no
-    limit.
+    """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. It differs from
+    the length of the oriented box, which is measured in space between the outermost points. None: no limit.
     """
     max_width_m: Positive | None = None
     """Maximum width of a region, m, estimated by the same rectangle as its length. None: no limit."""

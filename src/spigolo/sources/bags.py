@@ -12,7 +12,7 @@ from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, NamedTuple
 
 from spigolo.errors import FileError, FrameError, SpigoloError, warn
 from spigolo.frames.camera import Camera
@@ -29,6 +29,17 @@ REALSENSE = "/device_0/sensor_"
 """Prefix of the topics in a recording of the RealSense SDK."""
 
 
+class Stamped(NamedTuple):
+    """One image message: where it is, and the time of its image."""
+
+    stamp_ns: int
+    """Stamp of the image."""
+    number: int
+    """Number of the message in its topic, from 0."""
+    written_ns: int
+    """Time at which the recorder wrote it, by which a bag is searched."""
+
+
 @dataclass(frozen=True, slots=True)
 class Content:
     """Content of a bag, found by a first pass over the file."""
@@ -37,8 +48,8 @@ class Content:
     """Topics of colour, depth and CameraInfo."""
     partner: dict[tuple[str, int], int]
     """Number of the pair, indexed by topic and message number."""
-    stamps_ns: tuple[int, ...]
-    """Stamp of each pair's colour image, ns."""
+    pairs: tuple[tuple[Stamped, Stamped], ...]
+    """Colour and depth message of each pair."""
     headless: frozenset[tuple[str, int]]
     """Topic and number of each message that is too short for a stamp."""
     info: Any
@@ -56,12 +67,19 @@ class BagSource(SizedSource):
             self._types = {c.topic: c.msgtype for c in reader.connections}
             self._decoder = _Decoder(reader)
             self.content = self._survey(reader, options)
-        super().__init__(str(path), options, len(self.content.stamps_ns))
+        super().__init__(str(path), options, len(self.content.pairs))
         topics = self.content.topics
         if options.camera is None and topics.info is not None and self.content.info is not None:
             self.intrinsics = f"topic {topics.info}"
         if not self._count:
             warn(f"{path}: no pair of {topics.color} and {topics.depth} within {options.tolerance_ms:g} ms")
+
+    def __getitem__(self, number: int) -> Frame:
+        topics, (color, depth) = self.content.topics, self.content.pairs[number]
+        wanted = {topics.color: color, topics.depth: depth}
+        with closing(_open(self._path)) as reader:
+            found = {topic: _find(reader, topic, message) for topic, message in wanted.items()}
+        return self._read(number % self._count, found)
 
     def report(self) -> Report:
         """Return the counts since the last iteration began, with the pairing tolerance."""
@@ -102,18 +120,22 @@ class BagSource(SizedSource):
             self._unmatched += 1
 
     def _frame(self, pair: int, messages: dict[str, bytes]) -> Frame | None:
-        name, topics, own = f"{pair:06d}", self.content.topics, self.options
         try:
-            color = self._decode(topics.color, messages[topics.color])
-            depth = self._decode(topics.depth, messages[topics.depth])
-            camera, scale = self._camera(color.shape[1], color.shape[0])
-            scale = own.depth_scale or scale or MILLIMETRES
-            stamp = self.content.stamps_ns[pair]
-            scale_given = scale if depth.dtype.kind in "ui" else None
-            return Frame(color, depth, camera, name, stamp, scale_given, max_pixels=own.max_pixels)
+            return self._read(pair, messages)
         except SpigoloError as error:
-            self._skip(name, error)
+            self._skip(_name(pair), error)
             return None
+
+    def _read(self, pair: int, messages: dict[str, bytes]) -> Frame:
+        """Return the frame of the two messages of a pair. Raises SpigoloError."""
+        topics, own = self.content.topics, self.options
+        color = self._decode(topics.color, messages[topics.color])
+        depth = self._decode(topics.depth, messages[topics.depth])
+        camera, scale = self._camera(color.shape[1], color.shape[0])
+        scale = own.depth_scale or scale or MILLIMETRES
+        stamp = self.content.pairs[pair][0].stamp_ns
+        scale_given = scale if depth.dtype.kind in "ui" else None
+        return Frame(color, depth, camera, _name(pair), stamp, scale_given, max_pixels=own.max_pixels)
 
     def _camera(self, width: int, height: int) -> tuple[Camera | None, float | None]:
         given, info = self.options.camera, self.content.info
@@ -146,12 +168,13 @@ class BagSource(SizedSource):
         info = self._decoder.first([c for c in reader.connections if c.topic == topics.info])
         stamps, headless, cut = _read_stamps(reader, topics)
         colors, depths = stamps[topics.color], stamps[topics.depth]
-        found = pair_stamps([s for s, _ in colors], [s for s, _ in depths], options.tolerance_ms * 1e6)
+        found = pair_stamps([s.stamp_ns for s in colors], [s.stamp_ns for s in depths], options.tolerance_ms * 1e6)
+        pairs = tuple((colors[color], depths[depth]) for color, depth in found)
         partner = {}
-        for pair, (color, depth) in enumerate(found):
-            partner[topics.color, colors[color][1]] = pair
-            partner[topics.depth, depths[depth][1]] = pair
-        return Content(topics, partner, tuple(colors[color][0] for color, _ in found), headless, info, cut)
+        for pair, (color, depth) in enumerate(pairs):
+            partner[topics.color, color.number] = pair
+            partner[topics.depth, depth.number] = pair
+        return Content(topics, partner, pairs, headless, info, cut)
 
 
 class _Decoder:
@@ -184,8 +207,8 @@ class _Decoder:
         return "depth" in connection.topic if message is None else is_depth(message)
 
 
-Stamps = dict[str, list[tuple[int, int]]]
-"""Stamp in nanoseconds and number of each message, indexed by topic."""
+Stamps = dict[str, list[Stamped]]
+"""Stamped messages, indexed by topic."""
 
 
 def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[str, int]], str]:
@@ -194,17 +217,30 @@ def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[s
     numbers, headless = dict.fromkeys(stamps, 0), set()
     wanted = [c for c in reader.connections if c.topic in stamps]
     try:
-        for connection, _, data in reader.messages(connections=wanted):
+        for connection, written_ns, data in reader.messages(connections=wanted):
             topic = connection.topic
             number, numbers[topic] = numbers[topic], numbers[topic] + 1
             stamp = _stamp_ns(data, reader.is2)
             if stamp is None:
                 headless.add((topic, number))
             else:
-                stamps[topic].append((stamp, number))
+                stamps[topic].append(Stamped(stamp, number, written_ns))
     except Exception as error:  # damaged files may raise any exception
         return stamps, frozenset(headless), _told(error)
     return stamps, frozenset(headless), ""
+
+
+def _find(reader: Any, topic: str, wanted: Stamped) -> bytes:
+    """Return the bytes of one message, found by the time at which it was written. Raises FrameError."""
+    connections = [c for c in reader.connections if c.topic == topic]
+    at = wanted.written_ns
+    try:
+        for _, _, data in reader.messages(connections=connections, start=at, stop=at + 1):
+            if _stamp_ns(data, reader.is2) == wanted.stamp_ns:
+                return bytes(data)
+    except Exception as error:  # damaged files may raise any exception
+        raise FrameError(f"{topic}, message {wanted.number} cannot be read ({_told(error)})") from None
+    raise FrameError(f"{topic}, message {wanted.number} is no longer in the recording")
 
 
 def is_of_realsense(path: Path) -> bool:
@@ -246,6 +282,10 @@ def _camera_info(info: Any, topic: str) -> Any:
     if "rect" not in topic.lower() or projection is None or not any(projection):
         return info
     return SimpleNamespace(width=info.width, height=info.height, P=list(map(float, projection)))
+
+
+def _name(pair: int) -> str:
+    return f"{pair:06d}"
 
 
 def _told(error: BaseException) -> str:

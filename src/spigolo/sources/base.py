@@ -18,6 +18,11 @@ OnBroken = Callable[[str, SpigoloError], None]
 """Function that is called with the name of an unreadable frame or message, and the error."""
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, which ends in s for all numbers but 1."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 @dataclass(frozen=True, slots=True)
 class Report:
     """Counts of a source since its iteration began."""
@@ -37,10 +42,11 @@ class Report:
 
     def __str__(self) -> str:
         within = "" if self.tolerance_ms is None else f" (no partner within {self.tolerance_ms:g} ms)"
-        told = [f"{self.frames} frames"]
+        told = [counted(self.frames, "frame")]
         if self.unmatched or self.tolerance_ms is not None:
-            told.append(f"{self.unmatched} unmatched images{within}")
-        told.append(f"{self.broken} broken")
+            told.append(f"{counted(self.unmatched, 'unmatched image')}{within}")
+        if self.broken:
+            told.append(f"{self.broken} broken")
         if self.pace is not None:
             told += [f"{self.dropped} dropped", str(self.pace)]
         return ", ".join(told)
@@ -96,7 +102,7 @@ class Source(ABC):
         self.close()
 
     def __repr__(self) -> str:
-        size = "live" if self.live else "frames" if self.count is None else f"{self.count} frames"
+        size = "live" if self.live else "frames" if self.count is None else counted(self.count, "frame")
         return f"{type(self).__name__}({self.name!r}, {size})"
 
     def _skip(self, name: str, error: SpigoloError) -> None:
@@ -105,7 +111,7 @@ class Source(ABC):
 
 
 class SizedSource(Source):
-    """Source with a known number of frames."""
+    """Source with a known number of frames. Each frame can be read by its number."""
 
     def __init__(self, name: str, options: Options, count: int) -> None:
         super().__init__(name, options)
@@ -118,6 +124,10 @@ class SizedSource(Source):
 
     def __len__(self) -> int:
         return self._count
+
+    @abstractmethod
+    def __getitem__(self, number: int) -> Frame:
+        """Return one frame by its number, from 0. Raises SpigoloError if it cannot be read, IndexError without it."""
 
 
 def _warn(name: str, error: SpigoloError) -> None:

@@ -23,6 +23,9 @@ class FolderSource(SizedSource):
         if options.camera is None and found is not None:
             self.intrinsics = str(found)
 
+    def __getitem__(self, number: int) -> Frame:
+        return self._read(self.paths[number])
+
     def _frames(self) -> Iterator[Frame]:
         for paths in self.paths:
             try:

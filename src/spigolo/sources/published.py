@@ -22,6 +22,9 @@ class PublishedSource(SizedSource):
         if options.camera is None:
             self.intrinsics = f"those of {type(self.entries).__name__}"
 
+    def __getitem__(self, number: int) -> Frame:
+        return self._changed(self.entries[number].read())
+
     def _frames(self) -> Iterator[Frame]:
         for entry in self.entries:
             try:

@@ -21,7 +21,7 @@ from spigolo.view import tuning_scene as scene
 from spigolo.view import tuning_text as text
 from spigolo.view.tuning_controls import Controls
 from spigolo.view.tuning_lists import Lists
-from spigolo.view.tuning_session import Answer, Pixel, Session
+from spigolo.view.tuning_session import Answer, Numbered, Pixel, Session
 from spigolo.view.tuning_worker import Latest
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ BRAND = (46, 134, 222)
 
 
 def tune(
-    frames: Frame | Iterable[Frame],
+    frames: Frame | Iterable[Frame] | Numbered,
     config: Config = OBJECTS,
     port: int = 8080,
     host: str = "127.0.0.1",
@@ -51,9 +51,9 @@ def tune(
 ) -> TuningPage:
     """Show a page on which parameters are tuned by looking at frames.
 
-    frames: a frame, a list of frames, or a stream such as a camera. config: the configuration to start from. host:
-    the address to listen on, this machine alone by default. folder: where presets are saved. block: return only when
-    the page is closed or Ctrl-C is pressed. Needs `pip install "spigolo[tune]"`. Raises SpigoloError without it.
+    frames: a frame, a list of frames, a source, or any stream. config: the configuration to start from. host: the
+    address to listen on, this machine alone by default. folder: where presets are saved. block: return only when the
+    page is closed or Ctrl-C is pressed. Needs `pip install "spigolo[tune]"`. Raises SpigoloError without it.
     """
     page = TuningPage(Session(frames, config), port, host, Path(folder))
     if open_browser:
@@ -77,6 +77,7 @@ class TuningPage:
         self._stage, self._merging = scene.STAGES[0], False
         self._stand: scene.Stand | None = None
         self._frame: Frame | None = None
+        self._place: viser.GuiSliderHandle[int] | None = None
         self._drawing = threading.RLock()
         self._closed = threading.Event()
         self._build()
@@ -153,8 +154,12 @@ class TuningPage:
         stages.on_update(lambda event: self._show(event.target.value))
         views = gui.add_button_group("look at", VIEWS)
         views.on_click(self._turn)
-        several = self.session.reel.count != 1
-        steps = gui.add_button_group("frame", (BACK, ON), visible=several)
+        count = self.session.reel.count
+        several = count != 1
+        if count is not None and several:
+            self._place = gui.add_slider("frame", 1, count, 1, 1, hint=f"Number of the frame, from 1 to {count}.")
+            self._place.on_update(lambda event: self._go(event.target.value - 1))
+        steps = gui.add_button_group("go to", (BACK, ON), visible=several)
         steps.on_click(lambda event: self._move(1 if event.target.value == ON else -1))
         self._playing = gui.add_checkbox("play", False, hint="Go on to the next frame by itself.", visible=several)
         self._playing.on_update(lambda _: self.worker.ask())
@@ -192,9 +197,19 @@ class TuningPage:
     def _move(self, step: int) -> None:
         try:
             if self.session.move(step):
+                self._show_place()
                 self.worker.ask()
         except SpigoloError as error:
             self._status.content = text.trouble(error)
+
+    def _go(self, position: int) -> None:
+        if self.session.go(position):  # not where `_show_place` has set the slider
+            self.worker.ask()
+
+    def _show_place(self) -> None:
+        """Set the slider of frames to where the session is. It follows buttons and play, and leads only by hand."""
+        if self._place is not None:
+            self._place.value = self.session.reel.position + 1
 
     def _save(self, name: str, client: viser.ClientHandle | None) -> None:
         try:
@@ -215,8 +230,8 @@ class TuningPage:
     def _run(self) -> bool:
         """Segment and draw, on the worker's thread. Return whether the next frame follows at once."""
         try:
-            if self._playing.value and self.session.answer is not None and not self.session.move(1):
-                self._playing.value = False
+            if self._playing.value and self.session.answer is not None:
+                self._play()
             first = self.session.answer is None
             self.session.run()
             self._draw()
@@ -227,6 +242,12 @@ class TuningPage:
         except Exception as error:  # the page goes on
             self._status.content = text.trouble(error)
         return bool(self._playing.value)
+
+    def _play(self) -> None:
+        if self.session.move(1):
+            self._show_place()
+        else:
+            self._playing.value = False
 
     def _draw(self) -> None:
         """Draw the answer, and what is selected in it."""

@@ -6,10 +6,10 @@ import threading
 import time
 import warnings
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import cv2
 import numpy as np
@@ -31,15 +31,25 @@ REMEMBERED = 30
 """Frames of a stream that can be looked at again."""
 
 
+@runtime_checkable
+class Numbered(Protocol):
+    """Frames that are read by their number, from 0: a list, or a source whose number of frames is known."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, number: int, /) -> Frame: ...
+
+
 class Reel:
-    """Frames that are looked at one after the other. Those of a sequence are read when they are shown.
+    """Frames that are looked at one after the other. Those with a number are read when they are shown.
 
     A stream without an end gives its next frame when it is asked. Its last 30 frames are remembered.
     """
 
-    def __init__(self, frames: Iterable[Frame]) -> None:
-        self._sequence = frames if isinstance(frames, Sequence) else None
-        self._stream: Iterator[Frame] = iter(()) if self._sequence is not None else iter(frames)
+    def __init__(self, frames: Iterable[Frame] | Numbered) -> None:
+        self._sequence = frames if isinstance(frames, Numbered) else None
+        self._read: tuple[int, Frame] | None = None
+        self._stream: Iterator[Frame] = iter(()) if isinstance(frames, Numbered) else iter(frames)
         self._seen: deque[Frame] = deque(maxlen=REMEMBERED)
         self._back = 0
         self.position = 0
@@ -57,17 +67,30 @@ class Reel:
 
     def current(self) -> Frame:
         """Return the frame. Raises SpigoloError for a frame that cannot be read."""
-        frame = self._seen[-1 - self._back] if self._sequence is None else self._sequence[self.position]
+        frame = self._seen[-1 - self._back] if self._sequence is None else self._numbered(self._sequence)
         check_frame(frame)
         return frame
 
     def move(self, step: int) -> bool:
         """Go to the next (1) or the previous (-1) frame, and return whether there is one."""
         if self._sequence is not None:
-            target = min(max(self.position + step, 0), len(self._sequence) - 1)
-            moved, self.position = target != self.position, target
-            return moved
+            return self.go(self.position + step)
         return self._move_back() if step < 0 else self._move_on()
+
+    def go(self, position: int) -> bool:
+        """Go to a frame by its number, from 0, and return whether that moves. A stream without a count stays."""
+        if self._sequence is None:
+            return False
+        target = min(max(position, 0), len(self._sequence) - 1)
+        moved, self.position = target != self.position, target
+        return moved
+
+    def _numbered(self, frames: Numbered) -> Frame:
+        """Return the frame at the position. It is read once while the reel stands there."""
+        position = self.position
+        if self._read is None or self._read[0] != position:
+            self._read = position, frames[position]
+        return self._read[1]
 
     def _move_back(self) -> bool:
         moved = self._back + 1 < len(self._seen)
@@ -110,6 +133,8 @@ class Correction:
 class Answer:
     """The answer of one run."""
 
+    position: int
+    """Number of the frame, from 0."""
     run: Trace
     """Every stage."""
     result: Segmentation
@@ -129,7 +154,7 @@ class Session:
     Methods may be called from several threads.
     """
 
-    def __init__(self, frames: Frame | Iterable[Frame], config: Config = OBJECTS) -> None:
+    def __init__(self, frames: Frame | Iterable[Frame] | Numbered, config: Config = OBJECTS) -> None:
         self.reel = Reel([frames] if isinstance(frames, Frame) else frames)
         self.presets = {name: PRESETS[name] for name in SHOWN}
         self.preset = next((n for n, p in self.presets.items() if p.digest == config.digest), f"{config.name} (yours)")
@@ -155,7 +180,7 @@ class Session:
     def run(self) -> Answer:
         """Segment the frame with the values of now. Raises SpigoloError if they do not go together."""
         with self._lock:
-            config, frame = self.values.config(), self.reel.current()
+            config, frame, position = self.values.config(), self.reel.current(), self.reel.position
         began = time.perf_counter()
         with warnings.catch_warnings(record=True) as caught, clock.stopwatch() as times:
             warnings.simplefilter("always")
@@ -165,7 +190,7 @@ class Session:
         stages = dict(sorted(spent.items(), key=lambda item: -item[1]))
         with self._lock:
             notes = tuple(str(warning.message) for warning in caught)
-            self.answer = Answer(run, self._corrected(run.segmentation), wall_s, stages, notes)
+            self.answer = Answer(position, run, self._corrected(run.segmentation), wall_s, stages, notes)
             return self.answer
 
     def at(self, pixel: Pixel | None) -> ObjectMask | RejectedRegion | None:
@@ -190,8 +215,14 @@ class Session:
             self._correct_again()
 
     def move(self, step: int) -> bool:
-        """Go to the next (1) or the previous (-1) frame. Corrections stay behind."""
-        moved = self.reel.move(step)
+        """Go to the next (1) or the previous (-1) frame, and return whether there is one. Corrections stay behind."""
+        return self._left(self.reel.move(step))
+
+    def go(self, position: int) -> bool:
+        """Go to a frame by its number, from 0, and return whether that moves. Corrections stay behind."""
+        return self._left(self.reel.go(position))
+
+    def _left(self, moved: bool) -> bool:
         with self._lock:
             if moved:
                 self.corrections, self.selected = [], None
@@ -210,8 +241,7 @@ class Session:
 
     def _correct_again(self) -> None:
         if self.answer is not None:
-            a = self.answer
-            self.answer = Answer(a.run, self._corrected(a.run.segmentation), a.wall_s, a.stages_s, a.notes)
+            self.answer = replace(self.answer, result=self._corrected(self.answer.run.segmentation))
 
     def _corrected(self, result: Segmentation) -> Segmentation:
         for correction in self.corrections:

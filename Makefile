@@ -88,7 +88,7 @@ $(VENV)/.installed: $(VENV)/pyvenv.cfg pyproject.toml
 	@touch $@
 
 $(VENV)/.developing: $(VENV)/pyvenv.cfg pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable ".[batch,cluster,datasets,evaluation,fit,synthetic,yaml]" --group dev
+	$(BIN)/python -m pip install --quiet --editable ".[batch,cluster,datasets,evaluation,fit,synthetic,yaml]" --group dev --group docs
 	@touch $@ $(VENV)/.installed
 
 $(VENV)/.documenting: $(VENV)/pyvenv.cfg pyproject.toml

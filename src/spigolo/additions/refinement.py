@@ -1,4 +1,4 @@
-"""Outlines of objects drawn again by colour, where depth does not say where they lie (`settings.Refinement`)."""
+"""Outlines of objects redrawn by colour where depth does not locate them (`settings.Refinement`)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ RAMP_STEP_M = 0.03
 RAMP_STEP_SHARE = 0.02
 """Minimum depth difference, in metres and as a share of the distance, of the steps that ramps are measured at."""
 MEMORY = 0.5
-"""Share of the colour of a tree that comes from its earlier pixels."""
+"""Weight of the earlier pixels of a tree in its colour."""
 CARRY = 0.9
 """Share of the weight of an edge that is added to the next one."""
 HALVED_BAND_PX = 3
@@ -31,8 +31,8 @@ HALVED_BAND_PX = 3
 class Claimed:
     """Labels after the seeded partition.
 
-    labels (H, W) int32. source_of (H * W,) int32: number y * width + x of the seed that each opened pixel belongs to;
-    without meaning elsewhere. opened: (H, W), the pixels whose label was found anew.
+    labels (H, W) int32. source_of (H * W,) int32: number y * width + x of the seed of each opened pixel, undefined
+    elsewhere. opened: (H, W), pixels that a seed has claimed.
     """
 
     labels: Labels
@@ -90,7 +90,7 @@ def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refine
 
 
 def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
-    """Width of the band on each side of the borders, from the ramps at the depth steps along them."""
+    """Return the width of the band on each side of the borders, from the ramps at the depth steps along them."""
     sums = np.zeros(2, np.int64)
     kernel.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
     if sums[0] < config.min_profiles:
@@ -102,10 +102,10 @@ def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
 def open_band(
     labels: Labels, near_hole: npt.NDArray[np.uint8], width_px: int, hole_width_px: int, max_opened: float
 ) -> tuple[npt.NDArray[np.uint8], int]:
-    """Pixels (H, W) uint8 within a distance of a border between labels, and their number.
+    """Return the pixels (H, W) uint8 within a distance of a border between labels, and their number.
 
-    near_hole: (H, W), where hole_width_px holds in place of width_px. Of a label that is thinner than that only the
-    outer share `max_opened` of its layers is open. Label 0 may be opened as a whole.
+    near_hole: (H, W), pixels at which the distance is hole_width_px, not width_px. If a label is thinner than the
+    distance, only the outer share `max_opened` of its layers is opened. Label 0 may be opened entirely.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     kernel.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
@@ -122,7 +122,7 @@ def claim(
     depth: DepthMap,
     config: Refinement,
 ) -> Claimed:
-    """Give each opened pixel the label of the seed whose tree reaches it first; unreachable ones keep theirs."""
+    """Give each opened pixel the label of the seed whose tree reaches it first. Unreachable pixels keep their label."""
     smooth = color
     if config.sigma_px > 0:
         smooth = np.asarray(cv2.GaussianBlur(color, (0, 0), config.sigma_px, borderType=cv2.BORDER_REPLICATE), np.uint8)
@@ -145,6 +145,6 @@ def claim(
 
 
 def _widen(mask: Mask, reach_px: int) -> npt.NDArray[np.uint8]:
-    """A mask as uint8 with everything within reach_px of it, as a square."""
+    """Return a mask as uint8, dilated by a square with sides of 2 reach_px + 1."""
     size = 2 * reach_px + 1
     return np.asarray(cv2.dilate(mask.view(np.uint8), np.ones((size, size), np.uint8)))

@@ -13,6 +13,7 @@ from spigolo.cli.engines import choose_cluster
 from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.progress import progress
 from spigolo.frames.frame import MAX_PIXELS
+from spigolo.sources.base import counted
 from spigolo.sources.paths import FramePaths, find_frames
 
 if TYPE_CHECKING:
@@ -117,5 +118,5 @@ def _print_summary(summary: Summary, out: Path) -> None:
         more = len(summary.failures) - MOST_FAILURES
         print(f"spigolo: {more} more frames failed: {out / 'manifest.jsonl'} has the reasons", file=sys.stderr)
     state = summary.progress
-    print(f"{state.total} frames: {state.computed} computed, {state.kept} kept, {state.failed} failed")
-    print(f"{summary.objects} objects: {summary.table}")
+    print(f"{counted(state.total, 'frame')}: {state.computed} computed, {state.kept} kept, {state.failed} failed")
+    print(f"{counted(summary.objects, 'object')}: {summary.table}")

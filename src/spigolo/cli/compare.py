@@ -8,6 +8,7 @@ from pathlib import Path
 from spigolo.cli import DONE
 from spigolo.cli.inputs import DEMO_SCENE, Many, Out
 from spigolo.errors import ConfigError, FileError
+from spigolo.sources.base import counted
 from spigolo.sources.paths import IMAGES, find_frames, only_frame
 
 
@@ -56,7 +57,7 @@ def compare(
         METHODS[name](frame)  # the first run may compile
         start = time.perf_counter()
         answers[name] = METHODS[name](frame), time.perf_counter() - start
-        print(f"{name}: {len(answers[name][0])} objects, {1e3 * answers[name][1]:.0f} ms")
+        print(f"{name}: {counted(len(answers[name][0]), 'object')}, {1e3 * answers[name][1]:.0f} ms")
     io.write_png(picture, comparison(frame, answers, ours))
     print(f"picture: {picture}")
     return DONE

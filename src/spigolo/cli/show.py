@@ -15,6 +15,7 @@ from rich.progress import track
 from rich.table import Table
 
 from spigolo.frames import files as io
+from spigolo.sources.base import counted
 
 if TYPE_CHECKING:
     from spigolo.doctor import Diagnosis
@@ -59,7 +60,8 @@ def print_result(result: Segmentation, out: Path) -> None:
         table.add_row(str(o.label), f"{o.score:.2f}", str(o.area_px), centroid, size, f"{o.missing:.0%}")
     if len(result):
         Console().print(table)
-    print(f"{len(result)} objects, {len(result.rejected)} regions rejected ({result.preset} {result.digest})")
+    rejected = counted(len(result.rejected), "region")
+    print(f"{counted(len(result), 'object')}, {rejected} rejected ({result.preset} {result.digest})")
     for region in sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]:
         print(f"  rejected {region.area_px} px at {region.box_px}: {region.why}")
     if len(result.rejected) > MOST_REJECTED:

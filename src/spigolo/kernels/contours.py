@@ -12,7 +12,7 @@ CLOSE, ROUNDING = 0.99, 1e-6
 """Margins of the first test in float32, relative and per metre. Values closer to a limit are tested again exactly."""
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8
-"""Marks of a row are looked at eight at a time, as most are 0."""
+"""Number of marks in a row that are tested at once. Most marks are 0."""
 
 
 @kernel

@@ -1,4 +1,4 @@
-"""Sums over the pixels of every region."""
+"""Kernels for sums over the pixels of each region."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 DARK_BELOW = 24
-"""The first three of 32 bins of a brightness in 0..255."""
+"""Upper end of the three darkest of 32 bins of a brightness in 0..255."""
 
 
 @inlined
 def sum_squares(end):
-    """0^2 + 1^2 + ... + (end - 1)^2."""
+    """Return 0^2 + 1^2 + ... + (end - 1)^2."""
     return (end - 1.0) * end * (2.0 * end - 1.0) / 6.0
 
 
@@ -91,7 +91,7 @@ def sum_depth(labels, depth, camera, sums):
 
 @kernel
 def count_marked(labels, mask, counts):
-    """Pixels of every region where a mask (H, W) uint8 of 0 and 1 holds. counts (R,) int64, zero before."""
+    """Count the pixels of each region in a mask (H, W) uint8 of 0 and 1. counts (R,) int64, initially zero."""
     for y in range(labels.shape[0]):
         row, marks = labels[y], mask[y]
         region, marked = row[0], 0
@@ -105,7 +105,7 @@ def count_marked(labels, mask, counts):
 
 @kernel
 def count_dark(labels, color, counts):
-    """Pixels of every region whose brightness max(R, G, B) lies in the first three of 32 bins."""
+    """Count the pixels of each region with a brightness max(R, G, B) in the three darkest of 32 bins."""
     height, width = labels.shape
     for y in range(height):
         for x in range(width):

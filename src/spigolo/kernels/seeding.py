@@ -1,4 +1,4 @@
-"""Seeded partition of the pixels along the borders of objects: open pixels, and the forest that claims them."""
+"""Kernels of the seeded partition: pixels opened along the borders of objects, and the forest that claims them."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from spigolo.kernels._jit import inlined, kernel
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
-"""Depth between these parts of a step belongs to neither of its sides."""
+"""Depth values between these shares of a step belong to neither side of it."""
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
 """Flags of an open pixel: those at the left and right image border have a neighbour less."""
 LEVELS = 2048
-"""Number of weights that are told apart, in steps of one grey level; larger ones count as the last."""
+"""Number of weight levels, one grey level each. Larger weights have the last level."""
 WORD = 8
-"""Flags of a row are looked at eight at a time, as most are 0."""
+"""Number of flags in a row that are tested at once. Most flags are 0."""
 MARGIN = f32(0.01)
-"""Rounding errors of a weight are smaller, in grey levels."""
+"""Upper bound of the rounding error of a weight, in grey levels."""
 
 
 @inlined
 def outermost(depth, start, step, count):
-    """The first valid depth of `count` pixels from `start` on, 0 without any; depth (H * W,)."""
+    """Return the first valid depth of `count` pixels from `start` on, or 0 if there is none. depth (H * W,)."""
     for k in range(count):
         z = depth[start + k * step]
         if z > f32(0.0):
@@ -57,7 +57,7 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag the pixels of a row that differ from the next one or from that of the other row. flags: uint8."""
+    """Flag the pixels of a row that differ from the next pixel or from the pixel of the other row. flags: uint8."""
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
     flags[row.size - 1] = row[-1] != other[-1]
@@ -180,14 +180,14 @@ def flag_columns(opened):
 
 @inlined
 def distance_2(red, green, blue, color, p):
-    """Squared distance in RGB to pixel p."""
+    """Return the squared distance in RGB to pixel p."""
     red, green, blue = red - f32(color[p, 0]), green - f32(color[p, 1]), blue - f32(color[p, 2])
     return red * red + green * green + blue * blue
 
 
 @inlined
 def step_cost(z, other, full, step_weight):
-    """step_weight times the share, at most 1, that a depth step has of a full one. 0 where depth is missing."""
+    """Return step_weight times the size of a depth step as a share, at most 1, of a full step. 0 without depth."""
     if z <= f32(0.0) or other <= f32(0.0):
         return f32(0.0)
     step = abs(z - other)
@@ -196,7 +196,7 @@ def step_cost(z, other, full, step_weight):
 
 @inlined
 def neighbour(p, k, flags, width, size):
-    """Number of the k-th of four neighbours of pixel p, -1 outside the image. flags: those of an open pixel."""
+    """Return the k-th of four neighbours of pixel p, or -1 outside the image. flags: of the open pixel p."""
     if k == 0:
         return -1 if flags & LAST_COLUMN else p + 1
     if k == 1:
@@ -208,7 +208,7 @@ def neighbour(p, k, flags, width, size):
 
 @inlined
 def offer(bucket, p, s, size, least, head, tail, edges):
-    """Queue the edge from labelled pixel s to open pixel p unless as light a one is there. Returns the new size."""
+    """Queue the edge from labelled pixel s to open pixel p unless a lighter one is known. Return the new size."""
     if bucket >= least[p]:
         return size
     least[p] = bucket

@@ -1,4 +1,4 @@
-"""The answer with outlines drawn again (ours)."""
+"""Redrawn outlines in the result (ours)."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ Value = TypeVar("Value", bound=np.generic)
 
 @stage("outlines")
 def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
-    """Draw the outlines of all objects again by colour, where depth does not say where they lie.
+    """Redraw the outlines of all objects by colour where depth does not locate them.
 
-    A pixel that leaves an object goes to the rejected region that claims it. A rejected region without pixels is gone,
-    so that regions are numbered anew.
+    A pixel that leaves an object joins the rejected region of its seed. Rejected regions that lose all pixels are
+    removed, and the other regions get new numbers.
     """
     if config.refinement is None or not result.objects:
         return result
@@ -38,9 +38,9 @@ def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
 
 @stage("enlarging")
 def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None = None) -> Segmentation:
-    """Return the answer for a frame from that for `halve_frame` of it, its outlines placed at full size.
+    """Return the result of a frame from the result of its half (`halve_frame`), with outlines placed at full size.
 
-    config: the parameters that the answer names. roi: where objects are wanted, in the frame.
+    config: the parameters named in the result. roi: region of interest in the full frame.
     """
     regions = Regions(_doubled(result.regions.labels, frame.shape), result.regions.count)
     scene = _enlarged_scene(result.scene, frame, config, roi)
@@ -51,7 +51,7 @@ def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None 
 
 
 def _enlarged_scene(scene: Scene, frame: Frame, config: Config, roi: Roi | None) -> Scene:
-    """Return the scene of a frame from that of its half. Depth that was in-painted there is taken from there."""
+    """Return the scene of a frame from the scene of its half. In-painted depth is taken from the half."""
     sized = config.at_size(frame.shape)
     ours = sized.additions
     if ours is not None:
@@ -78,9 +78,9 @@ def _doubled(values: npt.NDArray[Value], shape: tuple[int, int]) -> npt.NDArray[
 def _redrawn(
     result: Segmentation, scene: Scene, regions: Regions, before: npt.NDArray[np.int32], claimed: Claimed
 ) -> Segmentation:
-    """Return the answer in a scene with the regions that the claimed pixels leave, numbered anew.
+    """Return the result in a scene after pixels were claimed. Regions get new numbers.
 
-    before: (H, W), labels of the objects before they were claimed.
+    before: (H, W), labels of the objects before pixels were claimed.
     """
     labels, areas = np.empty_like(regions.labels), np.zeros(regions.count, np.int64)
     kernel.follow_seeds(before, claimed.labels, claimed.source_of, regions.labels, labels, areas)

@@ -1,4 +1,4 @@
-"""The answer: objects and rejected regions, and corrections of it by hand."""
+"""Result of a segmentation: objects, rejected regions, and corrections by hand."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ _facts = attrgetter(*FACTS)
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class ObjectMask(RegionFacts):
-    """One object: its mask, its facts and its number."""
+    """One object: its mask, its measurements and its number."""
 
     label: int
     """Number of the object in `Segmentation.labels`, from 1."""
     id: int | None = None
-    """Number of the object that lasts from frame to frame, from 1. None without `Segmenter(ids=True)`."""
+    """Id of the object, from 1. It stays the same from frame to frame. None without `Segmenter(ids=True)`."""
 
     @property
     def number(self) -> int:
-        """The id if the object has one, else the label: the number that pictures and messages show."""
+        """Number that pictures and messages show: the id if the object has one, else the label."""
         return self.label if self.id is None else self.id
 
     def _summary(self) -> str:
@@ -58,9 +58,9 @@ class RejectedRegion(RegionFacts):
     """A region that is not an object."""
 
     reason: Reason
-    """The first rule that it breaks."""
+    """First rule that the region breaks."""
     why: str
-    """The same with the numbers."""
+    """Reason in words, with the measured value and the limit."""
 
     def _summary(self) -> str:
         return f"{self.why}; {RegionFacts._summary(self)}"
@@ -68,24 +68,26 @@ class RejectedRegion(RegionFacts):
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Segmentation:
-    """The answer. Iterating, indexing and len() use the objects, best score first. np.asarray() gives the labels."""
+    """Result of `segment`. Iterating, indexing and len() use the objects, best score first. np.asarray() gives
+    the labels.
+    """
 
     labels: Labels
     """Label image (H, W) int32: 0 = background, 1..N = objects."""
     objects: tuple[ObjectMask, ...]
     """The objects, best score first."""
     rejected: tuple[RejectedRegion, ...]
-    """All other regions, each with its reason."""
+    """All regions that are not objects, each with the reason for its rejection."""
     left_out: tuple[str, ...]
     """Results that need intrinsics and were left out."""
     preset: str
     """Name of the parameters."""
     digest: str
-    """Hash of their values."""
+    """Hash of the parameters."""
     regions: Regions
     """All regions of the frame."""
     scene: Scene
-    """The evidence that they were judged by."""
+    """Input of the rejection rules: frame, depth, plane and limits."""
 
     def __repr__(self) -> str:
         height, width = self.labels.shape
@@ -117,7 +119,7 @@ class Segmentation:
         return picture
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all but the pixels, ready for json.dumps: objects by label, rejected regions with their reasons.
+        """Return all except the pixels as a dictionary for json.dumps: objects, and rejected regions with reasons.
 
         Names are those of `RegionFacts`. Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x).
         """
@@ -131,7 +133,7 @@ class Segmentation:
         }
 
     def table(self) -> dict[str, list[Any]]:
-        """Return the facts of the objects as columns, one row for each object: `pandas.DataFrame(result.table())`."""
+        """Return the measurements of the objects as columns, one row per object: `pandas.DataFrame(result.table())`."""
         rows = [{**_numbers(o), **o.to_dict()} for o in self]
         names = [*(["label", "id"] if any(o.id is not None for o in self) else ["label"]), *MEASURED]
         return {name: [row.get(name) for row in rows] for name in names}
@@ -152,33 +154,33 @@ class Segmentation:
         return labels.copy() if copy else labels
 
     def at(self, point: tuple[float, float]) -> ObjectMask | RejectedRegion:
-        """The object or rejected region at a pixel (y, x). Raises IndexError outside the image."""
+        """Return the object or rejected region at a pixel (y, x). Raises IndexError outside the image."""
         region = int(self.regions.labels[pixel_of(point, self.frame.shape)])
         everything: tuple[ObjectMask | RejectedRegion, ...] = (*self.objects, *self.rejected)
         return next(r for r in everything if r.region == region)
 
     def object_at(self, point: tuple[float, float]) -> ObjectMask:
-        """The object at a pixel (y, x), whatever rule its region breaks: a click says that there is one."""
+        """Return the object at a pixel (y, x), even if its region breaks a rule, as after a click of a user."""
         found = self.at(point)
         kept = found if isinstance(found, ObjectMask) else self.keep(found).at(point)
         assert isinstance(kept, ObjectMask)
         return kept
 
     def keep(self, region: RegionFacts) -> Segmentation:
-        """The answer with a rejected region as an object. Raises SpigoloError for a region of other regions."""
+        """Return the result with a rejected region as an object. Raises SpigoloError for a region of another result."""
         self._check_own(region)
         return self._with(region, None)
 
     def drop(self, region: RegionFacts) -> Segmentation:
-        """The answer without an object. Raises SpigoloError for one of other regions."""
+        """Return the result without an object. Raises SpigoloError for an object of another result."""
         self._check_own(region)
         return self._with(region, (Reason.BY_HAND, "dropped by hand"))
 
     def merge(self, a: RegionFacts, b: RegionFacts) -> Segmentation:
-        """The answer with two objects or regions as one object, measured anew.
+        """Return the result with two objects or regions merged to one object, measured again.
 
-        Its regions are numbered anew as well: keep, drop and merge of it take what its own `at` gives. Raises
-        SpigoloError for others.
+        The regions of the new result have new numbers, so keep, drop and merge of it require regions from its own `at`.
+        Raises SpigoloError for regions of another result.
         """
         self._check_own(a, b)
         if a.region == b.region:
@@ -214,7 +216,7 @@ class Segmentation:
         )
 
     def verdicts(self) -> list[Verdict | None]:
-        """Return the verdict of each region by number. None: an object."""
+        """Return the verdict of each region, indexed by region number. None: an object."""
         verdicts: list[Verdict | None] = [None] * self.regions.count
         for r in self.rejected:
             verdicts[r.region] = (r.reason, r.why)
@@ -224,7 +226,7 @@ class Segmentation:
 def assemble(
     scene: Scene, regions: Regions, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]
 ) -> Segmentation:
-    """Return the answer from the facts of every region, by number, and its verdict (None: an object)."""
+    """Return the result from the measurements and the verdict (None: an object) of each region, by region number."""
     accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
     objects = tuple(ObjectMask(label=k, id=getattr(f, "id", None), **_fields(f)) for k, f in enumerate(accepted, 1))
     rejected = tuple(

@@ -162,3 +162,24 @@ def test_an_array_file_that_unpacks_to_gigabytes_is_refused(tmp_path: Path, monk
     monkeypatch.setattr(arrays, "MAX_UNPACKED", 1_000_000)
     with pytest.raises(FileError, match="at most 1000000 are read"):
         read_depth(path)
+
+
+@pytest.mark.parametrize("file", ["../x.png", "rgb/../../x.png", "/etc/x.png", "C:/x.png", "..\\x.png"])
+def test_a_list_of_images_cannot_lead_out_of_its_folder(tmp_path: Path, file: str) -> None:
+    from spigolo.lab.datasets.tum import Tum
+
+    (tmp_path / "rgb.txt").write_text(f"# time file\n1.0 {file}\n")
+    (tmp_path / "depth.txt").write_text("1.0 depth/1.png\n")
+    with pytest.raises(FileError, match="line 2"):
+        list(Tum(tmp_path))
+
+
+def test_a_list_of_images_may_go_up_and_down_inside_its_folder(tmp_path: Path) -> None:
+    from spigolo.lab.datasets.tum import Tum
+
+    for folder in ("rgb", "other", "depth"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "1.png").touch()
+    (tmp_path / "rgb.txt").write_text("1.0 rgb/../other/1.png\n")
+    (tmp_path / "depth.txt").write_text("1.0 depth/1.png\n")
+    assert len(Tum(tmp_path)) == 1

@@ -11,9 +11,10 @@ near-identical. A folder of sequences is accepted too.
 
 from __future__ import annotations
 
+import posixpath
 import re
 from collections.abc import Iterator
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
@@ -69,12 +70,21 @@ def _listed(path: Path) -> Stamped:
                 time, file = re.split(r"[,\s]+", line.strip(), maxsplit=1)
                 if not np.isfinite(float(time)):
                     raise ValueError(time)
-                found.append((float(time), path.parent / file.strip().replace("\\", "/")))
+                file = file.strip().replace("\\", "/")
+                if not _stays_inside(file):
+                    raise FileError(f"expected a file in {path.parent} in line {number} of {path}, got {file[:60]!r}")
+                found.append((float(time), path.parent / file))
             except ValueError:
                 raise FileError(f"expected `time file` in line {number} of {path}, got {line[:60]!r}") from None
     found.sort()
     unit_s = _unit_s(np.array([time for time, _ in found]))
     return [(time * unit_s, file) for time, file in found]
+
+
+def _stays_inside(file: str) -> bool:
+    """Return True if a path is relative and does not lead out of the folder that it begins in."""
+    inside = posixpath.normpath(file)
+    return not (inside == ".." or inside.startswith(("../", "/")) or PureWindowsPath(inside).drive)
 
 
 def _text(path: Path) -> str:

@@ -62,14 +62,14 @@ class Recording:
             self._add_object(o, result)
 
     def _add_object(self, o: ObjectMask, result: Segmentation) -> None:
-        rr, number = self._rr, _number(o)
+        rr, number = self._rr, o.number
         colors = result.frame.color[o.mask & (result.frame.depth > 0)]
         self._log(f"world/objects/{number}/cloud", rr.Points3D(o.points_m(), colors=colors))
         box = o.oriented_box()
         if box is not None:
             half, turn = np.array(box.size_m) / 2, quaternion(np.array(box.R_camera_box, float))
             shape = rr.Boxes3D(
-                centers=[box.center_m], half_sizes=[half], quaternions=[turn], class_ids=[number % CLASSES]
+                centers=[box.center_m], half_sizes=[half], quaternions=[turn], class_ids=[_class_of(number)]
             )
             self._log(f"world/objects/{number}/box", shape)
 
@@ -106,13 +106,14 @@ def quaternion(R: npt.NDArray[np.float64]) -> Quaternion:
     return q
 
 
-def _number(o: ObjectMask) -> int:
-    return o.label if o.id is None else o.id
+def _class_of(number: int) -> int:
+    """Return the class of an object number. 0 is the background."""
+    return (number - 1) % (CLASSES - 1) + 1
 
 
 def _classes(result: Segmentation) -> npt.NDArray[np.uint8]:
     """Return the label image (H, W) with ids instead of labels, modulo the number of colours."""
     numbers = np.zeros(len(result) + 1, np.uint8)
     for o in result:
-        numbers[o.label] = (_number(o) - 1) % (CLASSES - 1) + 1
+        numbers[o.label] = _class_of(o.number)
     return numbers[result.labels]

@@ -430,6 +430,52 @@ def test_an_item_that_kills_its_workers_is_lost_alone(cluster: str) -> None:
     assert outcomes == {k: k for k in range(8) if k != 3}
 
 
+def test_an_item_is_lost_only_if_it_kills_its_workers_alone() -> None:
+    """Items 1 and 2 die with 3, as Dask blames all that a lost worker held. Alone, only 3 dies."""
+    pytest.importorskip("distributed")
+    outcomes: dict[int, int | Lost] = {}
+    run = _ClusterRun(FakeClient(), square, range(5), 1)
+    futures = run._submit()
+    assert len(futures) == 5
+    while futures:
+        future = futures.pop(0)
+        future.blamed = future.item == 3 or (not run.alone and future.item in (1, 2))
+        outcomes.update(run._collect(future))
+        following = run._submit()
+        assert len(following) <= 1 and not (following and futures)
+        futures += following
+    assert isinstance(outcomes.pop(3), Lost)
+    assert outcomes == {k: k for k in (0, 1, 2, 4)}
+
+
+class KilledWorker(Exception):  # noqa: N818
+    """Stands in for Dask's error of this name."""
+
+
+class FakeFuture:
+    def __init__(self, item: int) -> None:
+        self.item, self.blamed = item, False
+
+    def exception(self) -> Exception | None:
+        return KilledWorker() if self.blamed else None
+
+    def result(self) -> tuple[list[int], float]:
+        return [self.item], 1.0
+
+    def release(self) -> None:
+        """Do nothing."""
+
+
+class FakeClient:
+    """Cluster of five threads, whose tasks end when the test says so."""
+
+    def nthreads(self) -> dict[str, int]:
+        return {"worker": 5}
+
+    def submit(self, do: object, work: object, group: list[int], pure: bool) -> FakeFuture:
+        return FakeFuture(group[0])
+
+
 def test_tasks_hold_as_many_items_as_take_a_second() -> None:
     pytest.importorskip("distributed")
     run = _ClusterRun(None, square, range(5000), None)

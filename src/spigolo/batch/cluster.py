@@ -75,14 +75,20 @@ def dask_local(workers: int = 1, group: int | None = None) -> Engine:
 
 
 class _ClusterRun(Generic[T, R]):
-    """Run over the items in groups. If a group kills its workers, its items are repeated one by one."""
+    """Run over the items in groups.
+
+    If a group kills its workers, its items are repeated one by one. Dask blames every task that a lost worker held, not
+    only the one that killed it. So an item is lost only if it kills its workers again when nothing else runs.
+    """
 
     def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:
         self.client, self.do, self.group = client, do, group
         self.work: Any = None
         self.items = iter(items)
         self.again: deque[T] = deque()
+        self.suspects: deque[T] = deque()
         self.in_flight: dict[Any, list[T]] = {}
+        self.alone = False
         self.item_s: deque[float] = deque(maxlen=RECENT)
 
     def outcomes(self, distributed: Any) -> Iterator[tuple[T, R | Lost]]:
@@ -107,7 +113,11 @@ class _ClusterRun(Generic[T, R]):
     def _next_group(self) -> list[T]:
         if self.again:
             return [self.again.popleft()]
-        return list(islice(self.items, self.group or self._size()))
+        group = list(islice(self.items, self.group or self._size()))
+        if not group and self.suspects and not self.in_flight:
+            self.alone = True
+            return [self.suspects.popleft()]
+        return group
 
     def _size(self) -> int:
         """Return the number of items that take about as long as a task should."""
@@ -121,6 +131,8 @@ class _ClusterRun(Generic[T, R]):
             yield from zip(group, outcomes, strict=True)
         elif len(group) > 1:
             self.again.extend(group)
+        elif _was_killed(error) and not self.alone:
+            self.suspects.extend(group)
         else:
             yield group[0], Lost(_reason(error))
         future.release()
@@ -144,8 +156,12 @@ def _outcome(do: Callable[[Any], Any], item: Any) -> Any:
         return Lost(reason_of(error))
 
 
+def _was_killed(error: BaseException) -> bool:
+    return type(error).__name__ == "KilledWorker"
+
+
 def _reason(error: BaseException) -> str:
-    if type(error).__name__ == "KilledWorker":
+    if _was_killed(error):
         return "its worker process died again and again, probably because memory ran out"
     return reason_of(error)
 

@@ -107,7 +107,7 @@ def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> S
 
 
 def segment_at(frame: Frame, point: tuple[float, float], config: Config = OBJECTS) -> ObjectMask:
-    """Return the object at a pixel (y, x), for example at a click, even if its region violates a rule.
+    """Return the object at a pixel (y, x), even if its region violates a rule. Use it for a user's click.
 
     Raises IndexError for a point outside the image.
     """

@@ -1,4 +1,4 @@
-"""Parsing of command-line words: inputs, and dotted flags for fields of the preset."""
+"""Parsing of command-line arguments: inputs, and flags such as `--partition.gamma` for fields of the preset."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
 
 
 def write_array(path: Path, array: npt.NDArray[np.generic]) -> None:
-    """Write an array as a .npy file. The file appears only when it is complete."""
+    """Write an array to a .npy file. The file is written atomically."""
     buffer = BytesIO()
     np.save(buffer, array)
     io.write_bytes(path, buffer.getvalue())

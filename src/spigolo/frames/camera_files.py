@@ -82,7 +82,7 @@ def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]
 
 
 def camera_in(folder: Path) -> Path | None:
-    """Return the camera file of a folder, or None without a camera file."""
+    """Return the path of the camera file in a folder, or None if no camera file is found."""
     return next((folder / name for name in NAMES if (folder / name).is_file()), None)
 
 
@@ -118,7 +118,7 @@ def _unreadable(kind: str, path: PathLike, error: Exception) -> FileError:
 
 
 def _text(path: PathLike) -> Mapping[str, Any]:
-    """Return the fields of a text file with numbers, COLMAP cameras or lines `name: value`."""
+    """Return the fields of a text file. It contains numbers, COLMAP cameras, or lines of the form `name: value`."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:

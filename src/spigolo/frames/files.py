@@ -81,7 +81,7 @@ def read_frame(
 
 
 def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
-    """Return the camera of any form that `read_frame` takes, and its depth_scale. The latter is None if there is none.
+    """Return the camera in any form that `read_frame` accepts, and its depth scale. The scale is None if it is unknown.
 
     Raises FileError or CameraError.
     """

@@ -27,7 +27,7 @@ DEPTH_KEYS = ("depth", "depth_image", "depth_map", "depth_m", "depth_raw", "dept
 
 
 def read_color(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.uint8]:
-    """Return RGB (H, W, 3) uint8 of an image file or an array. Grey becomes RGB. Transparency is dropped.
+    """Return an image file or array as an RGB array (H, W, 3) uint8. Grey becomes RGB. Transparency is dropped.
 
     More than 8 bits are scaled from the full range of the stored type, so 10 bits stored in 16 lose 2 bits. Pixels keep
     their stored order like those of the depth map: orientation metadata is ignored. Raises FileError or FrameError.

@@ -48,7 +48,7 @@ def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
 
 
 def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32]) -> OutOfReach | None:
-    """Set implausible depth in `metres` (H, W) to 0. Return its description, or None if there is none.
+    """Set implausible depth in `metres` (H, W) to 0. Return a description of it, or None if all depth is plausible.
 
     stored (H, W): the same depth before conversion to metres.
     """

@@ -52,7 +52,7 @@ def parse_yaml(yaml: Any, text: str) -> Any:
 
 
 def _count_aliased(node: Any) -> float:
-    """Return how many values are added when all aliases are expanded. Infinite if an alias contains itself."""
+    """Return the number of values that expanding all aliases adds. It is infinite if an alias contains itself."""
     sizes: dict[int, float] = {}
 
     def size(one: Any) -> float:

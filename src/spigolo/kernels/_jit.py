@@ -138,7 +138,7 @@ def _announce() -> None:
 
 @functools.cache
 def _warn() -> None:
-    """Warn once in a process that compiled kernels are not kept."""
+    """Warn, once per process, that compiled kernels are not cached."""
     where = f" in {CACHE_FOLDER}" if CACHE_FOLDER is not None else ""
     warnings.warn(
         f"spigolo cannot keep its compiled kernels{where} and compiles them in each process; {ADVICE}", stacklevel=2

@@ -7,7 +7,7 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def halve_depth(depth, out):
-    """Set each pixel to the lower median of the valid depths in its block of 2x2 pixels, or to 0 if there are none.
+    """Set each pixel to the lower median of the valid depths in its block of 2x2 pixels, or to 0 if all are missing.
 
     Unlike a mean, the median is a measured depth. A mean could lie between an object and the surface behind it.
 

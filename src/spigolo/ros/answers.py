@@ -110,7 +110,7 @@ def detections(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
-    """Yield each object that has an oriented box, and the box."""
+    """Yield pairs (object, oriented box). Objects without an oriented box are skipped."""
     for o in result:
         box = o.oriented_box()
         if box is not None:

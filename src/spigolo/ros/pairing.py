@@ -38,7 +38,7 @@ class Waiting:
             self._changed.notify()
 
     def take(self, timeout_s: float) -> Pair | None:
-        """Return the oldest pair. None if there is none within the timeout."""
+        """Return the oldest pair, or None if no pair arrives within the timeout."""
         with self._changed:
             self._changed.wait_for(lambda: bool(self._pairs), timeout_s)
             return self._pairs.popleft() if self._pairs else None

@@ -91,7 +91,7 @@ def _camera_of(color: Path) -> Path | None:
 
 
 def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
-    """Return the only frame. Raises FileError if there are none or several."""
+    """Return the only frame. Raises FileError for no frame or several frames."""
     if len(frames) != 1:
         raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
     return frames[0]

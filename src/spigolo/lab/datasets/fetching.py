@@ -1,6 +1,6 @@
 """Download of data sets. An interrupted download continues, and each archive is verified by its hash and unpacked.
 
-The folder of the set appears only when it is complete.
+The folder of the data set is created when the data set is complete.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def search(
 
 
 def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
-    """Return the frames with labels. Raises FileError if there are none."""
+    """Return the frames with labels. Raises FileError if no frame has labels."""
     labelled = tuple(frame for frame in frames if frame.labelling != "none")
     if not labelled:
         raise FileError(f"expected labelled frames, got {len(frames)} without labels: label about twenty of them")

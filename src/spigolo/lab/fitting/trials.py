@@ -54,7 +54,7 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Setting with one row per frame. Number 0 is the start, with an empty setting."""
+    """Tested parameter values, and the rows of their evaluation. Number 0 is the start preset without changes."""
 
     number: int
     setting: Setting

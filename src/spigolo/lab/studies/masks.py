@@ -1,6 +1,6 @@
 """Compare models rendered at the true poses with the exact masks: `python -m spigolo.lab.studies.masks`.
 
-The first test uses the depth of an ideal camera, with a tolerance of 2 mm. It tests only poses and models. The second
+The first test uses the depth of an ideal camera, with a tolerance of 2 mm. It checks poses and models only. The second
 test uses BOP's tolerance of 15 mm and the depth of the simulated camera, as readers of data sets do. The last column
 counts the arrangements that were discarded because their poses do not give their masks.
 """

@@ -10,8 +10,9 @@ SUMS = 6
 
 @inlined
 def first_measured(depth, y, x, dy, dx, most):
-    """Return the first pixel with depth from (y, x) along (dy, dx), at most `most` pixels away. The row is -1 if there
-    is none.
+    """Return the first pixel with depth from (y, x) along (dy, dx), at most `most` pixels away.
+
+    The row is -1 if all of them lack depth.
     """
     height, width = depth.shape
     for _ in range(most + 1):

@@ -22,7 +22,7 @@ MARGIN = f32(0.01)
 
 @inlined
 def outermost(depth, start, step, count):
-    """Return the first valid depth of `count` pixels from `start` on, or 0 if there is none. depth (H * W,)."""
+    """Return the first valid depth of `count` pixels from `start` on, or 0 if all are missing. depth (H * W,)."""
     for k in range(count):
         z = depth[start + k * step]
         if z > f32(0.0):
@@ -94,11 +94,11 @@ def mark_borders(labels, layer):
     for y in range(height):
         row, above, below = labels[y], labels[max(y - 1, 0)], labels[min(y + 1, height - 1)]
         for x in range(1, width - 1):
-            beside = (row[x] != row[x - 1]) | (row[x] != row[x + 1])
-            flags[x] = beside | (row[x] != above[x]) | (row[x] != below[x])
+            sideways = (row[x] != row[x - 1]) | (row[x] != row[x + 1])
+            flags[x] = sideways | (row[x] != above[x]) | (row[x] != below[x])
         for x in (0, width - 1):
-            beside = (row[x] != row[max(x - 1, 0)]) | (row[x] != row[min(x + 1, width - 1)])
-            flags[x] = beside | (row[x] != above[x]) | (row[x] != below[x])
+            sideways = (row[x] != row[max(x - 1, 0)]) | (row[x] != row[min(x + 1, width - 1)])
+            flags[x] = sideways | (row[x] != above[x]) | (row[x] != below[x])
         for word in range(words.size):
             for x in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
                 if flags[x]:

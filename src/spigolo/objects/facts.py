@@ -244,7 +244,7 @@ def region_score(
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """Return the map (H, W) in [0, 1] that measures borders: the boundary map, or the weights if there is none."""
+    """Return the map (H, W) in [0, 1] that measures borders: the boundary map, or the weights without one."""
     return weight_contour(graph) if cues.boundary is None else cues.boundary
 
 

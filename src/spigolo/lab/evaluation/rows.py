@@ -134,7 +134,7 @@ class Row:
     """Score of the frame. None without labels. A method that failed is scored as if it found nothing."""
 
     error: str | None = None
-    """Error in one sentence. None after success."""
+    """One-line error message. None after success."""
 
     content: str = ""
     """Checksum of the frame's files, which distinguishes frames with the same name. "" if unknown."""

@@ -43,7 +43,7 @@ release: $(VENV)/.developing  ## build wheel and sdist, and test the core with b
 	for python in $(PYTHONS); do for package in dist/*.whl dist/*.tar.gz; do \
 	  home=build/release/$$python-$${package##*.}; echo "== $$python $$package"; \
 	  $$python -m venv $$home && \
-	  $$home/bin/python -m pip install --quiet $$package pytest hypothesis pyyaml scipy && \
+	  $$home/bin/python -m pip install --quiet $$package pytest hypothesis scipy && \
 	  $$home/bin/spigolo demo --out $$home/demo && \
 	  $$home/bin/python -c "import spigolo; assert 'site-packages' in spigolo.__file__" && \
 	  $$home/bin/python -m pytest -m "not frames and not oracle and not alone" $(CORE:%=tests/test_%.py) || exit 1; \
@@ -88,7 +88,7 @@ $(VENV)/.installed: $(VENV)/pyvenv.cfg pyproject.toml
 	@touch $@
 
 $(VENV)/.developing: $(VENV)/pyvenv.cfg pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable ".[batch,cluster,datasets,evaluation,fit,synthetic,yaml]" --group dev --group docs
+	$(BIN)/python -m pip install --quiet --editable ".[batch,cluster,datasets,evaluation,fit,synthetic]" --group dev --group docs
 	@touch $@ $(VENV)/.installed
 
 $(VENV)/.documenting: $(VENV)/pyvenv.cfg pyproject.toml
@@ -110,6 +110,6 @@ $(ROS)/.installed: pyproject.toml
 $(OLDEST)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(OLDEST)
 	sed -n '/^dependencies/,/^]/s/^ *"\(.*\)>=\([0-9.]*\).*/\1==\2.*/p' pyproject.toml > $(OLDEST)/oldest.txt
-	$(OLDEST)/bin/python -m pip install --quiet --requirement $(OLDEST)/oldest.txt pytest hypothesis pyyaml scipy
+	$(OLDEST)/bin/python -m pip install --quiet --requirement $(OLDEST)/oldest.txt pytest hypothesis scipy
 	$(OLDEST)/bin/python -m pip install --quiet --no-deps --editable .
 	@touch $@

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -24,7 +23,6 @@ WIDTH, HEIGHT = 64, 48
 CAMERA = Camera(60.0, 61.0, 31.0, 24.0, WIDTH, HEIGHT)
 ROWS = [60.0, 0.0, 31.0, 0.0, 61.0, 24.0, 0.0, 0.0, 1.0]
 BARREL = (-0.2, 0.05, 0.001, -0.001, 0.0)
-needs_yaml = pytest.mark.skipif(importlib.util.find_spec("yaml") is None, reason="PyYAML is not installed")
 
 # --- making cameras -------------------------------------------------------------------------------------------
 
@@ -275,14 +273,12 @@ def test_a_file_of_many_images_is_refused(tmp_path: Path) -> None:
         io.read_camera(tmp_path / "scene_camera.json", WIDTH, HEIGHT)
 
 
-@needs_yaml
 @pytest.mark.parametrize("text", [ROS2, ROS1, CALIBRATION], ids=["ROS 2", "ROS 1", "camera_calibration"])
 def test_camera_files_in_yaml(tmp_path: Path, text: str) -> None:
     (tmp_path / "camera.yaml").write_text(text)
     assert io.read_camera(tmp_path / "camera.yaml") == (DISTORTED, None)
 
 
-@needs_yaml
 @pytest.mark.parametrize(
     ("change", "error", "words"),
     [
@@ -300,12 +296,6 @@ def test_bad_yaml_is_refused_with_one_sentence(
     with pytest.raises(error, match=words) as caught:
         io.read_camera(tmp_path / "camera.yml")
     assert "\n" not in str(caught.value)
-
-
-def test_yaml_without_pyyaml_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "yaml", None)
-    with pytest.raises(FileError, match=r'pip install "spigolo\[yaml\]"'):
-        io.read_camera(tmp_path / "camera.yaml")
 
 
 @pytest.fixture

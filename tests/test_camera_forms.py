@@ -125,7 +125,6 @@ def stored(folder: Path, name: str, content: Any) -> Path:
 def test_a_camera_file_is_read(
     tmp_path: Path, name: str, content: Any, camera: Camera | None, scale: float | None
 ) -> None:
-    pytest.importorskip("yaml")
     wanted = camera or Camera(600.0, 601.0, 319.0, 240.0, WIDTH, HEIGHT, BARREL[:4])
     assert read_camera(stored(tmp_path, name, content), WIDTH, HEIGHT) == (wanted, pytest.approx(scale))
 

@@ -18,7 +18,7 @@ from spigolo.frames.dialects import of_image
 from spigolo.frames.intrinsics import MATRIX_NAMES, camera_from_mapping, square_part
 from spigolo.frames.matlab import numeric_arrays
 from spigolo.frames.scale import scale_from_mapping
-from spigolo.frames.yaml_text import import_yaml, parse_yaml
+from spigolo.frames.yaml_text import parse_yaml
 
 PathLike = str | os.PathLike[str]
 
@@ -105,10 +105,9 @@ def _json(path: PathLike) -> Any:
 
 
 def _yaml(path: PathLike) -> Any:
-    yaml = import_yaml(path)
     try:
-        return parse_yaml(yaml, Path(path).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError, TypeError, AttributeError, RecursionError, yaml.YAMLError) as error:
+        return parse_yaml(Path(path).read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, TypeError, AttributeError, RecursionError) as error:
         raise _unreadable("YAML", path, error) from None
 
 

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import math
-import os
 import re
 from typing import Any
-
-from spigolo.errors import FileError
 
 MATRIX = "tag:yaml.org,2002:opencv-matrix"
 FLOAT = "tag:yaml.org,2002:float"
@@ -18,20 +14,22 @@ NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)")
 """Pattern of numbers such as 1e-3, which YAML 1.1 reads as text."""
 
 
-def import_yaml(path: str | os.PathLike[str], extra: str = "yaml") -> Any:
-    """Return the module that reads YAML. Raises FileError if the optional dependency is not installed."""
-    try:
-        return importlib.import_module("yaml")
-    except ImportError:
-        raise FileError(f'expected PyYAML to read {path}, but it is missing: pip install "spigolo[{extra}]"') from None
-
-
-def parse_yaml(yaml: Any, text: str) -> Any:
+def parse_yaml(text: str) -> Any:
     """Return the first document of a YAML text. OpenCV matrices become mappings of their fields.
 
-    OpenCV's own reader may crash the process on a damaged file. Raises the module's errors, and its YAMLError for
+    OpenCV's own reader may crash the process on a damaged file. Raises ValueError for a text that is not YAML, and for
     aliases that repeat too much or contain themselves.
     """
+    import yaml  # slow to import, and few cameras need it
+
+    try:
+        return _load(yaml, text)
+    except yaml.YAMLError as error:
+        raise ValueError(str(error)) from None
+
+
+def _load(yaml: Any, text: str) -> Any:
+    """Return the first document of a YAML text. yaml: the module PyYAML. Raises YAMLError."""
 
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
         """YAML loader that also reads OpenCV matrices and all forms of numbers."""

@@ -23,7 +23,7 @@ import numpy as np
 from spigolo.errors import FileError
 from spigolo.frames.camera import Camera
 from spigolo.frames.listing import listed
-from spigolo.frames.yaml_text import import_yaml, parse_yaml
+from spigolo.frames.yaml_text import parse_yaml
 from spigolo.lab.datasets.entry import MILLIMETRES, DataSet, Entry
 from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
@@ -80,14 +80,14 @@ def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
 
 def read_pose(path: Path) -> list[Pose]:
     """Return the pose (4, 4) of the object in the camera's frame, metres. Raises FileError."""
-    yaml, pose = import_yaml(path, "datasets"), np.eye(4)
+    pose = np.eye(4)
     try:
-        values = parse_yaml(yaml, path.read_text(encoding="utf-8"))
+        values = parse_yaml(path.read_text(encoding="utf-8"))
         pose[:3, :3] = np.reshape(np.array(values[ROTATION]["data"], np.float64), (3, 3))
         pose[:3, 3] = np.reshape(np.array(values[TRANSLATION], np.float64), 3)
         if not np.isfinite(pose).all():
             raise ValueError("not all numbers are finite")
-    except (OSError, ValueError, TypeError, KeyError, OverflowError, RecursionError, yaml.YAMLError):
+    except (OSError, ValueError, TypeError, KeyError, OverflowError, RecursionError):
         raise FileError(
             f"expected {ROTATION} as an OpenCV matrix and {TRANSLATION} as three numbers in {path}, got something else"
         ) from None

@@ -40,10 +40,15 @@ from spigolo.cli.engines import choose_cluster
 from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.export.instances import compress, run_lengths
 from spigolo.frames.files import write_json, write_png
+from spigolo.sources import numbered
+from spigolo.sources.base import Source
+from spigolo.sources.numbered import numbered_frames
+from spigolo.sources.options import Options
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels")
 pq = pytest.importorskip("pyarrow.parquet")
 
+SCENE = Path(sp.__file__).parent / "demo_scene"
 COUNT = 40
 SIZE = (90, 120)
 FAILING = "f07"
@@ -316,6 +321,76 @@ def test_links_in_the_output_lead_nowhere(source: Path, tmp_path: Path) -> None:
     summary = run_batch(jobs_of(source, ["f00"]), sp.OBJECTS, out, local())
     assert "a link on the way leads out" in summary.failures[0][1]
     assert [path.name for path in elsewhere.iterdir()] == [".kept-file"]
+
+
+@pytest.mark.parametrize("kind", ["ros1.bag", "ros2-mcap"])
+def test_the_frames_of_a_bag_are_computed_once(tmp_path: Path, kind: str) -> None:
+    pytest.importorskip("rosbags")
+    from bags import START_NS, usual_bag
+
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    bag, out = usual_bag(kind, frame, pairs=4).write(tmp_path), tmp_path / "out"
+    done = subprocess.run(command(bag, out), capture_output=True, text=True, check=False, timeout=600)
+    assert done.returncode == 0, done.stderr
+    assert "4 images without a partner within 20 ms" in done.stdout
+    assert "4 frames: 4 computed, 0 kept, 0 failed" in done.stdout
+    with sp.open_source(bag) as source:
+        source.on_broken = lambda *_: None
+        for one in source:
+            labels = cv2.imread(str(out / "labels" / f"{one.name}.png"), cv2.IMREAD_UNCHANGED)
+            assert np.array_equal(labels, sp.segment(one).labels)
+    stamps = pq.read_table(out / "objects.parquet").column("stamp_ns").to_pylist()
+    assert stamps[0] == START_NS and None not in stamps
+    again = subprocess.run(command(bag, out), capture_output=True, text=True, check=False, timeout=600)
+    assert "4 frames: 0 computed, 4 kept, 0 failed" in again.stdout
+
+
+def test_the_frames_of_a_data_set_keep_their_names(source: Path, tmp_path: Path) -> None:
+    for folder in ("rgb", "depth"):
+        lines = [f"{k / 30:.6f} {folder}/f{k:02d}.png" for k in range(3)]
+        shutil.copytree(source / folder, tmp_path / "tum" / folder)
+        (tmp_path / "tum" / f"{folder}.txt").write_text("\n".join(lines))
+    jobs = numbered_frames(str(tmp_path / "tum"), "110,110,59.5,44.5", 0.001)
+    summary = run_batch(jobs, sp.OBJECTS, tmp_path / "out", local(2))
+    assert summary.progress == Progress(3, 0, 3, 0), summary.failures
+    for k, job in enumerate(jobs):
+        labels = cv2.imread(str(tmp_path / "out" / "labels" / f"{job.name}.png"), cv2.IMREAD_UNCHANGED)
+        assert np.array_equal(labels, sp.segment(jobs_of(source)[k].read()).labels)
+    shutil.copy(tmp_path / "tum" / "depth" / "f01.png", tmp_path / "tum" / "depth" / "f02.png")
+    numbered._open.cache_clear()
+    assert run_batch(jobs, sp.OBJECTS, tmp_path / "out", local(2)).progress == Progress(3, 2, 1, 0)
+
+
+def test_a_source_without_numbered_frames_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numbered, "open_source", lambda *_, **__: Live("camera", Options()))
+    numbered._open.cache_clear()
+    with pytest.raises(FileError, match="known number of frames, got camera"):
+        numbered_frames("camera")
+
+
+class Live(Source):
+    """A source that has no end."""
+
+    def _frames(self) -> Iterator[sp.Frame]:
+        yield from ()
+
+
+def test_frames_without_objects_beyond_the_reach_are_named_at_the_end(source: Path, tmp_path: Path) -> None:
+    words = [*command(source, tmp_path), "--depth-scale", "0.01"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=600)
+    assert f"{COUNT - 1} frames with warnings" in done.stderr
+    assert "beyond the reach of 2.5 m (rejection.max_distance_m): check depth_scale" in done.stderr
+
+
+def test_a_script_without_a_main_guard_is_told_to_add_one(source: Path, tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    job = f"FrameFiles('a', {str(source / 'rgb' / 'f01.png')!r}, {str(source / 'depth' / 'f01.png')!r}, '60deg', 0.001)"
+    script.write_text(
+        "from pathlib import Path\nimport spigolo as sp\nfrom spigolo.batch import FrameFiles, local, run_batch\n"
+        f"run_batch([{job}], sp.OBJECTS, Path({str(tmp_path / 'out')!r}), local(1))\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False, timeout=600)
+    assert 'call run_batch below the line if __name__ == "__main__":' in done.stderr
 
 
 def test_two_runs_cannot_share_a_folder(source: Path, tmp_path: Path) -> None:

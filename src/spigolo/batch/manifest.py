@@ -8,7 +8,7 @@ import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from types import TracebackType
+from types import FrameType, TracebackType
 from typing import Any, BinaryIO
 
 from spigolo.errors import FileError, warn
@@ -142,8 +142,21 @@ def _locked(root: Path) -> BinaryIO:
         _lock(file.fileno())
     except OSError:
         file.close()
+        if _in_worker():
+            raise FileError(
+                f"another run writes to {root}: in a script, call run_batch below the line if __name__ =="
+                ' "__main__":, since each worker imports the script'
+            ) from None
         raise FileError(f"another run writes to {root}: wait for its end, or give another --out") from None
     return file
+
+
+def _in_worker() -> bool:
+    """Return True if a worker process runs the user's script again, because the script has no main guard."""
+    frame: FrameType | None = sys._getframe()
+    while frame is not None and frame.f_globals.get("__name__") != "__mp_main__":
+        frame = frame.f_back
+    return frame is not None
 
 
 def _lock(handle: int) -> None:

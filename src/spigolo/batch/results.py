@@ -101,6 +101,7 @@ def _shard(name: str, result: Segmentation) -> bytes:
     masks = [{"mask_rle": compress(run_lengths(o.mask)["counts"])} for o in result]
     shard = {
         "frame": name,
+        "stamp_ns": result.frame.stamp_ns,
         "image_size_px": list(result.labels.shape),
         "left_out": list(result.left_out),
         "objects": [fact | mask for fact, mask in zip(facts, masks, strict=True)],

@@ -44,6 +44,8 @@ class Summary:
     """Number of objects in the table."""
     failures: tuple[tuple[str, str], ...]
     """Name and reason of each frame that failed."""
+    warnings: tuple[tuple[str, str], ...]
+    """Name of each frame with a warning, and its first warning."""
     table: Path
     """Path of the table of all objects."""
 
@@ -76,7 +78,8 @@ def run_batch(
         shards = read_shards(place(out, "objects", entry.frame, SUFFIXES["objects"]) for entry in done)
         write(shards, out / file, {"version": __version__, "preset": config.name, "digest": config.digest})
         manifest.sort(names)
-    return Summary(run.progress, sum(entry.objects for entry in done), tuple(run.failures), out / file)
+    warned = tuple((entry.frame, entry.warnings[0]) for entry in done if entry.warnings)
+    return Summary(run.progress, sum(entry.objects for entry in done), tuple(run.failures), warned, out / file)
 
 
 class _Run:

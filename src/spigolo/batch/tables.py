@@ -77,17 +77,18 @@ def _groups(shards: Iterable[Shard]) -> Iterator[list[dict[str, Any]]]:
 
 def _rows(shard: Shard) -> list[dict[str, Any]]:
     height, width = shard["image_size_px"]
-    size = {"image_height_px": height, "image_width_px": width}
-    return [{"frame": shard["frame"], **size, **facts} for facts in shard["objects"]]
+    image = {"stamp_ns": shard["stamp_ns"], "image_height_px": height, "image_width_px": width}
+    return [{"frame": shard["frame"], **image, **facts} for facts in shard["objects"]]
 
 
 def _schema(pa: Any) -> Any:
     """Return the columns. Pixels and metres keep their names and order from `objects.json`."""
     numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
     kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())
-    kinds |= {"box_px": whole} | dict.fromkeys(("centroid_px", "centroid_m", "spread_px2"), numbers)
+    kinds |= {"stamp_ns": pa.int64(), "box_px": whole}
+    kinds |= dict.fromkeys(("centroid_px", "centroid_m", "spread_px2"), numbers)
     kinds["oriented_box"] = pa.struct([("center_m", numbers), ("size_m", numbers), ("R_camera_box", pa.list_(numbers))])
-    names = ("frame", "label", "image_height_px", "image_width_px", *MEASURED, "oriented_box", "mask_rle")
+    names = ("frame", "stamp_ns", "label", "image_height_px", "image_width_px", *MEASURED, "oriented_box", "mask_rle")
     return pa.schema([(name, kinds.get(name, pa.float64())) for name in names])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Literal
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.engines import choose_cluster
 from spigolo.cli.inputs import Inputs, Out, configure, split_flags
+from spigolo.cli.opening import opened
 from spigolo.cli.progress import progress
 from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import counted
-from spigolo.sources.paths import FramePaths, find_frames
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from spigolo.batch import Engine, FrameFiles, Progress, Summary
+    from spigolo.sources.numbered import NumberedFrame
 
 MOST_FAILURES = 10
 """Maximum number of failures that are printed. manifest.jsonl contains all."""
@@ -45,7 +46,7 @@ def batch(
     Parameters
     ----------
     inputs
-        Frames, as for `segment`. Fields of the preset are flags too.
+        Image files, folders, a data set or a ROS bag, as for `segment`. Fields of the preset are flags too.
     camera
         Intrinsics, as for `segment`.
     preset
@@ -67,7 +68,7 @@ def batch(
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, batch)
-    jobs = [_job(paths, camera, depth_scale, max_pixels) for paths in find_frames(words)]
+    jobs = _jobs(words, camera, depth_scale, max_pixels)
     engine = _engine(workers, scheduler)
     from spigolo.batch import run_batch
 
@@ -77,11 +78,25 @@ def batch(
     return SOME_FAILED if summary.failures else DONE
 
 
-def _job(paths: FramePaths, camera: str | None, depth_scale: float | None, max_pixels: int) -> FrameFiles:
+def _jobs(
+    words: Sequence[str], camera: str | None, depth_scale: float | None, max_pixels: int
+) -> Sequence[FrameFiles] | Sequence[NumberedFrame]:
+    """Return the frames of a source as jobs: image files, or frames of a bag or data set by their numbers."""
     from spigolo.batch import FrameFiles
+    from spigolo.sources.bags import BagSource
+    from spigolo.sources.folders import FolderSource
+    from spigolo.sources.numbered import numbered_frames
 
-    given = camera if camera is not None else paths.camera
-    return FrameFiles(paths.name, paths.color, paths.depth, given, depth_scale, max_pixels)
+    with opened(words, camera, depth_scale, max_pixels) as source:
+        if isinstance(source, FolderSource):
+            return [
+                FrameFiles(p.name, p.color, p.depth, p.camera if camera is None else camera, depth_scale, max_pixels)
+                for p in source.paths
+            ]
+        if isinstance(source, BagSource) and source.content.unpaired:
+            single = counted(source.content.unpaired, "image")
+            print(f"{source.name}: {single} without a partner within {source.options.tolerance_ms:g} ms")
+    return numbered_frames(words[0], camera, depth_scale, max_pixels)
 
 
 def _engine(workers: int | None, scheduler: str | None) -> Engine:
@@ -117,6 +132,10 @@ def _print_summary(summary: Summary, out: Path) -> None:
     if len(summary.failures) > MOST_FAILURES:
         more = len(summary.failures) - MOST_FAILURES
         print(f"spigolo: {more} more frames failed: {out / 'manifest.jsonl'} has the reasons", file=sys.stderr)
+    if summary.warnings:
+        name, text = summary.warnings[0]
+        frames = counted(len(summary.warnings), "frame")
+        print(f"spigolo: {name}: {text} ({frames} with warnings: {out / 'manifest.jsonl'})", file=sys.stderr)
     state = summary.progress
     print(f"{counted(state.total, 'frame')}: {state.computed} computed, {state.kept} kept, {state.failed} failed")
     print(f"{counted(summary.objects, 'object')}: {summary.table}")

@@ -127,6 +127,7 @@ class Segmentation:
             "preset": self.preset,
             "digest": self.digest,
             "image_size_px": list(self.labels.shape),
+            "stamp_ns": self.frame.stamp_ns,
             "left_out": list(self.left_out),
             "objects": [{**_numbers(o), **o.to_dict(), "oriented_box": _box(o)} for o in self],
             "rejected": [{"reason": r.reason.value, "why": r.why, **r.to_dict()} for r in self.rejected],

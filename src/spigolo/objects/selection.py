@@ -24,6 +24,8 @@ from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
 """Depth range that covers the range of every RGB-D camera, metres."""
+CLOSE_M = 0.15
+"""Median depth below which the unit of a frame without objects is doubtful, metres."""
 SAMPLED = 8
 
 
@@ -86,6 +88,8 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
     if not scene.frame.depth.any():
         return assemble(scene, regions, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
     verdicts = [judge(f, scene.rejection, scene.rules, scene.support) for f in facts]
+    if None not in verdicts:
+        warn_of_reach(scene)
     return assemble(scene, regions, facts, verdicts)
 
 
@@ -94,10 +98,27 @@ def warn_of_depth(frame: Frame) -> None:
     if not frame.depth.any():
         warn("the frame has no depth at all, so nothing in it is an object")
         return
-    few = frame.depth[::SAMPLED, ::SAMPLED]
-    median = float(np.median(few[few > 0])) if few.any() else 0.0
+    median = _median_m(frame)
     if median > FARTHEST_M:
         warn(f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", UnitWarning)
     if 0 < median < NEAREST_M:
         found = f"the median depth is {1000 * median:.2g} mm"
         warn(f"{found}: is depth_scale applied twice? Floating-point depth is in metres already", UnitWarning)
+
+
+def warn_of_reach(scene: Scene) -> None:
+    """Warn if most of a frame without objects lies beyond the reach, or nearer than most cameras measure."""
+    median, reach_m = _median_m(scene.frame), scene.rejection.max_distance_m
+    if reach_m is not None and reach_m < median <= FARTHEST_M:
+        why = f"beyond the reach of {reach_m:g} m (rejection.max_distance_m)"
+    elif NEAREST_M <= median < CLOSE_M:
+        why = "nearer than most cameras measure"
+    else:
+        return
+    warn(f"no object is found, and the median depth is {median:.2f} m, {why}: check depth_scale", UnitWarning)
+
+
+def _median_m(frame: Frame) -> float:
+    """Return the median measured depth, estimated from a few thousand pixels. 0 without depth."""
+    few = frame.depth[::SAMPLED, ::SAMPLED]
+    return float(np.median(few[few > 0])) if few.any() else 0.0

@@ -18,6 +18,7 @@ from spigolo.errors import FileError, FrameError, SpigoloError, warn
 from spigolo.frames.camera import Camera
 from spigolo.frames.files import known_camera
 from spigolo.frames.frame import Frame
+from spigolo.frames.listing import listed
 from spigolo.sources.base import Report, SizedSource
 from spigolo.sources.options import Options
 from spigolo.sources.pairing import pair_stamps
@@ -52,6 +53,8 @@ class Content:
     """Colour and depth message of each pair."""
     headless: frozenset[tuple[str, int]]
     """Topic and number of each message that is too short for a stamp."""
+    unpaired: int
+    """Number of image messages that belong to no pair."""
     info: Any
     """First readable CameraInfo message, or None."""
     cut: str
@@ -80,6 +83,14 @@ class BagSource(SizedSource):
         with closing(_open(self._path)) as reader:
             found = {topic: _find(reader, topic, message) for topic, message in wanted.items()}
         return self._read(number % self._count, found)
+
+    def name_of(self, number: int) -> str:
+        """Return the name of a frame without reading it."""
+        return _name(number)
+
+    def files_of(self, number: int) -> tuple[Path, ...]:
+        """Return the files of the bag, which all frames share."""
+        return tuple(listed(self._path)) if self._path.is_dir() else (self._path,)
 
     def report(self) -> Report:
         """Return the counts since the last iteration began, with the pairing tolerance."""
@@ -174,7 +185,8 @@ class BagSource(SizedSource):
         for pair, (color, depth) in enumerate(pairs):
             partner[topics.color, color.number] = pair
             partner[topics.depth, depth.number] = pair
-        return Content(topics, partner, pairs, headless, info, cut)
+        unpaired = len(colors) + len(depths) + len(headless) - 2 * len(pairs)
+        return Content(topics, partner, pairs, headless, unpaired, info, cut)
 
 
 class _Decoder:

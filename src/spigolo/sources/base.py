@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from types import TracebackType
 from typing import TypeVar
 
@@ -128,6 +129,14 @@ class SizedSource(Source):
     @abstractmethod
     def __getitem__(self, number: int) -> Frame:
         """Return one frame by its number, from 0. Raises SpigoloError if it cannot be read, IndexError without it."""
+
+    @abstractmethod
+    def name_of(self, number: int) -> str:
+        """Return the name of a frame without reading it."""
+
+    @abstractmethod
+    def files_of(self, number: int) -> tuple[Path, ...]:
+        """Return the files that hold a frame. All frames of a recording share its files."""
 
 
 def _warn(name: str, error: SpigoloError) -> None:

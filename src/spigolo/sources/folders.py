@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from spigolo.errors import SpigoloError
 from spigolo.frames.files import read_frame
@@ -25,6 +26,15 @@ class FolderSource(SizedSource):
 
     def __getitem__(self, number: int) -> Frame:
         return self._read(self.paths[number])
+
+    def name_of(self, number: int) -> str:
+        """Return the name of a frame without reading it."""
+        return self.paths[number].name
+
+    def files_of(self, number: int) -> tuple[Path, ...]:
+        """Return the images of a frame, and its camera file."""
+        paths = self.paths[number]
+        return (paths.color, paths.depth) if paths.camera is None else (paths.color, paths.depth, paths.camera)
 
     def _frames(self) -> Iterator[Frame]:
         for paths in self.paths:

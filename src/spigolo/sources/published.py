@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from spigolo.errors import SpigoloError
 from spigolo.frames.files import known_camera
 from spigolo.frames.frame import Frame
-from spigolo.lab.datasets import guess
+from spigolo.lab.datasets import Entry, guess
+from spigolo.lab.datasets.entry import ImageEntry
 from spigolo.sources.base import SizedSource
 from spigolo.sources.options import Options
 
@@ -23,16 +25,29 @@ class PublishedSource(SizedSource):
             self.intrinsics = f"those of {type(self.entries).__name__}"
 
     def __getitem__(self, number: int) -> Frame:
-        return self._changed(self.entries[number].read())
+        return self._read(self.entries[number])
+
+    def name_of(self, number: int) -> str:
+        """Return the name of a frame without reading it."""
+        return self.entries[number].name
+
+    def files_of(self, number: int) -> tuple[Path, ...]:
+        """Return the files of a frame."""
+        return self.entries[number].files
 
     def _frames(self) -> Iterator[Frame]:
         for entry in self.entries:
             try:
-                frame = self._changed(entry.read())
+                frame = self._read(entry)
             except SpigoloError as error:
                 self._skip(entry.name, error)
                 continue
             yield frame
+
+    def _read(self, entry: Entry) -> Frame:
+        if isinstance(entry, ImageEntry) and self.options.camera is not None:
+            entry = replace(entry, camera=None)  # that of the set may have another size
+        return self._changed(entry.read())
 
     def _changed(self, frame: Frame) -> Frame:
         """Return a frame with the camera and the depth scale that were given."""

@@ -113,7 +113,7 @@ class ImageEntry(Entry):
 
     color: Path
     depth: Path
-    camera: Camera
+    camera: Camera | None
     depth_scale: float
 
     @property

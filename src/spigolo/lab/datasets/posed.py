@@ -37,8 +37,8 @@ class PosedImage(ImageEntry):
         return tuple(path for path in (self.color, self.depth, self.poses, self.model) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Return the visible masks of the objects. None without poses. Raises FileError."""
-        if self.model is None:
+        """Return the visible masks of the objects. None without poses or camera. Raises FileError."""
+        if self.model is None or self.camera is None:
             return None
         instances = self.read_instances()
         depth, _, _ = depth_in_metres(read_depth(self.depth), self.depth_scale)

@@ -24,7 +24,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions.support import Plane, above_mask
+from spigolo.additions.plane import Plane, above_mask
 from spigolo.clock import stage
 from spigolo.frames.frame import Camera
 from spigolo.kernels import borders, moments

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions.support import Plane
+from spigolo.additions.plane import Plane
 from spigolo.frames.camera import Camera, kernel_numbers
 from spigolo.frames.frame import DepthMap, Mask
 from spigolo.kernels import outlines, planes

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.additions.plane import Plane
 from spigolo.additions.stance import Stance
-from spigolo.additions.support import Plane
 from spigolo.errors import CameraError
 from spigolo.frames.camera import kernel_numbers
 from spigolo.frames.frame import DepthMap, Frame, Mask

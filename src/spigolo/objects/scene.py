@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.additions.plane import Plane, above_mask, support_mask
 from spigolo.additions.stance import Stance, measure_stance
-from spigolo.additions.support import Plane, above_mask, support_mask
 from spigolo.frames.frame import DepthMap, Frame, Mask
 from spigolo.frames.roi import Roi, roi_mask
 from spigolo.objects.facts import Labels, RegionFacts, measure_regions

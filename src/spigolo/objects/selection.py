@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.additions.contours import Contours
-from spigolo.additions.support import Plane
+from spigolo.additions.plane import Plane
 from spigolo.clock import stage
 from spigolo.errors import UnitWarning, warn
 from spigolo.frames.frame import Frame

@@ -202,7 +202,7 @@ def test_joined_regions_are_numbered_by_their_first_pixel() -> None:
 
 
 def test_scores_lie_in_0_to_1_and_fall_with_the_evidence() -> None:
-    from spigolo.objects.facts import region_score
+    from spigolo.objects.scores import region_score
 
     contour, measured = np.array([1.0, 0.5, 1.0]), np.array([3000.0, 3000.0, 300.0]) / VGA_PX
     # 1 - exp(-1) = 0.632; 1 - exp(-0.1) = 0.0952

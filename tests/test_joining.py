@@ -13,7 +13,7 @@ from spigolo.additions import joining
 from spigolo.additions.joining import join_parts
 from spigolo.additions.stance import measure_stance
 from spigolo.additions.support import find_support
-from spigolo.settings.additions import Cap, Smooth, Vessel
+from spigolo.settings.joining import Cap, Smooth, Vessel
 from spigolo.stages.regions import Regions
 
 CAMERA = sp.Camera(fx=400.0, fy=400.0, cx=159.5, cy=119.5, width=320, height=240)

@@ -18,7 +18,7 @@ import pytest
 import naive
 import spigolo as sp
 from spigolo import Camera, Frame
-from spigolo.additions.support import Plane
+from spigolo.additions.plane import Plane
 from spigolo.frames.registration import projection
 from spigolo.kernels import (
     borders,

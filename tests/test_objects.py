@@ -11,7 +11,8 @@ import pytest
 
 import spigolo as sp
 from spigolo.objects.boxes import fit_box
-from spigolo.objects.facts import RegionFacts, contour_strength, measure_regions
+from spigolo.objects.facts import RegionFacts, measure_regions
+from spigolo.objects.scores import contour_strength
 from spigolo.objects.verdicts import Verdict
 from spigolo.objects.verdicts import judge as judge_by
 from spigolo.settings import Ledge, Rejection, Rules, Wall

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.additions.plane import Plane
 from spigolo.additions.stance import measure_stance
-from spigolo.additions.support import Plane, faces_up, find_support
+from spigolo.additions.support import faces_up, find_support
 from spigolo.objects.facts import measure_regions
 from spigolo.objects.verdicts import judge
 from spigolo.stages.regions import Regions

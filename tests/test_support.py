@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import spigolo as sp
-from spigolo.additions.support import above_mask, find_support, foot_contour, support_mask
+from spigolo.additions.plane import above_mask, foot_contour, support_mask
+from spigolo.additions.support import find_support
 
 CAMERA = sp.Camera(fx=260.0, fy=260.0, cx=79.5, cy=59.5, width=160, height=120)
 TILT = np.deg2rad(50)

@@ -233,7 +233,7 @@ def select(page: TuningPage, seen: Page, pixel: tuple[int, int]) -> None:
 
 def click(page: TuningPage, seen: Page, pixel: tuple[int, int]) -> None:
     """Click on a pixel (y, x) of the picture, where the page's camera sees it."""
-    stand = page._stand
+    stand = page.space.stand
     assert stand is not None
     client = list(page.server.get_clients().values())[-1]
     height, width = stand.shape

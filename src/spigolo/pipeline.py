@@ -8,7 +8,8 @@ from spigolo.additions.contours import Contours, add_contours
 from spigolo.additions.joining import join_parts
 from spigolo.additions.merging import merge_regions
 from spigolo.additions.packing import warn_of_packing
-from spigolo.additions.support import Plane, find_support
+from spigolo.additions.plane import Plane
+from spigolo.additions.support import find_support
 from spigolo.frames.frame import Frame, check_frame
 from spigolo.frames.halving import halve_frame, halve_roi, uncropped
 from spigolo.frames.roi import Roi, pixel_of, roi_mask

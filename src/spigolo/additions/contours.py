@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from spigolo.additions.support import Plane, foot_contour
+from spigolo.additions.plane import Plane, foot_contour
 from spigolo.clock import stage
 from spigolo.frames.camera import kernel_numbers
 from spigolo.frames.frame import Camera, DepthMap, Mask

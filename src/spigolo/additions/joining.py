@@ -24,11 +24,12 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions.support import Plane, above_mask
+from spigolo.additions.plane import Plane, above_mask
 from spigolo.clock import stage
 from spigolo.frames.frame import Camera
 from spigolo.kernels import borders, moments
-from spigolo.settings.additions import Additions, Joining, Support
+from spigolo.settings.additions import Additions, Support
+from spigolo.settings.joining import Joining
 from spigolo.stages.cues import Cues
 from spigolo.stages.regions import Regions
 

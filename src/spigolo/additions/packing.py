@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from spigolo.additions.support import Plane, support_mask, things_on
+from spigolo.additions.plane import Plane, support_mask, things_on
 from spigolo.errors import warn
 from spigolo.frames.frame import Camera, DepthMap
 from spigolo.settings.additions import Additions, Packing, Support

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions.support import Plane
+from spigolo.additions.plane import Plane
 from spigolo.frames.camera import Camera, kernel_numbers
 from spigolo.frames.frame import DepthMap, Mask
 from spigolo.kernels import outlines, planes
-from spigolo.settings.additions import Ledge, Wall
+from spigolo.settings.rules import Ledge, Wall
 from spigolo.stages.regions import Regions
 
 TALL_SHARE = 0.05

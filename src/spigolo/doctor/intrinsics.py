@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from spigolo.additions.support import Plane, find_support, support_mask
+from spigolo.additions.plane import Plane, support_mask
+from spigolo.additions.support import find_support
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.doctor.local_planes import LocalPlanes, fit_local_planes
 from spigolo.frames.frame import Camera, DepthMap

@@ -11,7 +11,7 @@ from typing import Literal
 from spigolo.frames.frame import Frame
 from spigolo.methods.baseline import Baseline, Division, MethodConfig
 from spigolo.methods.features import color_features, feature_graph
-from spigolo.objects.facts import weight_contour
+from spigolo.objects.scores import weight_contour
 from spigolo.settings.parameters import Area_px2, NotNegative
 from spigolo.stages.graph import Graph
 from spigolo.stages.regions import partition

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.additions.plane import Plane, above_mask, support_mask
 from spigolo.additions.stance import Stance, measure_stance
-from spigolo.additions.support import Plane, above_mask, support_mask
 from spigolo.frames.frame import DepthMap, Frame, Mask
 from spigolo.frames.roi import Roi, roi_mask
 from spigolo.objects.facts import Labels, RegionFacts, measure_regions
-from spigolo.settings.additions import Additions, Rules, Support
+from spigolo.settings.additions import Additions, Support
 from spigolo.settings.paper import Rejection
+from spigolo.settings.rules import Rules
 from spigolo.stages.regions import Regions
 
 

@@ -7,13 +7,13 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.additions.contours import Contours
-from spigolo.additions.support import Plane
+from spigolo.additions.plane import Plane
 from spigolo.clock import stage
 from spigolo.errors import UnitWarning, warn
 from spigolo.frames.frame import Frame
 from spigolo.frames.roi import Roi
-from spigolo.objects.facts import contour_cue
 from spigolo.objects.scene import Scene, find_above, find_inside
+from spigolo.objects.scores import contour_cue
 from spigolo.objects.segmentation import Segmentation, assemble
 from spigolo.objects.verdicts import Reason, judge
 from spigolo.settings.additions import Additions

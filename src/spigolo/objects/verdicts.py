@@ -6,8 +6,9 @@ from enum import Enum
 
 from spigolo.frames.roi import LEAST_INSIDE
 from spigolo.objects.facts import RegionFacts
-from spigolo.settings.additions import Ledge, Rules, Support, Wall
+from spigolo.settings.additions import Support
 from spigolo.settings.paper import Rejection
+from spigolo.settings.rules import Ledge, Rules, Wall
 
 
 class Reason(str, Enum):

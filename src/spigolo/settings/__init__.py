@@ -2,23 +2,9 @@
 
 from __future__ import annotations
 
-from spigolo.settings.additions import (
-    Additions,
-    Cap,
-    DepthContours,
-    Facing,
-    Joining,
-    Ledge,
-    Merging,
-    Packing,
-    Refinement,
-    Rules,
-    Smooth,
-    Support,
-    Vessel,
-    Wall,
-)
+from spigolo.settings.additions import Additions, DepthContours, Facing, Merging, Packing, Refinement, Support
 from spigolo.settings.config import Config
+from spigolo.settings.joining import Cap, Joining, Smooth, Vessel
 from spigolo.settings.paper import (
     AutoCost,
     BoundaryCost,
@@ -33,6 +19,7 @@ from spigolo.settings.paper import (
     Smoothing,
 )
 from spigolo.settings.parameters import Parameters, Settings
+from spigolo.settings.rules import Ledge, Rules, Wall
 
 __all__ = [
     "Additions",

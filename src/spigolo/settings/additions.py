@@ -1,5 +1,7 @@
 """Parameters of our additions to the paper. `Config.additions` is None in the paper's presets.
 
+The rules of joining are in `settings.joining`, those that reject or keep regions in `settings.rules`.
+
 Lengths in pixels refer to a 640x480 image, and grow with the image if `Additions.lengths_grow` is set.
 """
 
@@ -9,6 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from spigolo.settings.joining import Joining
 from spigolo.settings.parameters import (
     Angle_deg,
     Area_px2,
@@ -20,6 +23,7 @@ from spigolo.settings.parameters import (
     Settings,
     Share,
 )
+from spigolo.settings.rules import Rules
 
 
 class Facing(Settings):
@@ -144,181 +148,6 @@ class Merging(Settings):
     """Minimum number of a region's pixels that are not on lines. A region with fewer joins the neighbour with the
     weakest border.
     """
-
-
-class Vessel(Settings):
-    """Conditions to join the wall and the inside of a cup, bowl or pot.
-
-    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of their length.
-    Hollowness is positive for a concave region and negative for a convex one.
-    """
-
-    min_behind_m: Positive = 0.02
-    """Minimum mean depth step from the wall back to the inside, m."""
-    max_hollow_front: float = -0.1
-    """Maximum hollowness of the wall. The wall is convex, so the value is negative."""
-    min_hollow_back: float = -0.11
-    """Minimum hollowness of the inside. The inside looks flat if only its back is seen or depth is missing."""
-    min_contrast: float = 0.15
-    """Minimum difference between the hollowness of the inside and that of the wall."""
-    top_m: NotNegative = 0.008
-    """Maximum height difference between the top of the wall and the top of the inside, m."""
-    top_share: Share = 0.1
-    """Maximum height difference between both tops, as a share of their height above the support. The larger of this
-    limit and `top_m` applies.
-    """
-    min_solidity: Share = 0.87
-    """Minimum solidity of both regions together, which is the share of their convex hull that they fill."""
-    sure_hollow_back: float = -0.01
-    """Hollowness above which a region is certainly the inside of a vessel."""
-    sure_contrast: float = 0.25
-    """Minimum difference in hollowness to the wall for a region that is certainly an inside."""
-    sure_solidity: Share = 0.75
-    """Minimum solidity of wall and inside together if the region is certainly an inside."""
-
-
-class Cap(Settings):
-    """Conditions to join the upper face of an object with its side, or the inside of a filled cup with its wall."""
-
-    max_gap_m: Positive = 0.025
-    """Maximum mean depth step between both regions, m."""
-    max_bend_m: float = 0.006
-    """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects.
-    """
-    top_share: Share = 0.2
-    """Maximum height difference between both tops, as a share of their height above the support."""
-    min_solidity: Share = 0.9
-    """Minimum solidity of both regions together, which is the share of their convex hull that they fill."""
-
-
-class Smooth(Settings):
-    """Conditions to join two parts of one flat or convex surface that noise separated."""
-
-    max_gap_m: Positive = 0.025
-    """Maximum mean depth step across the border, m."""
-    max_bend_m: float = 0.0015
-    """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects.
-    """
-    max_boundary: Share = 0.75
-    """Maximum mean boundary value along the border."""
-
-
-class Joining(Settings):
-    """Rules that join the parts of one object. None switches a rule off."""
-
-    vessel: Vessel | None = None
-    """Join the wall of a cup, bowl or pot with its inside."""
-    cap: Cap | None = None
-    """Join an upper face with the region below it."""
-    smooth: Smooth | None = None
-    """Join regions whose surface continues across their border."""
-    enclosed: Share | None = None
-    """Minimum share of a region's surroundings that one object must fill. The region then joins that object although it
-    lies on the support plane. None: off.
-    """
-    reach_px: Offset_px = 4
-    """Distance from a border to the depth samples on both sides, px."""
-    margin_px: Annotated[int, Field(ge=0, le=100), Grows()] = 3
-    """Distance between the ends of a chord and the region's outline, px. Depth near the outline mixes object and
-    background.
-    """
-    min_border_px: Annotated[int, Field(ge=1), Grows()] = 12
-    """Minimum length of a border, px. Shorter borders are not tested."""
-    min_measured: Share = 0.5
-    """Minimum share of a border's pixels, and of a region's pixels, with measured depth."""
-    min_above: Share = 0.5
-    """Minimum share of a part's measured pixels above the support. Regions with a smaller share are not joined."""
-    max_share: Share = 0.25
-    """Maximum share of the image that a part may cover. Larger regions are not joined."""
-
-
-class Wall(Settings):
-    """Rules that reject walls and rims of bins and shelves, which are as tall as objects.
-
-    An object stands free: the depth beyond its own outline is larger by a step. Where the other side is nearer by a
-    step, the outline belongs to the object in front and does not count.
-    """
-
-    min_hides: Share = 0.15
-    """Minimum share of a region's own outline beyond which the depth is larger by a step. The image border does not
-    count as such a step.
-    """
-    min_hides_cut: NotNegative = 0.7
-    """Increase of the minimum `min_hides`, per share of the outline that lies on the image border."""
-    slant_deg: Angle_deg = 36.0
-    """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The faces
-    of a whole object look towards the camera on average, in contrast to the side of a compartment.
-    """
-    hides_per_deg: NotNegative = 0.025
-    """Increase of the minimum `min_hides` for each degree above `slant_deg`."""
-    min_height_m: Positive = 0.06
-    """Minimum height above the support that 5 % of a region must reach for the test, m. Lower objects hide too little.
-    Without a support, every region is tested.
-    """
-    min_measured: Share = 0.4
-    """Minimum share of a region's outline with depth on both sides. Regions with a smaller share are not tested."""
-    reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
-    """Distance from the outline to the depth samples on both sides, px. This length always grows with the image."""
-    shadow_px: Annotated[int, Field(ge=0, le=1000), Grows(always=True)] = 60
-    """Maximum width of missing depth beyond an outline across which depths are compared, px. This length always grows
-    with the image.
-    """
-    step_m: NotNegative = 0.012
-    """Minimum depth step beyond a region's outline, m, in addition to the slope of the region there. The limit is the
-    sum of `step_m` and of `step_share` times the distance.
-    """
-    step_share: Share = 0.006
-    """Minimum depth step beyond a region's outline, as a share of the distance. The limit is the sum of `step_m` and of
-    this share times the distance.
-    """
-    max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
-    """Maximum ratio of length to width of a region that the image border cuts off. Longer regions are rails, rims or
-    legs. None: no limit.
-    """
-
-
-class Ledge(Settings):
-    """Rule that keeps flat objects, which are too low for a strong boundary."""
-
-    min_share: Share = 0.5
-    """Minimum share of a region's outline along which its height above the support changes by a step. Such a region is
-    kept even if its mean boundary value is below `min_contour`.
-    """
-    step_m: Positive = 0.006
-    """Minimum step in height at the outline, m."""
-    step_per_m: NotNegative = 0.0056
-    """Minimum step in height per squared distance, 1/m: twice the depth error. The larger of this limit and `step_m`
-    applies.
-    """
-
-
-class Rules(Settings):
-    """Rules that reject regions, in addition to those of the paper. None switches a rule off."""
-
-    wall: Wall | None = None
-    """Reject tall regions that hide nothing behind them. Requires a support."""
-    ledge: Ledge | None = None
-    """Keep flat regions with a weak boundary if the height changes by a step along their outline. Requires a support
-    and `wall`.
-    """
-    min_contour: Share | None = None
-    """Minimum mean boundary value along a region's border. If the cost function reads no boundary map, the edge weights
-    are used.
-    """
-    min_contour_holes: Share | None = None
-    """Minimum mean boundary value in frames whose hole outlines are contours (`DepthContours.holes_from`). In these
-    frames almost every region has contours. None: `min_contour` applies there too.
-    """
-    metric: bool = False
-    """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
-    max_length_m: Positive | None = None
-    """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. It differs from
-    the length of the oriented box, which is measured in space between the outermost points. None: no limit.
-    """
-    max_width_m: Positive | None = None
-    """Maximum width of a region, m, estimated by the same rectangle as its length. None: no limit."""
 
 
 class Refinement(Settings):

@@ -10,23 +10,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from spigolo.errors import ConfigError
-from spigolo.settings.additions import (
-    Additions,
-    Cap,
-    DepthContours,
-    Facing,
-    Joining,
-    Ledge,
-    Merging,
-    Packing,
-    Refinement,
-    Rules,
-    Smooth,
-    Support,
-    Vessel,
-    Wall,
-)
+from spigolo.settings.additions import Additions, DepthContours, Facing, Merging, Packing, Refinement, Support
 from spigolo.settings.config import BASES, Config, base_preset
+from spigolo.settings.joining import Cap, Joining, Smooth, Vessel
 from spigolo.settings.paper import (
     BoundaryCost,
     DepthConfig,
@@ -38,6 +24,7 @@ from spigolo.settings.paper import (
     Smoothing,
 )
 from spigolo.settings.parameters import parse_toml
+from spigolo.settings.rules import Ledge, Rules, Wall
 
 _RELEASE = Rejection(max_distance_m=1.8, max_lambda1_px2=3800.0, max_lambda2_px2=950.0, max_eccentricity=0.978)
 

@@ -10,18 +10,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from spigolo.errors import SpigoloError
-from spigolo.frames.frame import Color, Frame
-from spigolo.objects.boxes import OrientedBox
+from spigolo.frames.frame import Frame
 from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS
 from spigolo.view import tuning_scene as scene
 from spigolo.view import tuning_text as text
 from spigolo.view.tuning_controls import Controls
 from spigolo.view.tuning_lists import Lists
-from spigolo.view.tuning_session import Answer, Numbered, Pixel, Session
+from spigolo.view.tuning_session import Numbered, Pixel, Session
+from spigolo.view.tuning_space import Space
 from spigolo.view.tuning_worker import Latest
 
 if TYPE_CHECKING:
@@ -75,15 +73,12 @@ class TuningPage:
         """Number of pictures drawn so far."""
         self._folder, self._saved = folder, set[Path]()
         self._stage, self._merging = scene.STAGES[0], False
-        self._stand: scene.Stand | None = None
-        self._frame: Frame | None = None
         self._place: viser.GuiSliderHandle[int] | None = None
         self._drawing = threading.RLock()
         self._closed = threading.Event()
+        self.space = Space(self.server, self.select)
         self._build()
         self.worker = Latest(self._run)
-        self.server.scene.on_click()(self._clicked)
-        self.server.on_client_connect(lambda client: self._look(client, "both"))
         self.worker.ask()
 
     def __enter__(self) -> TuningPage:
@@ -133,7 +128,6 @@ class TuningPage:
         )
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH_PX)
-        self.server.scene.set_up_direction("-y")
         gui.add_html(PHONE)
         self._status = gui.add_markdown("segmenting ...")
         self._build_view(gui)
@@ -178,7 +172,7 @@ class TuningPage:
 
     def _turn(self, event: viser.GuiEvent[Any]) -> None:
         if event.client is not None:
-            self._look(event.client, event.target.value)
+            self.space.look(event.client, event.target.value)
 
     def _set(self, key: str, value: Any) -> None:
         if self.session.set(key, value):
@@ -256,56 +250,13 @@ class TuningPage:
             if answer is None:
                 return
             chosen = self.session.at(self.session.selected)
-            self._draw_board(scene.picture(answer, self._stage, chosen), answer.run.frame)
             boxes = [o.oriented_box() for o in answer.result]
-            self._draw_cloud(answer, boxes, chosen)
+            self.space.show(answer, self._stage, chosen, boxes)
             self._status.content = text.status(answer, self.session)
             self._chosen.content = text.selection(chosen, self._merging)
             self._times.content = text.times(answer)
             self._lists.show(answer.result, boxes, chosen)
             self.drawn += 1
-
-    def _draw_board(self, picture: Color, frame: Frame) -> None:
-        if frame is not self._frame:
-            before, self._frame = self._stand, frame
-            self._stand = scene.stand_of(frame)
-            self._board = self.server.scene.add_image(
-                "/picture", picture, *self._stand.size, format="jpeg", jpeg_quality=88, position=self._stand.board
-            )
-            if before is None:
-                for client in self.server.get_clients().values():
-                    self._look(client, "both")
-            return
-        self._board.image = picture
-
-    def _draw_cloud(self, answer: Answer, boxes: list[OrientedBox | None], chosen: Any) -> None:
-        assert self._stand is not None
-        add = self.server.scene
-        if not len(self._stand.points):
-            return
-        colors = scene.cloud_colors(answer, self._stand, chosen)
-        size = float(self._stand.size[0]) / 260
-        add.add_point_cloud("/cloud", self._stand.points, colors, point_size=size, point_shape="rounded")
-        ends, tints = scene.box_lines(boxes)
-        if len(ends):
-            add.add_line_segments("/boxes", ends, tints, thickness=2.5, thickness_units="screen")
-        else:
-            add.remove_by_name("/boxes")
-
-    def _look(self, client: viser.ClientHandle, view: str) -> None:
-        if self._stand is None:
-            return
-        position, target = self._stand.look(view, client.camera.aspect)
-        with client.atomic():
-            client.camera.fov = scene.FOV
-            client.camera.up_direction = (0.0, -1.0, 0.0)
-            client.camera.position = position
-            client.camera.look_at = target
-
-    def _clicked(self, event: viser.SceneClickEvent) -> None:
-        if self._stand is not None:
-            origin, direction = np.array(event.ray_origin), np.array(event.ray_direction)
-            self.select(self._stand.pixel_at(origin, direction))
 
 
 def _server(host: str, port: int) -> viser.ViserServer:

@@ -1,0 +1,119 @@
+"""Pictures of the additions of OBJECTS, off and on."""
+
+from __future__ import annotations
+
+import warnings
+
+import spigolo as sp
+from pictures import scenes
+from pictures.layout import smaller, support_picture, zoom
+from spigolo.frames.frame import Color
+from spigolo.view.overlay import boundary_picture, region_picture, tile
+
+LEFT_HALF = (100, 92, 320, 352)
+NOISE_PER_M = 0.0028
+"""The noise floor of OBJECTS, 1/m."""
+
+
+def additions(frame: sp.Frame) -> Color:
+    """Objects with all additions, and with one of them left out."""
+    configs = {"all additions": sp.OBJECTS}
+    for name, off in {
+        "no contours": {"additions.contours": None},
+        "no support, no joining": {"additions.support": None, "additions.joining": None},
+        "no joining": {"additions.joining": None},
+        "no refinement": {"additions.refinement": None},
+        "none of them": {"additions": None},
+    }.items():
+        configs[name] = sp.OBJECTS.replace(**off)
+    results = {name: sp.segment(frame, config) for name, config in configs.items()}
+    return tile({f"{name}: {len(r)} objects": smaller(r.overlay()) for name, r in results.items()}, columns=3)
+
+
+def depth_contours(frame: sp.Frame) -> Color:
+    """Boundaries and regions with and without depth contours.
+
+    The support plane is off, because it closes feet too. Joining is off, because it requires the plane.
+    """
+    with_them = sp.OBJECTS.replace(additions={"joining": None, "support": None})
+    pictures = {}
+    for title, config in {
+        "without": with_them.replace(**{"additions.contours": None}),
+        "with depth contours": with_them,
+    }.items():
+        run = sp.trace(frame, config)
+        pictures[f"{title}: boundaries"] = zoom(boundary_picture(run), LEFT_HALF, 2)
+        pictures[f"{title}: regions"] = zoom(region_picture(run.regions.labels), LEFT_HALF, 2)
+    return tile(pictures, columns=2)
+
+
+def support_plane(frame: sp.Frame) -> Color:
+    """Objects with and without the support plane, and the plane. The preset has no rule for walls."""
+    found = sp.segment(frame, sp.PRESETS["OBJECTS_1"])
+    without = sp.segment(frame, sp.PRESETS["OBJECTS_1"].replace(**{"additions.support": None}))
+    return tile(
+        {
+            f"without: {len(without)} objects": without.overlay(),
+            "the plane (result.support)": support_picture(found),
+            f"with it: {len(found)} objects": found.overlay(),
+        },
+        columns=3,
+    )
+
+
+def noise_floor(frame: sp.Frame) -> Color:
+    """Regions with and without the noise floor of eq. 9. Merging is off, because it removes most of the bands."""
+    pictures = {}
+    for title, config in {
+        "noise_per_m = 0": sp.OBJECTS.replace(additions={"noise_per_m": 0.0, "merging": None}),
+        f"noise_per_m = {NOISE_PER_M}": sp.OBJECTS.replace(additions={"noise_per_m": NOISE_PER_M, "merging": None}),
+    }.items():
+        regions = sp.trace(frame, config).regions
+        pictures[f"{title}: {regions.count} regions"] = region_picture(regions.labels)
+    return tile(pictures, columns=2)
+
+
+def merging() -> Color:
+    """Regions with and without merging, of a table near the camera whose depth is noisy."""
+    frame = scenes.groceries()
+    pictures = {"colour": frame.color}
+    for title, config in {
+        "without merging": sp.OBJECTS.replace(**{"additions.merging": None}),
+        "with merging": sp.OBJECTS,
+    }.items():
+        regions = sp.trace(frame, config).regions
+        pictures[f"{title}: {regions.count} regions"] = region_picture(regions.labels)
+    return tile({title: smaller(picture) for title, picture in pictures.items()}, columns=3)
+
+
+def ledge() -> Color:
+    """Flat boxes far from the camera, with and without the rule that keeps flat objects."""
+    flat = scenes.flat_boxes((9, 10, 11, 12, 13, 15), distance_m=0.9)
+    without = sp.segment(flat.frame, sp.OBJECTS.replace(**{"additions.rules.ledge": None}))
+    found = sp.segment(flat.frame)
+    return tile(
+        {
+            "colour, heights in mm": zoom(flat.labelled(), flat.window, 1),
+            f"without ledge: {len(without)} objects": zoom(without.overlay(), flat.window, 1),
+            f"with ledge: {len(found)} objects": zoom(found.overlay(), flat.window, 1),
+        },
+        columns=3,
+    )
+
+
+def packing() -> Color:
+    """A layer of packed boxes, which `packing` warns of, and the same layer with one box that is higher."""
+    layer, raised = scenes.packed_layer(0.0), scenes.packed_layer(0.05)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        packed = sp.segment(layer)
+    assert len(told) == 1 and "packed" in str(told[0].message)
+    found = sp.segment(raised)
+    return tile(
+        {
+            "packed boxes": smaller(layer.color),
+            f"the support (green): {len(packed)} objects, a warning": smaller(support_picture(packed)),
+            f"one box 5 cm higher: {len(found)} object": smaller(found.overlay()),
+        },
+        columns=3,
+    )

@@ -1,0 +1,55 @@
+"""Strength of each region's border, and its score as an object (our choice, docs/score.md)."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.kernels import moments
+from spigolo.stages.cues import Cues
+from spigolo.stages.graph import Graph
+from spigolo.stages.regions import Regions
+
+SUPPORTED_SHARE = 3000 / (640 * 480)
+"""Share of measured pixels in the image at which the depth term of a score reaches 63 % of its maximum (our choice)."""
+
+
+def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
+    """Return the map (H, W) in [0, 1] that measures borders: the boundary map, or the weights without one."""
+    return weight_contour(graph) if cues.boundary is None else cues.boundary
+
+
+def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
+    """Return a boundary map (H, W) in [0, 1] that is computed only from edge weights.
+
+    Each pixel gets the larger weight of its right and lower edge, divided by the 95th percentile of all pixels.
+    """
+    right, down = graph.weights[:2]
+    largest = np.where(np.isinf(right), np.float32(0), right)
+    np.maximum(largest, down, out=largest, where=np.isfinite(down))
+    strong = float(np.percentile(largest, 95))
+    return np.asarray(np.clip(largest / strong, 0, 1) if strong > 0 else largest, np.float32)
+
+
+def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
+    """Return the mean of a map (H, W) along the border of each region (R,). The mean is 0 for a region without
+    neighbours.
+    """
+    sums = np.zeros((regions.count, 2))
+    moments.sum_contours(regions.labels, contour, sums)
+    return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
+
+
+def region_score(
+    contour: npt.NDArray[np.float64], measured: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
+) -> npt.NDArray[np.float64]:
+    """Return the score (R,) of each region as an object, in [0, 1].
+
+    The score is contour x (1 - exp(-measured / 0.98 %)) x share above the support plane. The last factor is 1 without a
+    plane.
+
+    measured: the region's measured pixels as a share of the image. Large surfaces with a closed contour above the
+    support are more often whole objects.
+    """
+    score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
+    return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

@@ -171,7 +171,7 @@ def test_right_angles_tell_the_focal_length(demo: Frame) -> None:
 def test_without_intrinsics_nothing_is_said_of_3d(demo: Frame) -> None:
     frame = study.with_depth(demo, demo.depth)
     object.__setattr__(frame, "camera", None)
-    assert "no intrinsics given" in finding(frame, "intrinsics").sentence
+    assert "expected intrinsics, got none" in finding(frame, "intrinsics").sentence
 
 
 def test_local_planes_of_a_slanted_plane() -> None:

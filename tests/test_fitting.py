@@ -120,7 +120,7 @@ def test_what_has_no_space_is_refused() -> None:
 
 def test_without_optuna_one_sentence_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "optuna", None)
-    with pytest.raises(SpigoloError, match=r'mend: pip install "spigolo\[fit\]"'):
+    with pytest.raises(SpigoloError, match=r'installed: pip install "spigolo\[fit\]"'):
         draw({"k": Range(1.0, 2.0)}, 1, seed=0)
 
 

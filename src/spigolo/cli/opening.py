@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from spigolo.errors import FileError, SpigoloError, UnitWarning
 from spigolo.frames.frame import MAX_PIXELS
+from spigolo.sources.base import counted
 
 if TYPE_CHECKING:
     from spigolo.frames.frame import Frame
@@ -31,14 +32,12 @@ def opened(
 
 
 def first_frame(source: Source, index: int | None = None) -> Frame:
-    """Return one frame of a source, or the only frame of a folder. index: number of the frame, from 0.
+    """Return one frame of a source, by default the first. index: number of the frame, from 0.
 
     Raises the error of reading it.
     """
-    from spigolo.sources.folders import FolderSource
-
-    if index is None and isinstance(source, FolderSource) and source.count != 1:
-        raise FileError(f"expected one frame, got {source.count}: give a colour and a depth image")
+    if index is None and source.count is not None and source.count > 1:
+        print(f"first of {counted(source.count, 'frame')} in {source.name}. For another one give --index")
 
     def refuse(_: str, error: SpigoloError) -> None:
         raise error

@@ -177,7 +177,7 @@ def trace(
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory.
     index
-        Number of the frame in a recording or data set, from 0. Default: the first frame of a recording.
+        Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
     out
         Output folder.
 
@@ -223,7 +223,7 @@ def doctor(
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory.
     index
-        Number of the frame in a recording or data set, from 0. Default: the first frame of a recording.
+        Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
 
     """
     with opened(inputs, camera, depth_scale, max_pixels, quiet=True) as source:

@@ -66,6 +66,8 @@ def print_result(result: Segmentation, out: Path) -> None:
         print(f"  rejected {region.area_px} px at {region.box_px}: {region.why}")
     if len(result.rejected) > MOST_REJECTED:
         print(f"  and {len(result.rejected) - MOST_REJECTED} smaller ones, all in {out / 'objects.json'}")
+    if result.scene.support is not None and result.scene.plane is None and not result.left_out:
+        print("no support plane is found: the table or the floor may be returned as an object")
     if result.left_out:
         print(f"left out, as no intrinsics were given: {', '.join(result.left_out)}")
         print("a guess of the field of view finds far more than none: --camera 60deg")
@@ -94,6 +96,9 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 
 
 def warn_of(diagnosis: Diagnosis, name: str) -> None:
-    """Print the warnings of a frame on the error stream."""
+    """Print the warnings of a frame on the error stream. Missing intrinsics are printed with the results."""
+    from spigolo.doctor.findings import INTRINSICS
+
     for finding in diagnosis.warnings:
-        print(f"spigolo: warning: {name}: {finding.sentence}", file=sys.stderr)
+        if finding.check != INTRINSICS:
+            print(f"spigolo: warning: {name}: {finding.sentence}", file=sys.stderr)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from importlib import metadata
 
 from spigolo.doctor.alignment import check_alignment
-from spigolo.doctor.findings import COST, Diagnosis, Finding, fine, note, warning
+from spigolo.doctor.findings import COST, INTRINSICS, Diagnosis, Finding, Severity, fine, note, warning
 from spigolo.doctor.intrinsics import check_focal_length, check_intrinsics
 from spigolo.doctor.measured import check_missing, check_negative, check_reach, check_unit
-from spigolo.doctor.planarity import check_planarity
+from spigolo.doctor.planarity import PLANARITY, check_planarity
 from spigolo.doctor.steps import check_saturated, check_steps
 from spigolo.frames.frame import Camera, DepthMap, Frame, check_frame
 from spigolo.settings.paper import AutoCost, Inpainting
@@ -22,6 +22,11 @@ CV2_WHEELS = (
 )
 SMALL_PX = 160
 """Objects in an image of a shorter width or height are a few pixels large."""
+WITHOUT_INTRINSICS = (
+    "expected intrinsics, got none: results in metres, the support plane and contact boundaries are left out. Give"
+    " --camera. A guess such as 60deg finds far more objects than none"
+)
+AFTER_UNIT = "not checked, because the unit of depth is probably wrong"
 BORDER = 0.1
 """Minimum share of missing depth at the image border that is reported with the advice."""
 
@@ -38,13 +43,15 @@ def diagnose(frame: Frame) -> Diagnosis:
     findings += check_missing(frame.depth, filled)
     if not (frame.depth > 0).any():
         return Diagnosis((*findings, note(COST, "no cost function is advised: there is no depth")))
-    findings += [check_unit(frame, filled), check_steps(frame.depth), check_saturated(frame.depth)]
+    unit = check_unit(frame, filled)
+    findings += [unit, check_steps(frame.depth), check_saturated(frame.depth)]
     findings.append(check_alignment(frame.color, filled))
     if camera is None:
-        without = "no intrinsics given: no 3-D facts, no contact boundary, no support plane; a guess, 60deg, finds more"
-        findings.append(note("intrinsics", without))
+        findings.append(warning(INTRINSICS, WITHOUT_INTRINSICS))
     else:
-        findings += [check_intrinsics(camera), check_focal_length(filled, camera), check_planarity(filled, camera)]
+        findings += [check_intrinsics(camera), check_focal_length(filled, camera)]
+        wrong_unit = unit.severity is Severity.WARNING
+        findings.append(note(PLANARITY, AFTER_UNIT, judged=False) if wrong_unit else check_planarity(filled, camera))
     return Diagnosis((*findings, advise_cost(filled)))
 
 

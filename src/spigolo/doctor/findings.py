@@ -50,7 +50,7 @@ class Diagnosis:
         return next((f.sentence for f in self.findings if f.check == COST), "")
 
 
-COST = "cost function"
+COST, INTRINSICS = "cost function", "intrinsics"
 
 
 def fine(check: str, sentence: str) -> Finding:

@@ -11,12 +11,12 @@ import numpy.typing as npt
 
 from spigolo.additions.plane import Plane, support_mask
 from spigolo.additions.support import find_support
-from spigolo.doctor.findings import Finding, fine, note, warning
+from spigolo.doctor.findings import INTRINSICS, Finding, fine, note, warning
 from spigolo.doctor.local_planes import LocalPlanes, fit_local_planes
 from spigolo.frames.frame import Camera, DepthMap
 from spigolo.settings.additions import Support
 
-INTRINSICS, FOCAL_LENGTH = "intrinsics", "focal length"
+FOCAL_LENGTH = "focal length"
 
 MAX_ASPECT = 0.05
 USUAL_SHARE = (0.7, 1.15)

@@ -12,7 +12,10 @@ from spigolo.frames.frame import Camera, DepthMap, Frame
 from spigolo.frames.nominal import NOMINAL
 from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 
-MISSING, UNIT = "missing depth", "depth unit"
+MISSING, UNIT, REACH = "missing depth", "depth unit", "reach of depth"
+
+FEW_BEYOND = 0.001
+"""Share of depth beyond the reach of cameras up to which segmentation is not affected."""
 
 FEW_VALID = 0.02
 """With a smaller share of valid pixels there is nothing to segment."""
@@ -57,13 +60,12 @@ def check_negative(frame: Frame) -> Finding:
 
 
 def check_reach(frame: Frame) -> Finding:
-    """Values that no camera measured stand for missing depth."""
-    if frame.out_of_reach is not None:
-        return warning(
-            "reach of depth",
-            f"expected missing depth as 0, found that {frame.out_of_reach}: store 0 where nothing was measured",
-        )
-    return fine("reach of depth", "no depth is the largest value of its type or beyond the reach of cameras")
+    """Check for values that no camera measured. They are a note if they cover too few pixels to matter."""
+    found = frame.out_of_reach
+    if found is not None:
+        sentence = f"expected missing depth as 0, found that {found}: store 0 where nothing was measured"
+        return note(REACH, sentence) if found.share < FEW_BEYOND else warning(REACH, sentence)
+    return fine(REACH, "no depth is the largest value of its type or beyond the reach of cameras")
 
 
 def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:

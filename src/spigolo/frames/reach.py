@@ -66,7 +66,7 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
     value = values[counts.argmax()]
     metres[dropped] = 0
     kind = _kind(stored.dtype, value) if (sentinel & (stored == value)).any() else ""
-    pixels = int(dropped.sum())
+    pixels = int(counts.max())
     return OutOfReach(float(value), pixels, pixels / dropped.size, kind)
 
 

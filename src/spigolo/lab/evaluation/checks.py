@@ -16,8 +16,8 @@ def checked_pair(truth: ArrayLike, prediction: ArrayLike, ignore: ArrayLike | No
     true, pred = _checked_labels(truth, "truth"), _checked_labels(prediction, "prediction")
     if true.shape != pred.shape:
         raise ValueError(
-            f"expected label images of one shape, got truth {true.shape} and prediction {pred.shape}; "
-            "mend: resize one of them with nearest-neighbour sampling"
+            f"expected label images of one shape, got truth {true.shape} and prediction {pred.shape}: "
+            "resize one of them with nearest-neighbour sampling"
         )
     if ignore is None:
         return true, pred
@@ -25,8 +25,8 @@ def checked_pair(truth: ArrayLike, prediction: ArrayLike, ignore: ArrayLike | No
     if mask.shape != true.shape or mask.dtype != np.bool_:
         raise ValueError(
             f"expected ignore to be a boolean image of shape {true.shape}, "
-            f"got {mask.dtype} of shape {mask.shape}; "
-            "mend: make it from the label image, for example labels == 255"
+            f"got {mask.dtype} of shape {mask.shape}: "
+            "make it from the label image, for example labels == 255"
         )
     true, pred = true.copy(), pred.copy()
     true[mask] = 0
@@ -38,16 +38,16 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
     array = np.asarray(labels)
     if array.ndim != 2:
         raise ValueError(
-            f"expected {name} to be a 2-D label image, got shape {array.shape}; mend: pass one channel of one frame"
+            f"expected {name} to be a 2-D label image, got shape {array.shape}: pass one channel of one frame"
         )
     if array.dtype.kind not in "iu":
         raise ValueError(
-            f"expected {name} to hold whole-number labels, got {array.dtype}; mend: convert it with .astype(np.int32)"
+            f"expected {name} to hold whole-number labels, got {array.dtype}: convert it with .astype(np.int32)"
         )
     if array.size and int(array.min()) < 0:
         raise ValueError(
-            f"expected {name} to hold labels from 0 up, got {int(array.min())}; "
-            "mend: set unlabelled pixels to 0, or pass them as ignore"
+            f"expected {name} to hold labels from 0 up, got {int(array.min())}: "
+            "set unlabelled pixels to 0, or pass them as ignore"
         )
     return array
 
@@ -55,5 +55,5 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
 def checked_radius(radius_px: float) -> float:
     """Return the radius as a float. Raises ValueError if it is negative or NaN."""
     if not radius_px >= 0:
-        raise ValueError(f"expected radius_px to be 0 or more, got {radius_px}; mend: leave it out for the default")
+        raise ValueError(f"expected radius_px to be 0 or more, got {radius_px}: leave it out for the default")
     return float(radius_px)

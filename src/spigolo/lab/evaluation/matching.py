@@ -28,7 +28,7 @@ DENSE = 4096
 LARGE_PX = 16
 """Minimum radius at which a distance transform is faster than a disk."""
 
-NEEDS_SCIPY = 'the measures need scipy, which is not installed; mend: pip install "spigolo[evaluation]"'
+NEEDS_SCIPY = 'the measures need scipy, which is not installed: pip install "spigolo[evaluation]"'
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -175,13 +175,13 @@ def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
 
 def _check(rows: Sequence[Row]) -> None:
     if not rows:
-        raise ValueError("expected rows to put together, got none; mend: evaluate some frames")
+        raise ValueError("expected rows to put together, got none: evaluate some frames")
     counts = Counter((row.data_set, row.frame) for row in rows)
     (data_set, frame), most = counts.most_common(1)[0]
     if most > 1:
         raise ValueError(
-            f"expected one row per frame, got {most} of {data_set}/{frame};"
-            " mend: give the rows of one method with one set of parameters"
+            f"expected one row per frame, got {most} of {data_set}/{frame}:"
+            " give the rows of one method with one set of parameters"
         )
 
 

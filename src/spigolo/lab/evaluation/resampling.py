@@ -54,8 +54,8 @@ def bootstrap(
     w = np.ones_like(x) if weights is None else np.asarray(weights, np.float64)
     if x.ndim != 1 or x.shape != w.shape or (w < 0).any():
         raise ValueError(
-            f"expected one value and one weight of 0 or more per group, got shapes {x.shape} and {w.shape};"
-            " mend: take the mean within each group first"
+            f"expected one value and one weight of 0 or more per group, got shapes {x.shape} and {w.shape}:"
+            " take the mean within each group first"
         )
     x, w = x[w > 0], w[w > 0]
     if not x.size:
@@ -77,9 +77,7 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
     """
     frames_of = _frames_of(groups)
     if not 2 <= k <= len(frames_of):
-        raise ValueError(
-            f"expected 2 to {len(frames_of)} folds of {len(frames_of)} groups, got {k}; mend: choose another k"
-        )
+        raise ValueError(f"expected 2 to {len(frames_of)} folds of {len(frames_of)} groups, got {k}: choose another k")
     order = np.random.default_rng(seed).permutation(len(frames_of))
     lists = list(frames_of.values())
     # large groups first, so that the folds get similar sizes
@@ -98,10 +96,10 @@ def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = N
     """
     names = sorted(set(sets))
     if len(names) < 2:
-        raise ValueError(f"expected at least two data sets to leave one out, got {len(names)}; mend: add frames")
+        raise ValueError(f"expected at least two data sets to leave one out, got {len(names)}: add frames")
     alike = list(range(len(sets))) if groups is None else groups
     if len(alike) != len(sets):
-        raise ValueError(f"expected a group per frame, got {len(alike)} for {len(sets)}; mend: give both in one order")
+        raise ValueError(f"expected a group per frame, got {len(alike)} for {len(sets)}: give both in one order")
     return [_split(name, len(sets), [i for i, s in enumerate(sets) if s == name], alike) for name in names]
 
 
@@ -126,7 +124,7 @@ def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, floa
     one frame are only approximately.
     """
     if not 0 <= hits <= n or not z >= 0:
-        raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}; mend: check the counts")
+        raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}: check the counts")
     if n == 0:
         return 0.0, 1.0
     share, spread = hits / n, z * z / n

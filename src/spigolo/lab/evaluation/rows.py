@@ -216,8 +216,8 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
             where = ".".join(map(str, first["loc"]))
             what = f"{where}: {first['msg']}" if where else first["msg"]
             raise FileError(
-                f"expected a row as `spigolo evaluate` writes it in line {number} of {path}, got {what};"
-                " mend: remove the line, or give a file of rows"
+                f"expected a row as `spigolo evaluate` writes it in line {number} of {path}, got {what}:"
+                " remove the line, or give a file of rows"
             ) from None
     return rows
 

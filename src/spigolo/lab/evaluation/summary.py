@@ -55,7 +55,7 @@ def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
     """
     scores = list(scores)
     if not scores:
-        raise ValueError("expected the scores of at least one frame, got none; mend: give a data set with frames")
+        raise ValueError("expected the scores of at least one frame, got none: give a data set with frames")
     means: dict[str, Any] = {name: _mean([getattr(score, name) for score in scores]) for name in MEASURES}
     n_objects = sum(score.n_objects for score in scores)
     return DatasetScore(

@@ -94,7 +94,7 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
     if not measured:
         known = ", ".join(printed.data_set for printed in TABLES)
         raise FileError(
-            f"expected rows of {known}, or of their stand-ins, got none; mend: evaluate one of them, or stand-ins of"
+            f"expected rows of {known}, or of their stand-ins, got none: evaluate one of them, or stand-ins of"
             " `spigolo render FAMILY --layout original`"
         )
     return measured
@@ -116,7 +116,7 @@ def _measure(contenders: Sequence[Contender], printed: Printed, rendered: bool) 
     if held[order[0]][0].which != ours:
         raise FileError(
             f"expected rows of toscana2016 with preset {printed.preset} on {name} for Table {printed.number}, got those"
-            f" of {', '.join(order)}; mend: `spigolo evaluate FOLDER --presets {printed.preset}` into the same file"
+            f" of {', '.join(order)}: `spigolo evaluate FOLDER --presets {printed.preset}` into the same file"
         )
     tallies = {label: _tally(held[label][1], printed) for label in order}
     beside = next((label for label in order if held[label][0].which[0] == printed.beside), None)
@@ -138,7 +138,7 @@ def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
     if not len(score.names) == len(score.covered) == score.n_objects:
         raise FileError(
             f"expected names of the objects in the row of {row.data_set}/{row.frame}, got one of spigolo {row.version}"
-            " without them; mend: evaluate again into a new file"
+            " without them: evaluate again into a new file"
         )
     for name, covered, by_region in zip(score.names, score.covered, score.covered_by_regions, strict=True):
         place = printed.place(row.frame, name)

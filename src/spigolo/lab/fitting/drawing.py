@@ -14,7 +14,7 @@ from spigolo.lab.fitting.spaces import Choice, Range, Setting, Space, Switch, co
 if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution
 
-NEEDS_OPTUNA = 'fitting needs optuna, which is not installed; mend: pip install "spigolo[fit]"'
+NEEDS_OPTUNA = 'fitting needs optuna, which is not installed: pip install "spigolo[fit]"'
 DIGITS = 4
 
 

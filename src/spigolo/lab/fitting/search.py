@@ -11,7 +11,6 @@ from pathlib import Path
 from spigolo.batch import Engine, Lost, in_order
 from spigolo.errors import FileError, SpigoloError
 from spigolo.lab.datasets import Entry
-from spigolo.lab.evaluation.matching import NEEDS_SCIPY
 from spigolo.lab.experiments.running import Task, Worker, engine_of
 from spigolo.lab.fitting.drawing import draw
 from spigolo.lab.fitting.spaces import Setting, apply, space_of
@@ -56,7 +55,7 @@ def search(
     or if the file has other trials.
     """
     if importlib.util.find_spec("scipy") is None:
-        raise SpigoloError(NEEDS_SCIPY)
+        raise SpigoloError('fitting needs scipy, which is not installed: pip install "spigolo[fit]"')
     for value, what, least in ((trials, "trials", 1), (jobs, "jobs", 1), (seed, "a seed", 0)):
         if value < least:
             raise SpigoloError(f"expected {what} of {least} or more, got {value}: leave it out for the usual")

@@ -93,8 +93,8 @@ def read_search(path: Path | str) -> Search:
             trials.append(_unpack_trial(json.loads(line), subject, len(trials)))
     except (ValueError, KeyError, TypeError, IndexError, AttributeError):
         raise FileError(
-            f"expected trials as `spigolo fit` writes them in {path}, got something else after {len(trials)} of them;"
-            " mend: remove the file, or give another one"
+            f"expected trials as `spigolo fit` writes them in {path}, got something else after {len(trials)} of them:"
+            " remove the file, or give another one"
         ) from None
     return Search(subject, tuple(trials))
 

@@ -97,9 +97,7 @@ def _require_extra() -> None:
     """Raise an error if the extra for rendering is missing, before minutes are spent."""
     for name in ("scipy", "trimesh"):
         if importlib.util.find_spec(name) is None:
-            raise SpigoloError(
-                f'this layout needs {name}, which is not installed; mend: pip install "spigolo[datasets]"'
-            )
+            raise SpigoloError(f'this layout needs {name}, which is not installed: pip install "spigolo[datasets]"')
 
 
 def _rendered(family: str, count: int, seed: int, tell: Tell | None) -> Iterator[tuple[int, Sample]]:

@@ -220,3 +220,47 @@ def test_portable_grey_maps_are_depth(tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "depth" / "1.pgm"), DEPTH)
     (frame,) = find_frames([str(tmp_path)])
     np.testing.assert_array_equal(read_depth(frame.depth), DEPTH)
+
+
+# --- names ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("colors", "depths"),
+    [
+        ("rgb/color_{}.png", "depth/depth_{}.png"),
+        ("{}-color.png", "{}-depth.png"),
+        ("frame-{}.color.png", "frame-{}.depth.png"),
+        ("my_colour_{}.png", "my_depth_{}.png"),
+        ("color/IMG_{}_rgb.png", "depth/IMG_{}_depth.png"),
+    ],
+)
+def test_names_that_differ_in_the_word_for_colour_and_depth_are_a_frame(
+    tmp_path: Path, colors: str, depths: str
+) -> None:
+    for k in range(3):
+        put(tmp_path, colors.format(k), depths.format(k), camera=True)
+    found = find_frames([str(tmp_path)])
+    assert [(p.color, p.depth) for p in found] == [
+        (tmp_path / colors.format(k), tmp_path / depths.format(k)) for k in range(3)
+    ]
+    assert len({p.name for p in found}) == 3 and {p.camera for p in found} == {tmp_path / "camera.json"}
+    words = [str(tmp_path / name.format(k)) for name in (colors, depths) for k in range(3)]  # as a shell lists them
+    assert [(p.color, p.depth) for p in find_frames(words)] == [(p.color, p.depth) for p in found]
+
+
+def test_names_that_do_not_say_colour_or_depth_stay_in_the_order_given(tmp_path: Path) -> None:
+    for name in ("a", "b", "c", "d"):
+        put(tmp_path, f"{name}.png", f"{name}.png")
+    found = find_frames([str(tmp_path / f"{name}.png") for name in ("c", "d", "a", "b")])
+    assert [(p.color.stem, p.depth.stem) for p in found] == [("c", "d"), ("a", "b")]
+    with pytest.raises(FileError, match=r"expected rgb\.png and depth\.png"):
+        find_frames([str(tmp_path)])
+
+
+def test_a_file_without_a_partner_is_named(tmp_path: Path) -> None:
+    for k in range(2):
+        put(tmp_path, f"{k}_color.png", f"{k}_depth.png")
+    (tmp_path / "1_depth.png").unlink()
+    with pytest.warns(UserWarning, match=r"1 images have no partner of their name: .*1_color\.png"):
+        assert [p.name for p in find_frames([str(tmp_path)])] == ["0"]

@@ -11,10 +11,10 @@ from pathlib import Path
 from spigolo.errors import FileError, warn
 from spigolo.frames.camera_files import camera_for
 from spigolo.frames.listing import RECORDINGS, best_of_each, listed
+from spigolo.sources.roles import COLOR_NAMES, match_by_name, rest_of
 
 IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".pnm", ".webp")
 DEPTHS = (*IMAGES, ".npy", ".npz", ".exr")
-COLOR_NAMES = ("rgb", "color", "colour", "image")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +30,10 @@ class FramePaths:
 def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     """Return the frames in files and folders.
 
-    Two files are a frame, colour first. More files are pairs. A folder is a frame if it holds a colour and a depth
-    image (rgb.png and depth.png). Otherwise its subfolders are frames, or the equally named files of its folders rgb/
-    and depth/. Every frame gets a unique name.
+    Two files are a frame, colour first. More files are pairs, by their names (0001-color.png and 0001-depth.png) or in
+    the order given. A folder is a frame if it holds a colour and a depth image (rgb.png and depth.png). Otherwise its
+    subfolders are frames, or the equally named files of its folders rgb/ and depth/, or its own files in pairs by their
+    names. Every frame gets a unique name.
     """
     paths = [Path(word) for word in inputs]
     if not paths:
@@ -80,6 +81,9 @@ def _pairs(files: Sequence[Path]) -> list[FramePaths]:
         if files[-1].suffix.lower() == ".npz":
             raise FileError(f"{alone}. A .npz file alone is a frame if it holds the arrays rgb and depth, and best K")
         raise FileError(alone)
+    matched = match_by_name(files) if len(files) > 2 else []
+    if 2 * len(matched) == len(files):
+        return [FramePaths(rest_of(color), color, depth, _camera_of(color)) for color, depth in matched]
     pairs = zip(files[::2], files[1::2], strict=True)
     return [FramePaths(color.stem, color, depth, _camera_of(color)) for color, depth in pairs]
 
@@ -125,6 +129,8 @@ def _frames_in(folder: Path) -> list[FramePaths]:
     if not frames:
         frames = [_whole(path) for path in listed(folder) if _is_frame(path)]
     if not frames:
+        frames = _matched(listed(folder), folder)
+    if not frames:
         raise FileError(
             f"expected rgb.png and depth.png in {folder} or in its subfolders, or folders rgb/ and depth/ with equally"
             f" named files{_what_lies_there(folder)}"
@@ -157,14 +163,27 @@ def _paired(folder: Path) -> list[FramePaths]:
     colors = next((folder / name for name in COLOR_NAMES if (folder / name).is_dir()), None)
     if colors is None or not (folder / "depth").is_dir():
         return []
-    stored = best_of_each(f for f in listed(folder / "depth") if f.suffix.lower() in DEPTHS)
+    stored = list(best_of_each(f for f in listed(folder / "depth") if f.suffix.lower() in DEPTHS))
     depths = {f.stem: f for f in stored}
     images = list(best_of_each(f for f in listed(colors) if f.suffix.lower() in IMAGES))
+    if not any(f.stem in depths for f in images) and (matched := _matched([*images, *stored], folder)):
+        return matched
     _warn_of_single([f for f in images if f.stem not in depths], "colour images have no depth image")
     named = {f.stem for f in images}
     _warn_of_single([f for f in depths.values() if f.stem not in named], "depth images have no colour image")
     camera = camera_for(folder, folder)
     return [FramePaths(f.stem, f, depths[f.stem], camera) for f in images if f.stem in depths]
+
+
+def _matched(files: Sequence[Path], folder: Path) -> list[FramePaths]:
+    """Return the frames of files that are named like 0001-color.png and 0001-depth.png. folder: that of the camera."""
+    images = list(best_of_each(f for f in files if f.suffix.lower() in DEPTHS)) if files else []
+    pairs = match_by_name(images)
+    taken = {path for pair in pairs for path in pair}
+    if pairs:
+        _warn_of_single([f for f in images if f not in taken], "images have no partner")
+    camera = camera_for(folder, folder) if pairs else None
+    return [FramePaths(rest_of(color) or folder.name, color, depth, camera) for color, depth in pairs]
 
 
 def _warn_of_single(images: Sequence[Path], lack: str) -> None:

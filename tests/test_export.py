@@ -132,6 +132,19 @@ def test_clouds_are_read_back(result: sp.Segmentation, tmp_path: Path) -> None:
         assert np.allclose(points, o.points_m())
 
 
+def test_trimmed_clouds_lie_in_the_boxes(result: sp.Segmentation, tmp_path: Path) -> None:
+    import trimesh
+
+    sizes = []
+    for o, path in zip(result, sp.export.ply(result, tmp_path, trim_m=0.005), strict=True):
+        box, cloud = o.oriented_box(), trimesh.load(path)
+        assert box is not None and box.contains(np.asarray(cloud.vertices), 0.006).all()
+        assert np.allclose(cloud.vertices, o.points_m(trim_m=0.005))
+        sizes.append(len(cloud.vertices) / len(o.points_m()))
+    assert 0.85 < min(sizes) < 1
+    assert len(sp.export.pcd(result, tmp_path, trim_m=0.005)) == len(result)
+
+
 def test_yolo_outlines_cover_the_masks(result: sp.Segmentation, tmp_path: Path) -> None:
     sp.export.yolo(result, tmp_path / "rgb.txt")
     lines = (tmp_path / "rgb.txt").read_text().splitlines()

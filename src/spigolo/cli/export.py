@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.opening import opened
-from spigolo.errors import FileError, SpigoloError
+from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import counted
 
@@ -24,6 +25,9 @@ SUFFIX = {"yolo": ".txt", "labels": ".png", "contact-graspnet": ".npz", "workspa
 """Suffix of the files of formats with one file for each frame. The others are one file, or a folder for each frame."""
 WHOLE = ("coco", "bop")
 """Formats with one file for all frames."""
+CLOUDS = ("ply", "pcd")
+"""Formats with a point cloud for each object."""
+Writer = Callable[..., Any]
 
 
 def export(
@@ -35,6 +39,7 @@ def export(
     depth_scale: float | None = None,
     max_pixels: int = MAX_PIXELS,
     frames: int | None = None,
+    trim_m: float | None = None,
 ) -> int:
     """Segment frames and write the objects in the format of another program.
 
@@ -62,18 +67,22 @@ def export(
         Maximum number of pixels of an image. A larger limit requires more memory.
     frames
         Number of frames after which to stop. Default: all.
+    trim_m
+        ply and pcd: leave out flying pixels, which are points farther than this outside the oriented box, in metres.
+        Default: all measured points.
 
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, export)
+    write = _writer(format, trim_m)
     with opened(words, camera, depth_scale, max_pixels) as source:
         from spigolo.stream import Segmenter
 
         results = _Results(source, Segmenter(config), frames)
         if format in WHOLE:
-            _writer(format)(results, out)
+            write(results, out)
         else:
-            _write_each(results, format, out, source.count == 1)
+            _write_each(results, write, SUFFIX.get(format, ""), out, source.count == 1)
     print(f"{source.name}: {source.report()}")
     if not results.done:
         raise FileError(f"no frame of {source.name} could be exported")
@@ -159,12 +168,11 @@ class _Results:
                 break
 
 
-def _write_each(results: _Results, format: Format, out: Path, single: bool) -> None:
+def _write_each(results: _Results, write: Writer, suffix: str, out: Path, single: bool) -> None:
     """Write a file, or a folder, for each frame. A frame that fails does not stop the others, if there are several."""
-    write = _writer(format)
     for result in results:
         try:
-            write(result, out if single else out / f"{result.frame.name}{SUFFIX.get(format, '')}")
+            write(result, out if single else out / f"{result.frame.name}{suffix}")
         except SpigoloError as error:
             if single:
                 raise
@@ -173,11 +181,15 @@ def _write_each(results: _Results, format: Format, out: Path, single: bool) -> N
             _print_error(result.frame.name, error)
 
 
-def _writer(format: Format) -> Callable[[Any, Path], Any]:
+def _writer(format: Format, trim_m: float | None) -> Writer:
     from spigolo import export as room
 
-    found: Callable[[Any, Path], Any] = getattr(room, format.replace("-", "_"))
-    return found
+    found: Writer = getattr(room, format.replace("-", "_"))
+    if trim_m is None:
+        return found
+    if format not in CLOUDS:
+        raise ConfigError(f"--trim-m is for the formats {' and '.join(CLOUDS)}, got {format}")
+    return partial(found, trim_m=trim_m)
 
 
 def _print_error(name: str, error: SpigoloError) -> None:

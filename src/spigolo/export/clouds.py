@@ -39,16 +39,22 @@ DATA binary
 """
 
 
-def ply(result: Segmentation, folder: PathLike) -> list[Path]:
-    """Write `object_N.ply` for each object N and return the paths. Raises CameraError without intrinsics."""
+def ply(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> list[Path]:
+    """Write `object_N.ply` for each object N and return the paths. Raises CameraError without intrinsics.
+
+    trim_m: leave out flying pixels, as `points_m` does.
+    """
     return [
         _write(Path(folder) / f"object_{o.label}.ply", PLY_HEADER, o, _records(points, PLY_POINT, colors))
-        for o, points, colors in _clouds(result)
+        for o, points, colors in _clouds(result, trim_m)
     ]
 
 
-def pcd(result: Segmentation, folder: PathLike) -> list[Path]:
-    """Write `object_N.pcd` for each object N and return the paths. Raises CameraError without intrinsics."""
+def pcd(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> list[Path]:
+    """Write `object_N.pcd` for each object N and return the paths. Raises CameraError without intrinsics.
+
+    trim_m: leave out flying pixels, as `points_m` does.
+    """
     shifts = np.array([16, 8, 0], np.uint32)
     return [
         _write(
@@ -57,14 +63,21 @@ def pcd(result: Segmentation, folder: PathLike) -> list[Path]:
             o,
             _records(points, PCD_POINT, (colors.astype(np.uint32) << shifts).sum(axis=1, dtype=np.uint32)),
         )
-        for o, points, colors in _clouds(result)
+        for o, points, colors in _clouds(result, trim_m)
     ]
 
 
-def _clouds(result: Segmentation) -> Iterator[tuple[ObjectMask, npt.NDArray[np.float32], npt.NDArray[np.uint8]]]:
+def _clouds(
+    result: Segmentation, trim_m: float | None
+) -> Iterator[tuple[ObjectMask, npt.NDArray[np.float32], npt.NDArray[np.uint8]]]:
     """Yield each object with its points (N, 3) and their colours (N, 3) RGB."""
     for o in result:
-        yield o, o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)]
+        points, colors = o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)]
+        box = None if trim_m is None else o.oriented_box()
+        if box is not None and trim_m is not None:
+            kept = box.contains(points, trim_m)
+            points, colors = points[kept], colors[kept]
+        yield o, points, colors
 
 
 def _records(

@@ -36,6 +36,11 @@ class OrientedBox:
         """Return the values by name, ready for json.dumps."""
         return {name: getattr(self, name).tolist() for name in ("center_m", "size_m", "R_camera_box")}
 
+    def contains(self, points_m: npt.NDArray[np.floating], margin_m: float = 0.0) -> Mask:
+        """Return True (N,) for points (N, 3) in metres inside the box, or outside by at most a margin."""
+        inside = np.abs((points_m - self.center_m) @ self.R_camera_box) <= self.size_m / 2 + margin_m
+        return np.asarray(inside.all(axis=1))
+
     def corners_m(self) -> Vectors:
         """Return the corners (8, 3) in the camera's frame."""
         signs = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))

@@ -118,14 +118,18 @@ class RegionFacts:
         facts = {name: getattr(self, name) for name in MEASURED}
         return {name: list(fact) if isinstance(fact, tuple) else fact for name, fact in facts.items()}
 
-    def points_m(self) -> npt.NDArray[np.float32]:
+    def points_m(self, trim_m: float | None = None) -> npt.NDArray[np.float32]:
         """Return the region's measured points (N, 3) in the camera's frame, in raster order, without in-painted depth.
 
-        Raises CameraError for a frame without intrinsics.
+        trim_m: leave out points that are farther than this outside the oriented box, in metres. These are flying
+        pixels: depth at an outline mixes object and background. None: all points. Raises CameraError for a frame
+        without intrinsics.
         """
         if self.frame.camera is None:
             raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
-        return self.frame.camera.back_project(self.frame.depth, self.mask)
+        points = self.frame.camera.back_project(self.frame.depth, self.mask)
+        box = None if trim_m is None else self.oriented_box()
+        return points if box is None or trim_m is None else points[box.contains(points, trim_m)]
 
     def oriented_box(self) -> OrientedBox | None:
         """Return the box around the region's measured surface, without flying pixels. The box stands upright on the

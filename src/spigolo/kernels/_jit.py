@@ -133,7 +133,7 @@ class _Cache(FunctionCache):
 @functools.cache
 def _announce() -> None:
     """Say once in a process that it waits for kernels that the cache does not have."""
-    logging.getLogger("spigolo").warning("compiling kernels that are new on this machine: up to 20 s")
+    logging.getLogger("spigolo").warning("compiling kernels that are new on this machine: up to a minute")
 
 
 @functools.cache

@@ -24,8 +24,8 @@ from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
 """Depth range that covers the range of every RGB-D camera, metres."""
-CLOSE_M = 0.15
-"""Median depth below which the unit of a frame without objects is doubtful, metres."""
+CLOSE_M, FAR_M = 0.15, 3.0
+"""Range of the median depth outside which the unit of a frame without objects is doubtful, metres."""
 SAMPLED = 8
 
 
@@ -109,7 +109,7 @@ def warn_of_depth(frame: Frame) -> None:
 def warn_of_reach(scene: Scene) -> None:
     """Warn if most of a frame without objects lies beyond the reach, or nearer than most cameras measure."""
     median, reach_m = _median_m(scene.frame), scene.rejection.max_distance_m
-    if reach_m is not None and reach_m < median <= FARTHEST_M:
+    if reach_m is not None and max(reach_m, FAR_M) < median <= FARTHEST_M:
         why = f"beyond the reach of {reach_m:g} m (rejection.max_distance_m)"
     elif NEAREST_M <= median < CLOSE_M:
         why = "nearer than most cameras measure"

@@ -1,4 +1,4 @@
-"""Time measurements of our code and of other libraries on the same frames, in rounds.
+"""Benchmark of spigolo and of other libraries on the same frames.
 
 In use::
 
@@ -6,7 +6,7 @@ In use::
     report.to_json()                                # with the raw rounds
     print(markdown(report))
 
-The other methods of this package (`spigolo.METHODS`) run in the rounds too.
+The benchmark also times all other segmentation methods in `spigolo.METHODS`.
 """
 
 from __future__ import annotations

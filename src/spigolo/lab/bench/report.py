@@ -1,4 +1,4 @@
-"""Report of all measurements."""
+"""Benchmark report with all time and memory measurements."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ from spigolo.lab.bench.timing import Sample, Tell, run_rounds, silent
 from spigolo.lab.machine import Machine, this_machine
 
 MAIN = "OBJECTS 8c"
-"""Contestant for throughput and latency."""
+"""Name of the configuration used to measure throughput and latency."""
 STAGED = tuple(name for name in CONFIGS if name.endswith("8c"))
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Amounts of measurements.
+    """Numbers of repetitions in a benchmark.
 
-    rounds: number of rounds of contestants and stages. size_rounds: number of rounds for each of `sizes` (width,
-    height). Without sizes, that part is left out. repeats: number of repeats of throughput, with `frames` frames per
-    thread, and of start-up. latency: number of frames in a row, 0 for none. cold: True to also start once without
-    compiled kernels.
+    rounds: number of timed runs per contestant and per stage. sizes: image sizes (width, height) at which the time is
+    measured. size_rounds: number of timed runs per image size. repeats: number of measurements of throughput and of
+    start-up time. frames: number of frames per thread in a measurement of throughput. latency: number of frames for the
+    measurement of latency, 0 = not measured. cold: True to also measure one start without compiled kernels.
     """
 
     rounds: int = 15
@@ -56,7 +56,7 @@ QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
 
 @dataclass(frozen=True, slots=True)
 class Contest:
-    """Rounds on one frame. samples: raw times, indexed by contestant and round."""
+    """Times of all contestants on one frame. samples: measured times, indexed by contestant and round."""
 
     frame: str
     width: int
@@ -66,16 +66,17 @@ class Contest:
 
     @property
     def summaries(self) -> dict[str, Summary]:
-        """Return medians and minima of each contestant."""
+        """Return the median and minimum times of each contestant."""
         return {name: summarise(taken) for name, taken in self.samples.items()}
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """All measurements. The parts from `sizes` on use the first frame.
+    """Results of a benchmark. Only `contests` covers all frames. All other measurements use the first frame.
 
-    peers: versions of each interpreter. missing: one sentence for each package that no interpreter has. growth: indexed
-    by contestant. stages: raw times, indexed by configuration and stage. memory: indexed by configuration.
+    peers: versions of the modules in each Python environment. missing: one message for each package that is not
+    installed. growth: times at several image sizes, indexed by contestant. stages: times of the stages, indexed by
+    configuration and stage. memory: memory use, indexed by configuration.
     """
 
     machine: Machine
@@ -91,7 +92,7 @@ class Report:
     startup: Startup
 
     def to_json(self) -> dict[str, Any]:
-        """Return all measurements with raw rounds, ready for json.dumps. `summaries` has the medians of the rounds."""
+        """Return all measurements as a dictionary for `json.dumps`. The key `summaries` holds the medians."""
         values = asdict(self)
         for contest, out in zip(self.contests, values["contests"], strict=True):
             out["summaries"] = {name: asdict(summary) for name, summary in contest.summaries.items()}
@@ -101,9 +102,10 @@ class Report:
 def bench(
     frames: Mapping[str, Frame], plan: Plan | None = None, python: Path | None = None, tell: Tell = silent
 ) -> Report:
-    """Measure our code and the peers on at least one frame.
+    """Measure the time and memory of spigolo, and the time of other libraries, on one or more frames.
 
-    frames: indexed by name. python: interpreter of the peers, see `open_peers`. tell: called with the progress.
+    frames: frames to segment, indexed by name. python: Python interpreter that has the other libraries, see
+    `open_peers`. tell: function that is called with the progress.
     """
     plan = Plan() if plan is None else plan
     machine = this_machine(spigolo=__version__)

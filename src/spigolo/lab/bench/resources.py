@@ -1,4 +1,4 @@
-"""Memory, throughput of threads, and time of many frames in a row."""
+"""Measurement of memory use, throughput with threads, and latency."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Memory in bytes per pixel. workspace: kept between frames. frame: peak above workspace while a frame is
-    segmented.
+    """Memory use of a `Segmenter`, in bytes per pixel.
 
-    answer: part of that peak that the result keeps.
+    workspace: memory kept between frames. frame: additional peak memory while a frame is segmented. answer: memory that
+    the result keeps.
     """
 
     workspace: float
@@ -29,7 +29,7 @@ class Memory:
 
 
 def measure_memory(frame: Frame, config: Config) -> Memory:
-    """Measure the memory that numpy and Python allocate. Temporary memory inside OpenCV's functions is not included."""
+    """Measure the memory that a `Segmenter` uses. Memory that OpenCV allocates inside its functions is not included."""
     run = Segmenter(config)
     run(frame)
     tracemalloc.start()
@@ -45,7 +45,11 @@ def measure_memory(frame: Frame, config: Config) -> Memory:
 
 @dataclass(frozen=True, slots=True)
 class Throughput:
-    """Frames per second of each repeat, and the median ratio of two threads, with one Segmenter each, to one thread."""
+    """Throughput with one and with two threads.
+
+    one_thread, two_threads: frames per second in each repeat. ratio: throughput of two threads divided by that of one
+    thread, median over repeats.
+    """
 
     frames: int
     one_thread: list[float]
@@ -54,7 +58,7 @@ class Throughput:
 
 
 def measure_throughput(frame: Frame, config: Config, frames: int, repeats: int, tell: Tell = silent) -> Throughput:
-    """Measure throughput: each thread segments `frames` frames. Runs with one and with two threads alternate."""
+    """Measure the throughput in frames per second. Each thread segments `frames` frames with its own `Segmenter`."""
     kept = [Segmenter(config), Segmenter(config)]
     rates: dict[int, list[float]] = {1: [], 2: []}
     with ThreadPoolExecutor(2) as pool:
@@ -76,7 +80,7 @@ def _many(run: Segmenter, frame: Frame, frames: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Wall time of frames in a row, ms. samples: raw times."""
+    """Wall time per frame, ms. samples: times of all frames. p99_ms: 99th percentile. worst_ms: maximum."""
 
     frames: int
     median_ms: float
@@ -86,7 +90,7 @@ class Latency:
 
 
 def measure_latency(frame: Frame, config: Config, frames: int, tell: Tell = silent) -> Latency:
-    """Measure one thread with one Segmenter, after one frame that does not count."""
+    """Measure the wall time of each frame in one thread. The first frame is not measured."""
     run = Segmenter(config)
     run(frame)
     times: list[float] = []

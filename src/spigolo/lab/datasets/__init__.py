@@ -1,4 +1,6 @@
-"""Labelled frames as data sets keep them on disk: one small class a layout, its docstring is the format.
+"""Readers and writers of labelled RGB-D data sets, with one class per file layout.
+
+The docstring of each class or of its module describes the layout.
 
 for entry in guess("rgbd-scenes"):
     frame, truth = entry.read_both()

@@ -1,6 +1,6 @@
-"""Content of a data set after reading: frames with labels and, if the set has them, poses and models.
+"""Frames with labels, object poses and object models, as read from a data set.
 
-Letters used in shapes: H, W = image, V = vertices, T = triangles.
+Letters in array shapes: H, W = image height and width, V = number of vertices, T = number of triangles.
 """
 
 from __future__ import annotations
@@ -18,7 +18,11 @@ __all__ = ["Instance", "Model", "Sample"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """Triangle mesh in its own axes. vertices_m (V, 3), triangles (T, 3) int32, colors (V, 3) uint8 RGB or None."""
+    """Object model: a triangle mesh in its own frame.
+
+    vertices_m: vertex positions (V, 3), metres. triangles: vertex indices (T, 3). colors: RGB colour of each vertex (V,
+    3) or None.
+    """
 
     name: str
     vertices_m: npt.NDArray[np.float64]
@@ -28,9 +32,10 @@ class Model:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Instance:
-    """Object in a frame. label: its value in `Sample.labels`. model: name of its `Model`.
+    """Labelled object in a frame. label: value of the object's pixels in `Sample.labels`. model: name of the object's
+    `Model`.
 
-    pose (4, 4): from the model's axes to the camera's (X right, Y down, Z forward), metres.
+    pose: transform (4, 4) from the model's frame to the camera frame (X right, Y down, Z forward), metres.
     """
 
     label: int
@@ -40,7 +45,9 @@ class Instance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """Frame with ground truth. labels (H, W): 0 = background, 1..N = objects."""
+    """Frame with ground truth. labels: label image (H, W), 0 = background, 1..N = objects. instances: objects with
+    poses.
+    """
 
     frame: Frame
     labels: npt.NDArray[np.integer[Any]]

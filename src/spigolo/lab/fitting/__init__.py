@@ -1,4 +1,4 @@
-"""Fitting of parameters to labelled frames: random settings are tried, and the best one is scored on held-out frames.
+"""Fitting of parameters to labelled frames by random search, with cross-validation.
 
 frames = find_labelled_frames([Path("frames")])
 tried = search(frames, Toscana2016(sp.TABLE), Path("fit/trials.jsonl"))

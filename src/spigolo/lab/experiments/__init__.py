@@ -1,4 +1,5 @@
-"""Evaluation of methods on labelled frames in two steps: `evaluate` writes rows, `write_report` makes a page of them.
+"""Evaluation of segmentation methods on labelled frames. `evaluate` writes scores to a file, and `write_report` creates
+a report.
 
 frames = find_labelled_frames([Path("frames")])
 evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))

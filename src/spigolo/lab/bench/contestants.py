@@ -32,8 +32,9 @@ CONFIGS = {
 MERGED = ("TABLE 8c", "SHELF 8c")
 """Configurations for which the merging of graph edges is also timed separately."""
 OURS = "toscana2016"
-"""Name of the method that runs with the presets in `CONFIGS`. The other methods in `METHODS` run with their default
-parameters.
+"""Name of the method that runs with the presets in `CONFIGS`.
+
+The other methods in `METHODS` run with their default parameters.
 """
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
@@ -67,8 +68,9 @@ def saliency(frame: Frame) -> dict[str, Run]:
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Return our merging and the textbook merging as timed functions on the same graphs. Raises SpigoloError if their
-    regions differ.
+    """Return our merging and the textbook merging as timed functions on the same graphs.
+
+    Raises SpigoloError if their regions differ.
     """
     runs: dict[str, Run] = {}
     for name in MERGED:

@@ -35,8 +35,9 @@ def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class PowerLaw:
-    """Power law t = factor x^exponent. residual: root mean square deviation of ln(t) from the fit, so that 0.01 means 1
-    %.
+    """Power law t = factor x^exponent.
+
+    residual: root mean square deviation of ln(t) from the fit, so that 0.01 means 1 %.
     """
 
     factor: float

@@ -51,8 +51,9 @@ def rescaled(frame: Frame, size: Size) -> Frame:
 
 
 def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: Tell = silent) -> dict[str, Growth]:
-    """Time the presets TABLE and SHELF and one segmentation peer at each image size. Return the times, indexed by
-    contestant.
+    """Time the presets TABLE and SHELF and one segmentation peer at each image size.
+
+    Return the times, indexed by contestant.
     """
     if not sizes:
         return {}

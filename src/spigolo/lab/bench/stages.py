@@ -22,8 +22,9 @@ PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency":
 def time_stages(
     frame: Frame, configs: Mapping[str, Config], rounds: int, tell: Tell = silent
 ) -> dict[str, dict[str, list[Sample]]]:
-    """Measure the time of each stage in each round, after one warm-up round. The result is indexed by configuration and
-    stage.
+    """Measure the time of each stage in each round, after one warm-up round.
+
+    The result is indexed by configuration and stage.
     """
     segmenters = {name: Segmenter(config) for name, config in configs.items()}
     samples: dict[str, dict[str, list[Sample]]] = {name: {} for name in configs}

@@ -163,8 +163,9 @@ def _ms(value: float) -> str:
 
 
 def _exponent(law: PowerLaw | None, sizes: int) -> str:
-    """Format the fitted exponent with the residual of the fit. The residual is left out for two image sizes, where it
-    is 0.
+    """Format the fitted exponent with the residual of the fit.
+
+    The residual is left out for two image sizes, where it is 0.
     """
     if law is None:
         return "-"

@@ -15,8 +15,9 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 
 def sort_and_merge(graph: Graph, gamma: float) -> npt.NDArray[np.int32]:
-    """Segment a graph with eqs. 2 and 3 of the paper. Return region labels (H, W), numbered from 0 by their first
-    pixel.
+    """Segment a graph with eqs. 2 and 3 of the paper.
+
+    Return region labels (H, W), numbered from 0 by their first pixel.
     """
     planes, height, width = graph.weights.shape
     flat = graph.weights.reshape(-1)

@@ -15,8 +15,9 @@ Tell = Callable[[str, float], None]
 
 
 LEAST_MS = 1e-3
-"""Minimum time of a sample, ms. Shorter times are set to this value, because a time of 0 would cause a division by
-zero.
+"""Minimum time of a sample, ms.
+
+Shorter times are set to this value, because a time of 0 would cause a division by zero.
 """
 
 
@@ -51,8 +52,9 @@ def timed(work: Callable[[], object]) -> Run:
 def run_rounds(
     contestants: Mapping[str, Run], rounds: int, tell: Tell = silent, what: str = "", seed: int = 0
 ) -> dict[str, list[Sample]]:
-    """Time all contestants in several rounds, after one warm-up run each. Return the times of each contestant, one per
-    round.
+    """Time all contestants in several rounds, after one warm-up run each.
+
+    Return the times of each contestant, one per round.
     """
     samples: dict[str, list[Sample]] = {name: [] for name in contestants}
     order, rng = list(contestants), random.Random(seed)

@@ -47,8 +47,9 @@ Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True)
 class BopImage(Entry):
-    """Image of a BOP scene. intrinsics: 9 numbers of the camera matrix, row by row. depth_scale: metres per stored
-    depth unit.
+    """Image of a BOP scene.
+
+    intrinsics: 9 numbers of the camera matrix, row by row. depth_scale: metres per stored depth unit.
     """
 
     scene: Path
@@ -70,8 +71,9 @@ class BopImage(Entry):
         return Frame(read_color(self.color), depth, self.intrinsics, self.name, depth_scale=self.depth_scale)
 
     def read_truth(self) -> Truth | None:
-        """Return the ground truth from stored masks, or from masks rendered from models and poses. Raises FileError or
-        FrameError.
+        """Return the ground truth from stored masks, or from masks rendered from models and poses.
+
+        Raises FileError or FrameError.
         """
         if self.labelling == "none":
             return None

@@ -100,8 +100,9 @@ class SceneFiles:
 
 
 def _box(mask: Mask) -> list[int]:
-    """Return the bounding box x, y, width, height of a mask in pixels. All four values are -1 for an empty mask, as in
-    BOP.
+    """Return the bounding box x, y, width, height of a mask in pixels.
+
+    All four values are -1 for an empty mask, as in BOP.
     """
     y, x = np.nonzero(mask)
     if not x.size:

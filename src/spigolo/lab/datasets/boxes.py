@@ -25,8 +25,9 @@ FIELDS = ("category", "instance", "top", "bottom", "left", "right")
 
 @dataclass(frozen=True, slots=True)
 class ObjectBox:
-    """Bounding box of an object, the pixels image[top:bottom, left:right]. category, instance: class and number of the
-    object.
+    """Bounding box of an object, the pixels image[top:bottom, left:right].
+
+    category, instance: class and number of the object.
     """
 
     category: str
@@ -52,8 +53,9 @@ def box_of(category: str, instance: int, mask: Mask) -> ObjectBox:
 
 
 def boxes_to_mat(frames: Mapping[int, Sequence[ObjectBox]]) -> bytes:
-    """Return the content of a MATLAB file with the bounding boxes. frames: boxes, indexed by frame number, counted from
-    1.
+    """Return the content of a MATLAB file with the bounding boxes.
+
+    frames: boxes, indexed by frame number, counted from 1.
     """
     cell = np.empty((1, max(frames, default=0)), object)
     for k in range(cell.shape[1]):

@@ -26,8 +26,9 @@ class Archive:
 
 @dataclass(frozen=True, slots=True)
 class KnownSet:
-    """Published data set. home: address of its web page. archives: zip files to download, empty if their hashes are
-    unknown.
+    """Published data set.
+
+    home: address of its web page. archives: zip files to download, empty if their hashes are unknown.
     """
 
     name: str

@@ -35,8 +35,9 @@ RENDERED = "rendered.json"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """Ground truth of a frame. labels: label image (H, W), 0 = background. ignore: mask (H, W) of pixels to leave out
-    of the evaluation.
+    """Ground truth of a frame.
+
+    labels: label image (H, W), 0 = background. ignore: mask (H, W) of pixels to leave out of the evaluation.
 
     names: object names, indexed by label. Empty if the data set has no names.
     """
@@ -104,8 +105,9 @@ class Entry(ABC):
         return frame, truth
 
     def read_sample(self) -> Sample:
-        """Read the frame with labels and object poses. Labels are 0 at ignored pixels, and everywhere in frames without
-        ground truth.
+        """Read the frame with labels and object poses.
+
+        Labels are 0 at ignored pixels, and everywhere in frames without ground truth.
         """
         frame, truth = self.read_both()
         labels = np.zeros(frame.shape, np.int32) if truth is None else truth.labels
@@ -114,8 +116,9 @@ class Entry(ABC):
 
 @dataclass(frozen=True, slots=True)
 class ImageEntry(Entry):
-    """Frame stored as a colour image and a depth image. depth_scale: metres per stored depth unit. Subclasses add
-    ground truth.
+    """Frame stored as a colour image and a depth image.
+
+    depth_scale: metres per stored depth unit. Subclasses add ground truth.
     """
 
     color: Path

@@ -1,5 +1,6 @@
-"""Download of published data sets. An interrupted download can be continued. Archives are verified by their SHA-256
-hash.
+"""Download of published data sets.
+
+An interrupted download can be continued. Archives are verified by their SHA-256 hash.
 
 The folder of a data set is created only after all archives have been downloaded and extracted.
 """
@@ -21,8 +22,9 @@ from spigolo.errors import FileError
 from spigolo.lab.datasets.catalogue import Archive, KnownSet
 
 Tell = Callable[[str, int, int | None], None]
-"""Progress callback. Its arguments are the archive's name, the number of received bytes, and the total number of bytes
-or None.
+"""Progress callback.
+
+Its arguments are the archive's name, the number of received bytes, and the total number of bytes or None.
 """
 
 ATTEMPTS = 3

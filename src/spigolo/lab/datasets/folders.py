@@ -128,8 +128,9 @@ def _places(folder: Path) -> Iterator[Path]:
 
 
 def _groups(root: Path) -> Mapping[str, str]:
-    """Read the groups of near-identical frames from splits.json. Return the name of the group's first frame, indexed by
-    frame.
+    """Read the groups of near-identical frames from splits.json.
+
+    Return the name of the group's first frame, indexed by frame.
 
     Warns if splits.json names a frame that does not exist.
     """
@@ -150,8 +151,9 @@ def _is_absent(root: Path, name: str) -> bool:
 
 
 def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], default: T) -> T:
-    """Return the value of a field, or the default if the field is missing. path: JSON file, for the error message.
-    Raises FileError if the value has the wrong type.
+    """Return the value of a field, or the default if the field is missing.
+
+    path: JSON file, for the error message. Raises FileError if the value has the wrong type.
     """
     value = told.get(name)
     if value is None:

@@ -18,8 +18,9 @@ MESHES = (".ply", ".obj", ".stl")
 
 @lru_cache(maxsize=64)
 def read_model(path: Path, unit_m: float = 1.0) -> Model:
-    """Read a triangle mesh. The model is named after the file. unit_m: metres per unit of length in the file. Raises
-    FileError.
+    """Read a triangle mesh.
+
+    The model is named after the file. unit_m: metres per unit of length in the file. Raises FileError.
     """
     trimesh = _trimesh(path)
     try:

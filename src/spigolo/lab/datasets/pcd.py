@@ -24,8 +24,9 @@ MAX_MISFIT_PX = 0.5
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:
-    """Read the points (H, W) of a point cloud as a structured array. H = 1 if the cloud is not organised. Raises
-    FileError.
+    """Read the points (H, W) of a point cloud as a structured array.
+
+    H = 1 if the cloud is not organised. Raises FileError.
     """
     try:
         header, body = _split(path.read_bytes())
@@ -61,8 +62,9 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
 
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
-    """Fit pixels = f * slopes + c. Return f, c and the largest residual in pixels, which is infinite if no fit is
-    possible.
+    """Fit pixels = f * slopes + c.
+
+    Return f, c and the largest residual in pixels, which is infinite if no fit is possible.
     """
     if not slopes.size or slopes.min() == slopes.max() or not np.abs(slopes).max() < STEEPEST:
         return 0.0, 0.0, np.inf

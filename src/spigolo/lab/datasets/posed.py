@@ -37,8 +37,9 @@ class PosedImage(ImageEntry):
         return tuple(path for path in (self.color, self.depth, self.poses, self.model) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Return the visible mask of each instance, rendered from its model and pose. None if the frame has no poses.
-        Raises FileError.
+        """Return the visible mask of each instance, rendered from its model and pose.
+
+        None if the frame has no poses. Raises FileError.
         """
         if self.model is None:
             return None

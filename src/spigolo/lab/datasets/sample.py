@@ -32,8 +32,9 @@ class Model:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Instance:
-    """Labelled object in a frame. label: value of the object's pixels in `Sample.labels`. model: name of the object's
-    `Model`.
+    """Labelled object in a frame.
+
+    label: value of the object's pixels in `Sample.labels`. model: name of the object's `Model`.
 
     pose: transform (4, 4) from the model's frame to the camera frame (X right, Y down, Z forward), metres.
     """
@@ -45,8 +46,9 @@ class Instance:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """Frame with ground truth. labels: label image (H, W), 0 = background, 1..N = objects. instances: objects with
-    poses.
+    """Frame with ground truth.
+
+    labels: label image (H, W), 0 = background, 1..N = objects. instances: objects with poses.
     """
 
     frame: Frame

@@ -102,8 +102,9 @@ def _is_scene(colors: Path) -> bool:
 
 
 def _object(scene: str) -> tuple[int, str]:
-    """Return the number and the name of the object in a scene. scene: folder name, such as scene_01. The number is 0
-    for unknown scenes.
+    """Return the number and the name of the object in a scene.
+
+    scene: folder name, such as scene_01. The number is 0 for unknown scenes.
     """
     known = [name.lower() for name in OBJECTS]
     digits = scene.removeprefix("scene_")

@@ -63,8 +63,9 @@ def _sequences(folder: Path) -> list[Path]:
 
 
 def _listed(path: Path) -> Stamped:
-    """Read a list such as rgb.txt. Return the time in seconds and the image file of each line, sorted by time. Raises
-    FileError.
+    """Read a list such as rgb.txt.
+
+    Return the time in seconds and the image file of each line, sorted by time. Raises FileError.
     """
     found = []
     for number, line in enumerate(_text(path).splitlines(), start=1):

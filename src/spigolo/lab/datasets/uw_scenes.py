@@ -64,8 +64,9 @@ class UwFrame(ImageEntry):
 
 
 class UwScenes(DataSet):
-    """Data set UW RGB-D Scenes v1. masks: folder of QuickFind's masks, by default quickfind_mask_data in or next to the
-    data set.
+    """Data set UW RGB-D Scenes v1.
+
+    masks: folder of QuickFind's masks, by default quickfind_mask_data in or next to the data set.
     """
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
@@ -120,8 +121,9 @@ def labels_of(picture: Color) -> Truth:
 
 
 def category_of(name: str) -> tuple[str, int]:
-    """Return the category and the number of an object as written in the files of bounding boxes. "cereal_2" becomes
-    ("cereal_box", 2).
+    """Return the category and the number of an object as written in the files of bounding boxes.
+
+    "cereal_2" becomes ("cereal_box", 2).
     """
     kind, _, number = name.rpartition("_")
     return ("cereal_box" if kind == "cereal" else kind), int(number)

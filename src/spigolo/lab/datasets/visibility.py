@@ -54,8 +54,9 @@ def visible_labels(
     camera: Camera,
     tolerance_m: float = TOLERANCE_M,
 ) -> npt.NDArray[np.int32]:
-    """Return the label image (H, W) of the visible instances. Each pixel gets the label of the nearest visible
-    instance.
+    """Return the label image (H, W) of the visible instances.
+
+    Each pixel gets the label of the nearest visible instance.
 
     models: model of each instance, in the order of `instances`. measured: measured depth map (H, W), metres.
     """

@@ -31,15 +31,17 @@ from spigolo.lab.datasets.uw_scenes import MASK_COLORS, MASK_FOLDER, category_of
 
 
 def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int, shot: int) -> str:
-    """Return the frame name for `write_rutgers`. bin_letter: A..L. clutter: degree of clutter, 0..2. position: camera
-    position, 0..2. shot: 0..3.
+    """Return the frame name for `write_rutgers`.
+
+    bin_letter: A..L. clutter: degree of clutter, 0..2. position: camera position, 0..2. shot: 0..3.
     """
     return f"{object_name}-{bin_letter}-{clutter}-{position}-{shot}"
 
 
 def uw_scenes_name(sequence: str, number: int) -> str:
-    """Return the frame name for `write_uw_scenes`. sequence: name such as table_1 or kitchen_small_1. number: counted
-    from 1.
+    """Return the frame name for `write_uw_scenes`.
+
+    sequence: name such as table_1 or kitchen_small_1. number: counted from 1.
     """
     return f"{sequence}_{number}"
 

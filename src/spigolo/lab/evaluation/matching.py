@@ -23,8 +23,9 @@ RADIUS_PER_DIAGONAL = 0.003
 """Default distance within which boundary pixels match, as a share of the image diagonal."""
 
 DENSE = 4096
-"""Maximum label value for counting pixels in an array indexed by label. Larger labels are first replaced by consecutive
-numbers.
+"""Maximum label value for counting pixels in an array indexed by label.
+
+Larger labels are first replaced by consecutive numbers.
 """
 
 LARGE_PX = 16

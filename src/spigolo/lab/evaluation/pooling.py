@@ -34,16 +34,18 @@ class Pooled:
     """Number of groups of near-identical frames. A frame without similar frames is a group of its own."""
 
     n_failed: int
-    """Number of frames for which the method raised an error. A frame with an error is scored like a prediction without
-    objects.
+    """Number of frames for which the method raised an error.
+
+    A frame with an error is scored like a prediction without objects.
     """
 
     n_predicted: float
     """Mean number of predicted objects per frame."""
 
     n_objects: float
-    """Number of labelled objects, averaged within groups of near-identical frames and summed over the groups. The value
-    can be a fraction.
+    """Number of labelled objects, averaged within groups of near-identical frames and summed over the groups.
+
+    The value can be a fraction.
     """
 
     overlap_precision: float
@@ -74,8 +76,9 @@ class Pooled:
     """
 
     found_70_recall: float
-    """Share of labelled objects of which one predicted object covers more than 70 %. The predicted object may also
-    cover other pixels.
+    """Share of labelled objects of which one predicted object covers more than 70 %.
+
+    The predicted object may also cover other pixels.
     """
 
     found_70_both: float
@@ -199,8 +202,9 @@ def _weights(rows: Sequence[Row]) -> Floats:
 
 
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
-    """Return the mean (G,) of a measure in each group of near-identical frames. of: rows that define the groups, by
-    default `rows`.
+    """Return the mean (G,) of a measure in each group of near-identical frames.
+
+    of: rows that define the groups, by default `rows`.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):

@@ -72,8 +72,9 @@ def bootstrap(
 
 
 def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Split]:
-    """Split K frames into `k` folds of about equal size for cross-validation. All frames of a group are in the same
-    fold.
+    """Split K frames into `k` folds of about equal size for cross-validation.
+
+    All frames of a group are in the same fold.
 
     groups: group of each frame (K,). Raises ValueError if there are fewer groups than folds.
     """
@@ -122,8 +123,9 @@ def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hasha
 
 
 def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
-    """Return the Wilson score interval of the share hits / n. z: half width in standard deviations, 1.96 = 95 %
-    confidence.
+    """Return the Wilson score interval of the share hits / n.
+
+    z: half width in standard deviations, 1.96 = 95 % confidence.
 
     The interval is (0, 1) for n = 0. Counts may be fractions, for example if near-identical frames have lower weights.
     The formula assumes independent trials. Objects in the same frame are only approximately independent.

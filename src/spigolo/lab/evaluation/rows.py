@@ -26,14 +26,16 @@ PIECE = 0.05
 """Minimum share of an object's pixels in a region for the region to count as a piece of the object."""
 
 Labelling = Literal["full", "part", "none"]
-"""Labelled objects in a frame: all objects (`full`), some objects (`part`) or no objects (`none`). Precision is
-meaningful only if all objects are labelled.
+"""Labelled objects in a frame: all objects (`full`), some objects (`part`) or no objects (`none`).
+
+Precision is meaningful only if all objects are labelled.
 """
 
 
 class Key(NamedTuple):
-    """Identification of a row: data set, frame, method and digest of its parameters. Two rows with equal keys are the
-    same evaluation.
+    """Identification of a row: data set, frame, method and digest of its parameters.
+
+    Two rows with equal keys are the same evaluation.
     """
 
     data_set: str
@@ -62,16 +64,18 @@ class RowScore(Measures):
     """Number of labelled objects that have an IoU above 0.7 with a predicted object."""
 
     false_positives: int
-    """Number of predicted objects that have no IoU above 0.7 with any labelled object. The number is meaningful only if
-    all objects are labelled.
+    """Number of predicted objects that have no IoU above 0.7 with any labelled object.
+
+    The number is meaningful only if all objects are labelled.
     """
 
     false_negatives: int
     """Number of labelled objects that have no IoU above 0.7 with any predicted object."""
 
     found_70_recall: int
-    """Number of labelled objects of which one predicted object covers more than 70 %. The predicted object may also
-    cover other pixels.
+    """Number of labelled objects of which one predicted object covers more than 70 %.
+
+    The predicted object may also cover other pixels.
     """
 
     found_70_both: int
@@ -134,8 +138,9 @@ class Row:
     """Number of rejected regions, indexed by the reason of rejection."""
 
     score: RowScore | None
-    """Accuracy measures. None if the frame has no labels. An error of the method is scored like a prediction without
-    objects.
+    """Accuracy measures.
+
+    None if the frame has no labels. An error of the method is scored like a prediction without objects.
     """
 
     error: str | None = None

@@ -1,5 +1,6 @@
-"""Evaluation of segmentation methods on labelled frames. `evaluate` writes scores to a file, and `write_report` creates
-a report.
+"""Evaluation of segmentation methods on labelled frames.
+
+`evaluate` writes scores to a file, and `write_report` creates a report.
 
 frames = find_labelled_frames([Path("frames")])
 evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))

@@ -76,8 +76,9 @@ class Measured:
 
 
 def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple[str, Table]]:
-    """Write a report with the paper's tables as index.html and report.md into the folder `out`. Return the titles and
-    tables.
+    """Write a report with the paper's tables as index.html and report.md into the folder `out`.
+
+    Return the titles and tables.
 
     Raises FileError if no row belongs to a data set of the paper, if rows with the paper's preset are missing, or if a
     file cannot be written.
@@ -172,8 +173,9 @@ def _narrow(measured: Measured) -> Table:
 
 
 def _wide(measured: Measured) -> Table:
-    """Return the table with several columns. Each line has rows for printed values, measured values and numbers of
-    objects.
+    """Return the table with several columns.
+
+    Each line has rows for printed values, measured values and numbers of objects.
     """
     printed = measured.printed
     first, *others = [label for label in measured.tallies if label != measured.beside]

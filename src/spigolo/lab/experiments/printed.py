@@ -69,8 +69,9 @@ def _run(frame: str, name: str) -> Place:
 
 
 def _scene(frame: str, name: str) -> Place:
-    """Return the cell of Table II for an object in UW RGB-D Scenes. Frames are named SCENE_K_N, and objects
-    CATEGORY_NUMBER.
+    """Return the cell of Table II for an object in UW RGB-D Scenes.
+
+    Frames are named SCENE_K_N, and objects CATEGORY_NUMBER.
     """
     return frame.rpartition("_")[0].capitalize(), CATEGORIES.get(name.rpartition("_")[0], "")
 

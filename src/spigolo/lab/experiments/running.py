@@ -24,8 +24,9 @@ from spigolo.methods import Method
 from spigolo.objects.segmentation import Segmentation
 
 Tell = Callable[[int, int, Row | None], None]
-"""Progress callback. Its arguments are the number of finished evaluations, the total number, and the latest result or
-None.
+"""Progress callback.
+
+Its arguments are the number of finished evaluations, the total number, and the latest result or None.
 """
 
 
@@ -63,8 +64,9 @@ class Worker:
         self._warm: set[tuple[str, str]] = set()
 
     def __call__(self, task: Task) -> Row:
-        """Segment the frame of a task, and return the scores. If a `SpigoloError` is raised, the result holds its
-        message.
+        """Segment the frame of a task, and return the scores.
+
+        If a `SpigoloError` is raised, the result holds its message.
         """
         method = self._methods[task.method, task.digest]
         content, truth = "", None
@@ -175,8 +177,9 @@ def _readable_content(frame: Entry) -> str:
 
 
 def _as_described(row: Row, frame: Entry | None) -> Row:
-    """Return the result with the current group and labelling of its frame. Results that were scored without labels stay
-    unlabelled.
+    """Return the result with the current group and labelling of its frame.
+
+    Results that were scored without labels stay unlabelled.
     """
     if frame is None:
         return row
@@ -193,8 +196,9 @@ def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -
 
 
 def engine_of(jobs: int) -> Engine:
-    """Return an executor with `jobs` worker processes. A single job runs in the current process. Raises SpigoloError if
-    `jobs` is less than 1.
+    """Return an executor with `jobs` worker processes.
+
+    A single job runs in the current process. Raises SpigoloError if `jobs` is less than 1.
     """
     if jobs < 1:
         raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")

@@ -45,15 +45,17 @@ def goodness(rows: Sequence[Row]) -> float:
 
 
 def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> Trial:
-    """Return the trial with the highest `goodness`, or the first of equal trials. frames: indices of the frames to
-    score, by default all.
+    """Return the trial with the highest `goodness`, or the first of equal trials.
+
+    frames: indices of the frames to score, by default all.
     """
     return max(trials, key=lambda trial: goodness(trial.rows if frames is None else [trial.rows[i] for i in frames]))
 
 
 def check_folds(groups: Sequence[str], count: int) -> None:
-    """Raise SpigoloError if there are fewer groups of near-identical frames than folds. count: number of folds, at
-    least 2.
+    """Raise SpigoloError if there are fewer groups of near-identical frames than folds.
+
+    count: number of folds, at least 2.
     """
     distinct = len(set(groups))
     if not 2 <= count <= distinct:

@@ -22,8 +22,9 @@ Setting = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Range of a number from `low` to `high`. The number is an integer if both limits are integers. log: True to draw
-    from a logarithmic distribution.
+    """Range of a number from `low` to `high`.
+
+    The number is an integer if both limits are integers. log: True to draw from a logarithmic distribution.
     """
 
     low: float
@@ -40,8 +41,9 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """Switch of an optional stage. on: parameter values of the stage if it is on. needs: name of another switch that
-    must also be on.
+    """Switch of an optional stage.
+
+    on: parameter values of the stage if it is on. needs: name of another switch that must also be on.
     """
 
     on: Mapping[str, Any] = field(default_factory=dict)

@@ -31,8 +31,9 @@ GZIP = b"\x1f\x8b"
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Identification of a frame. group: name of its group of near-identical frames. content: checksum of the frame's
-    files.
+    """Identification of a frame.
+
+    group: name of its group of near-identical frames. content: checksum of the frame's files.
     """
 
     data_set: str
@@ -77,8 +78,9 @@ class Search:
 
 
 def read_search(path: Path | str) -> Search:
-    """Read a file of trials, which may be compressed with gzip. An incomplete last line, for example after a crash, is
-    ignored.
+    """Read a file of trials, which may be compressed with gzip.
+
+    An incomplete last line, for example after a crash, is ignored.
 
     Raises FileError if the file cannot be read, or if the file does not hold trials.
     """

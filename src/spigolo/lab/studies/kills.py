@@ -118,8 +118,9 @@ class Study:
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
-        """Wait until the manifest (list of finished frames) has this number of lines. Then wait for a short random
-        time.
+        """Wait until the manifest (list of finished frames) has this number of lines.
+
+        Then wait for a short random time.
         """
         while process.poll() is None and lines_in(out / FILE) < lines:
             time.sleep(0.002)
@@ -137,8 +138,9 @@ class Study:
         return times
 
     def robbed(self, out: Path, times: int) -> int:
-        """Run on a Dask cluster, and kill the worker process of the latest frame several times. Return the number of
-        kills.
+        """Run on a Dask cluster, and kill the worker process of the latest frame several times.
+
+        Return the number of kills.
         """
         process = self.start(out, "dask")
         for moment in self.moments(times):

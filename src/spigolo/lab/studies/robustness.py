@@ -124,8 +124,9 @@ def score(config: sp.Config, frame: sp.Frame, truth: np.ndarray) -> FrameScore:
 
 
 def score_folder(task: tuple[Path, str, str]) -> FrameScore:
-    """Read a frame, apply a change, and return the score of a preset. task: folder, name of the change, name of the
-    preset.
+    """Read a frame, apply a change, and return the score of a preset.
+
+    task: folder, name of the change, name of the preset.
     """
     cv2.setNumThreads(1)
     folder, change, config = task

@@ -76,8 +76,9 @@ def tiny(job: int) -> int:
 
 
 def overhead(group: int, jobs: int, workers: int) -> Overhead:
-    """Run empty jobs on a Dask cluster, and return the scheduling time. Additional jobs before the measurement warm up
-    the scheduler.
+    """Run empty jobs on a Dask cluster, and return the scheduling time.
+
+    Additional jobs before the measurement warm up the scheduler.
     """
     warm, start, done = jobs // 10, 0.0, 0
     for done, (job, answer) in enumerate(dask_local(workers, group)(tiny, range(jobs + warm)), start=1):

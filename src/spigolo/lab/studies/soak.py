@@ -24,8 +24,9 @@ import spigolo as sp
 
 MIB = 2**20
 SCENES = 1000
-"""Number of different scenes. The last thousand frames show the same scenes as the first thousand, so that their times
-are comparable.
+"""Number of different scenes.
+
+The last thousand frames show the same scenes as the first thousand, so that their times are comparable.
 """
 SETTLED = 0.25
 """Share of the frames after which memory use must be constant."""

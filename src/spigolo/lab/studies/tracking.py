@@ -117,8 +117,9 @@ def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_labe
 
 
 def follow(results: Sequence[sp.Segmentation]) -> tuple[list[sp.Segmentation], float]:
-    """Track objects through a sequence of segmentations. Return the segmentations with ids, and the median tracking
-    time per frame, ms.
+    """Track objects through a sequence of segmentations.
+
+    Return the segmentations with ids, and the median tracking time per frame, ms.
     """
     tracker, followed, took_ms = Tracker(), [], []
     for result in results:

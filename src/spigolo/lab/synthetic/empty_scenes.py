@@ -39,15 +39,17 @@ class _Scene:
 
 
 def empty_scene(family: str, seed: int) -> Frame:
-    """Render a frame without objects. family: kind of scene, a key of `FAMILIES`. Raises ValueError for an unknown
-    family.
+    """Render a frame without objects.
+
+    family: kind of scene, a key of `FAMILIES`. Raises ValueError for an unknown family.
     """
     return _render(family, seed, lambda view: None)[0]
 
 
 def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
-    """Render the scene of `empty_scene` with an added box of 9 x 7 x 13 cm. Return the frame, and the mask (H, W) of
-    the box.
+    """Render the scene of `empty_scene` with an added box of 9 x 7 x 13 cm.
+
+    Return the frame, and the mask (H, W) of the box.
 
     The box tests that a method without false detections in the empty scene can still find an object.
     """

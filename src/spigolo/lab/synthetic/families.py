@@ -122,8 +122,9 @@ def _ious(sample: Sample, shown: tuple[Instance, ...], measured: DepthMap, toler
 
 
 def family_models(family: str) -> tuple[Model, ...]:
-    """Return the models of all objects that are labelled in a family of scenes. Raises ConfigError for an unknown
-    family.
+    """Return the models of all objects that are labelled in a family of scenes.
+
+    Raises ConfigError for an unknown family.
     """
     return tuple(household(name).model() for name in _family(family).objects)
 

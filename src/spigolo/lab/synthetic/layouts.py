@@ -69,8 +69,9 @@ LAYOUTS = ("folders", "bop", "original")
 
 
 def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, data_set: str, about: str) -> int:
-    """Write frames in the file layout of `Folders`, with object names and poses in info.json. Return the number of
-    frames.
+    """Write frames in the file layout of `Folders`, with object names and poses in info.json.
+
+    Return the number of frames.
     """
     count = 0
     write_json(folder / RENDERED, {"about": about})

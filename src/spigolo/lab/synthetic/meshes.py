@@ -45,8 +45,9 @@ class Mesh:
 
 
 def arc(centre: tuple[float, float], radius_m: float, start_deg: float, stop_deg: float, count: int) -> FloatArray:
-    """Return the points (count, 2) of a circular arc in the (r, z) plane, as a profile for `lathe`. The direction of 0
-    degrees is +r, and 90 degrees is +z.
+    """Return the points (count, 2) of a circular arc in the (r, z) plane, as a profile for `lathe`.
+
+    The direction of 0 degrees is +r, and 90 degrees is +z.
     """
     angle = np.radians(np.linspace(start_deg, stop_deg, count))
     return np.column_stack([centre[0] + radius_m * np.cos(angle), centre[1] + radius_m * np.sin(angle)])
@@ -241,8 +242,9 @@ def moved(mesh: Mesh, rotation: FloatArray, shift_m: npt.ArrayLike = (0.0, 0.0, 
 
 
 def panels() -> tuple[Rectangle, Rectangle, Rectangle]:
-    """Return the texture rectangles of the three panels of a box. A small margin prevents that filtering mixes adjacent
-    panels.
+    """Return the texture rectangles of the three panels of a box.
+
+    A small margin prevents that filtering mixes adjacent panels.
     """
     inset = 0.004
     left, middle, right = ((k / 3 + inset, inset, (k + 1) / 3 - inset, 1 - inset) for k in range(3))

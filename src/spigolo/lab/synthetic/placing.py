@@ -91,8 +91,9 @@ class Plot:
         return None
 
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
-        """Place a product on the flat top of another object. None if the product does not fit, or would touch other
-        objects.
+        """Place a product on the flat top of another object.
+
+        None if the product does not fit, or would touch other objects.
         """
         points = world_points(below)
         top_m = float(points[:, 2].max())

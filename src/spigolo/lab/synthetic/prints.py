@@ -104,8 +104,9 @@ def packet(rng: np.random.Generator) -> Image:
 
 
 def page(size: tuple[int, int], rng: np.random.Generator) -> Image:
-    """Draw a printed sheet of paper with a heading, lines of text, and sometimes a picture. size: height and width in
-    pixels.
+    """Draw a printed sheet of paper with a heading, lines of text, and sometimes a picture.
+
+    size: height and width in pixels.
     """
     height, width = size
     paper = _hsv(rng.uniform(0.1, 0.16), rng.uniform(0.0, 0.25), rng.uniform(0.85, 0.98))

@@ -179,8 +179,9 @@ def _pose(thing: SceneObject) -> str:
 
 
 def _intrinsics(camera: Camera) -> str:
-    """Return the camera intrinsics as XML attributes of a MuJoCo camera. MuJoCo measures the principal point from the
-    image centre.
+    """Return the camera intrinsics as XML attributes of a MuJoCo camera.
+
+    MuJoCo measures the principal point from the image centre.
     """
     middle = (camera.width - 1) / 2, (camera.height - 1) / 2
     return (

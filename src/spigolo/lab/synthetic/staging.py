@@ -93,8 +93,9 @@ def _projector(view: View) -> Lighting:
 
 
 def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
-    """Label the visible objects from 1, and return the frame with its ground truth. indices: index of the object at
-    each pixel (H, W).
+    """Label the visible objects from 1, and return the frame with its ground truth.
+
+    indices: index of the object at each pixel (H, W).
     """
     labels = np.zeros(indices.shape, np.int32)
     instances: list[Instance] = []
@@ -121,8 +122,9 @@ def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArra
 
 
 def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
-    """Return the gloss of the surface at each pixel (H, W): 0 = matt, 1 = mirror. A specular value of up to 0.4 counts
-    as matt.
+    """Return the gloss of the surface at each pixel (H, W): 0 = matt, 1 = mirror.
+
+    A specular value of up to 0.4 counts as matt.
     """
     specular = np.append(model.mat_specular[model.geom_matid], 0.0)
     return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)

@@ -165,8 +165,9 @@ def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
 
 
 def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> FloatArray:
-    """Return spatially correlated Gaussian noise (H, W) with unit variance. radius_px: standard deviation of the
-    smoothing.
+    """Return spatially correlated Gaussian noise (H, W) with unit variance.
+
+    radius_px: standard deviation of the smoothing.
     """
     noise = rng.standard_normal(shape)
     if radius_px <= 0:
@@ -236,8 +237,9 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
 def _strayed(
     disparity_px: FloatArray, lost: BoolArray, spread_px: float, rng: np.random.Generator
 ) -> tuple[FloatArray, BoolArray]:
-    """Shift outlines randomly in the disparity map and in the mask of missing depth. spread_px: standard deviation of
-    the shift.
+    """Shift outlines randomly in the disparity map and in the mask of missing depth.
+
+    spread_px: standard deviation of the shift.
     """
     down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
     rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)

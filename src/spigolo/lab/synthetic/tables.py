@@ -126,8 +126,9 @@ def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View
 
 
 def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float64], list[Part], float]:
-    """Create a table in a room. Return the outline (N, 2) of the table top, all parts, and the y position of the back
-    wall.
+    """Create a table in a room.
+
+    Return the outline (N, 2) of the table top, all parts, and the y position of the back wall.
     """
     height_m, wall_y_m = rng.uniform(0.7, 0.76), size_m[1] / 2 + rng.uniform(0.02, 1.2)
     top, _ = rounded_rectangle(size_m, 0.01)

@@ -77,8 +77,9 @@ def plain_card(colour: Colour) -> Image:
 
 
 def glazed(colour: Colour, rim: Colour, rim_share: float) -> Image:
-    """Draw glaze of one colour with a band of another colour at the rim. rim_share: height of the band as a share of
-    the image height.
+    """Draw glaze of one colour with a band of another colour at the rim.
+
+    rim_share: height of the band as a share of the image height.
     """
     image = np.full((256, 8, 3), colour, dtype=np.uint8)
     image[: round(256 * rim_share)] = rim

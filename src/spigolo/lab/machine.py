@@ -17,17 +17,16 @@ from spigolo.batch.engine import cores
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """Machine that runs this process.
-
-    cores: number of processor cores that the process may use. load: average system load of the last minute, 0 = idle,
-    None if unknown. versions: package versions, indexed by package name.
-    """
+    """Machine that runs this process."""
 
     cpu: str
     cores: int
+    """Number of processor cores that the process may use."""
     system: str
     load: float | None
+    """Average system load of the last minute, 0 = idle, None if unknown."""
     versions: dict[str, str]
+    """Versions of installed packages, indexed by package name."""
 
     def __str__(self) -> str:
         """Format the processor, the number of cores, the system and the package versions as one line."""

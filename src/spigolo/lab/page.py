@@ -10,11 +10,13 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Table cell. note: additional text in smaller print. strong: True to print the cell in bold."""
+    """Table cell."""
 
     text: str
     note: str = ""
+    """Additional text of the cell, in smaller print."""
     strong: bool = False
+    """True to print the text of the cell in bold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,19 +68,21 @@ def cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """Image with a caption. path: image file, relative to the page."""
+    """Image with a caption."""
 
     path: str
+    """Path of the image file, relative to the page."""
     caption: str
 
 
 @dataclass(frozen=True, slots=True)
 class Gallery:
-    """Collapsible section with pictures. unfolded: True if the section is initially open."""
+    """Section with pictures that can be opened and closed."""
 
     title: str
     pictures: Sequence[Picture]
     unfolded: bool = False
+    """True if the section is open when the page is loaded."""
 
 
 Block = Heading | Paragraph | Items | Table | Gallery

@@ -42,14 +42,12 @@ SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Comparison of a peer (function of another library) with our function for the same task.
-
-    ratio: CPU time of the peer divided by our CPU time, median over rounds.
-    """
+    """Comparison of a peer (function of another library) with our function for the same task."""
 
     peer: str
     ours: str
     ratio: float
+    """CPU time of the peer divided by our CPU time, median over rounds."""
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:

@@ -28,21 +28,18 @@ def summarise(samples: Sequence[Sample]) -> Summary:
 
 
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
-    """Return the CPU time of the peer divided by ours, as the median over rounds. Both lists have one sample per round.
-    """
+    """Return the CPU time of the peer divided by ours, median over rounds. Both lists have one sample per round."""
     return statistics.median(p.cpu_ms / o.cpu_ms for p, o in zip(peer, ours, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
 class PowerLaw:
-    """Power law t = factor x^exponent.
-
-    residual: root mean square deviation of ln(t) from the fit, so that 0.01 means 1 %.
-    """
+    """Power law t = factor x^exponent."""
 
     factor: float
     exponent: float
     residual: float
+    """Root mean square deviation of ln(t) from the fit. A value of 0.01 means about 1 % of t."""
 
 
 def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:

@@ -154,10 +154,14 @@ def _run(worker: Worker, name: str, key: str) -> Run:
 def open_peers(python: Path | None = None) -> Iterator[Peers]:
     """Start worker processes for the peers.
 
-    python: Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Peers that this
-    interpreter cannot import run in a worker of the current interpreter.
-
     Raises FileError if `python` cannot be run.
+
+    Parameters
+    ----------
+    python
+        Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Peers that this
+        interpreter cannot import run in a worker of the current interpreter.
+
     """
     given = python if python is not None else DEFAULT_PYTHON if DEFAULT_PYTHON.is_file() else None
     with ExitStack() as stack:

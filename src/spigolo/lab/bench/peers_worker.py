@@ -56,8 +56,7 @@ def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str,
 
 
 def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
-    """Return the contestants that this Python environment can run, indexed by name, and the versions of their modules.
-    """
+    """Return the functions that this Python environment can run, indexed by name, and the versions of their modules."""
     found: dict[str, Run] = {}
     versions = {"python": sys.version.split()[0]}
     cv2, skimage = attempt("cv2"), attempt("skimage.segmentation")

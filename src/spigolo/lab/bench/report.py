@@ -34,21 +34,22 @@ STAGED = tuple(name for name in CONFIGS if name.endswith("8c"))
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Numbers of repetitions in a benchmark.
-
-    rounds: number of timed runs per contestant and per stage. sizes: image sizes (width, height) at which the time is
-    measured. size_rounds: number of timed runs per image size. repeats: number of measurements of throughput and of
-    start-up time. frames: number of frames per thread in a measurement of throughput. latency: number of frames for the
-    measurement of latency, 0 = not measured. cold: True to also measure one start without compiled kernels.
-    """
+    """Numbers of repetitions in a benchmark."""
 
     rounds: int = 15
+    """Number of timed runs per function and per stage of the segmentation."""
     size_rounds: int = 5
+    """Number of timed runs at each image size."""
     sizes: tuple[Size, ...] = SIZES
+    """Image sizes (width, height) at which the CPU time is measured."""
     frames: int = 60
+    """Number of frames per thread in each measurement of throughput."""
     repeats: int = 3
+    """Number of measurements of the throughput and of the start-up time."""
     latency: int = 0
+    """Number of frames in the measurement of latency, 0 = not measured."""
     cold: bool = False
+    """True to also measure the start-up time without compiled kernels."""
 
 
 QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
@@ -56,13 +57,14 @@ QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
 
 @dataclass(frozen=True, slots=True)
 class Contest:
-    """Times of all contestants on one frame. samples: measured times, indexed by contestant and round."""
+    """Times of all timed functions (contestants) on one frame."""
 
     frame: str
     width: int
     height: int
     comparisons: list[Comparison]
     samples: dict[str, list[Sample]]
+    """Measured times, indexed by the name of the timed function (contestant)."""
 
     @property
     def summaries(self) -> dict[str, Summary]:
@@ -72,21 +74,21 @@ class Contest:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Results of a benchmark. Only `contests` covers all frames. All other measurements use the first frame.
-
-    peers: versions of the modules in each Python environment. missing: one message for each package that is not
-    installed. growth: times at several image sizes, indexed by contestant. stages: times of the stages, indexed by
-    configuration and stage. memory: memory use, indexed by configuration.
-    """
+    """Results of a benchmark. Only `contests` covers all frames. All other measurements use the first frame."""
 
     machine: Machine
     plan: Plan
     peers: dict[str, dict[str, str]]
+    """Versions of the modules in each Python environment, indexed by interpreter and module."""
     missing: list[str]
+    """One message for each package that no Python environment has."""
     contests: list[Contest]
     growth: dict[str, Growth]
+    """CPU times at several image sizes, indexed by contestant (timed function)."""
     stages: dict[str, dict[str, list[Sample]]]
+    """Times of each stage of the segmentation, indexed by configuration and stage."""
     memory: dict[str, Memory]
+    """Memory use in bytes per pixel, indexed by configuration."""
     throughput: Throughput
     latency: Latency | None
     startup: Startup
@@ -104,8 +106,17 @@ def bench(
 ) -> Report:
     """Measure the time and memory of spigolo, and the time of other libraries, on one or more frames.
 
-    frames: frames to segment, indexed by name. python: Python interpreter that has the other libraries, see
-    `open_peers`. tell: function that is called with the progress.
+    Parameters
+    ----------
+    frames
+        Frames to segment, indexed by name.
+    plan
+        Numbers of repetitions, see `Plan`.
+    python
+        Python interpreter of the environment with the other libraries, see `open_peers`.
+    tell
+        Progress callback, called with the current measurement and the finished share of the work.
+
     """
     plan = Plan() if plan is None else plan
     machine = this_machine(spigolo=__version__)

@@ -17,15 +17,14 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Memory use of a `Segmenter`, in bytes per pixel.
-
-    workspace: memory kept between frames. frame: additional peak memory while a frame is segmented. answer: memory that
-    the result keeps.
-    """
+    """Memory use of a `Segmenter`, in bytes per pixel."""
 
     workspace: float
+    """Memory kept between frames, bytes per pixel."""
     frame: float
+    """Additional peak memory while a frame is segmented, bytes per pixel."""
     answer: float
+    """Memory that the result of one frame keeps, bytes per pixel."""
 
 
 def measure_memory(frame: Frame, config: Config) -> Memory:
@@ -45,16 +44,16 @@ def measure_memory(frame: Frame, config: Config) -> Memory:
 
 @dataclass(frozen=True, slots=True)
 class Throughput:
-    """Throughput with one and with two threads.
-
-    one_thread, two_threads: frames per second in each repeat. ratio: throughput of two threads divided by that of one
-    thread, median over repeats.
-    """
+    """Throughput with one and with two threads."""
 
     frames: int
+    """Number of frames per thread and repeat."""
     one_thread: list[float]
+    """Frames per second with one thread, in each repeat."""
     two_threads: list[float]
+    """Frames per second with two threads, in each repeat."""
     ratio: float
+    """Throughput with two threads divided by the throughput with one thread, median over repeats."""
 
 
 def measure_throughput(frame: Frame, config: Config, frames: int, repeats: int, tell: Tell = silent) -> Throughput:
@@ -80,13 +79,18 @@ def _many(run: Segmenter, frame: Frame, frames: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Wall time per frame, ms. samples: times of all frames. p99_ms: 99th percentile. worst_ms: maximum."""
+    """Wall time per frame, ms."""
 
     frames: int
+    """Number of measured frames."""
     median_ms: float
+    """Median wall time per frame, ms."""
     p99_ms: float
+    """99th percentile of the wall time per frame, ms."""
     worst_ms: float
+    """Maximum wall time per frame, ms."""
     samples: list[float]
+    """Wall time of each frame, ms."""
 
 
 def measure_latency(frame: Frame, config: Config, frames: int, tell: Tell = silent) -> Latency:

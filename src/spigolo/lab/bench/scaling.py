@@ -25,19 +25,18 @@ VGA, FULL_HD = (640, 480), (1920, 1080)
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """Times of one contestant at several image sizes.
-
-    cpu_ms: median CPU time at each image size. pixels: fit of t = c N^p for N pixels, None for a single image size.
-    pixels_log: fit of t = c (N log N)^p, None for a single image size. hd_per_vga: CPU time per pixel at 1920x1080
-    divided by the CPU time per pixel at 640x480. None if either image size was not run. samples: measured times at each
-    image size.
-    """
+    """Times of one contestant at several image sizes."""
 
     cpu_ms: list[float]
+    """Median CPU time at each image size, ms."""
     pixels: PowerLaw | None
+    """Fit of the CPU time t = c N^p for N pixels, None for a single image size."""
     pixels_log: PowerLaw | None
+    """Fit of the CPU time t = c (N log N)^p for N pixels, None for a single image size."""
     hd_per_vga: float | None
+    """CPU time per pixel at 1920x1080 divided by CPU time per pixel at 640x480. None if not measured."""
     samples: list[list[Sample]]
+    """Measured times of all runs at each image size."""
 
 
 def rescaled(frame: Frame, size: Size) -> Frame:
@@ -73,8 +72,7 @@ def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: 
 
 
 def growth(sizes: Sequence[Size], samples: list[list[Sample]]) -> Growth:
-    """Fit the growth of a contestant's CPU time with the number of pixels. samples: measured times at each image size.
-    """
+    """Fit the CPU time of a contestant as a function of the number of pixels. samples: times at each image size."""
     cpu = [summarise(s).cpu_ms for s in samples]
     pixels = [float(width * height) for width, height in sizes]
     several = len(set(pixels)) > 1

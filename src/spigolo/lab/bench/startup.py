@@ -34,17 +34,16 @@ print(json.dumps([time.time(), cv2_s]))
 
 @dataclass(frozen=True, slots=True)
 class Startup:
-    """Start-up time: wall time from the start of a Python process to its first segmentation, s.
-
-    warm_s: median start-up time with compiled kernels in the cache. opencv_s: median time of `import cv2`. cold_s:
-    start-up time without compiled kernels, None if not measured. samples: start-up time and time of `import cv2` in
-    each repeat.
-    """
+    """Start-up time: wall time from the start of a Python process to its first segmentation, s."""
 
     warm_s: float
+    """Median start-up time with compiled kernels in the cache, s."""
     opencv_s: float
+    """Median time of `import cv2`, s."""
     cold_s: float | None
+    """Start-up time without compiled kernels, s. None if not measured."""
     samples: list[tuple[float, float]]
+    """Start-up time and time of `import cv2` in each repeat, s."""
 
 
 def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent) -> Startup:

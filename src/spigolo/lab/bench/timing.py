@@ -23,10 +23,12 @@ Shorter times are set to this value, because a time of 0 would cause a division 
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """Times of one run, ms. cpu_ms: CPU time of all threads of the process. wall_ms: wall time."""
+    """Times of one run, ms."""
 
     cpu_ms: float
+    """CPU time of all threads of the process, ms."""
     wall_ms: float
+    """Wall time, ms."""
 
 
 Run = Callable[[], Sample]

@@ -47,15 +47,14 @@ Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True)
 class BopImage(Entry):
-    """Image of a BOP scene.
-
-    intrinsics: 9 numbers of the camera matrix, row by row. depth_scale: metres per stored depth unit.
-    """
+    """Image of a BOP scene."""
 
     scene: Path
     image: int
     intrinsics: tuple[float, ...]
+    """Camera matrix as 9 numbers, row by row."""
     depth_scale: float
+    """Metres per unit of the stored depth image."""
     poses: tuple[Pose, ...]
     color: Path
     depth: Path
@@ -100,7 +99,7 @@ class BopImage(Entry):
         return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
 
     def _stored_labels(self) -> npt.NDArray[np.int32]:
-        """Return labels (H, W) from stored masks. Where masks overlap, the object that is later in the list is used."""
+        """Return labels (H, W) from stored masks. If masks overlap, the object that is later in the list is used."""
         labels = None
         for label, path in enumerate(self._masks, start=1):
             mask = read_labels(path)

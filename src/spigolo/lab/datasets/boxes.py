@@ -25,13 +25,12 @@ FIELDS = ("category", "instance", "top", "bottom", "left", "right")
 
 @dataclass(frozen=True, slots=True)
 class ObjectBox:
-    """Bounding box of an object, the pixels image[top:bottom, left:right].
-
-    category, instance: class and number of the object.
-    """
+    """Bounding box of an object, the pixels image[top:bottom, left:right]."""
 
     category: str
+    """Class of the object, such as "soda_can"."""
     instance: int
+    """Number of the object in its class."""
     top: int
     bottom: int
     left: int

@@ -12,11 +12,13 @@ BOP_HOME = "https://bop.felk.cvut.cz/media/data/bop_datasets"
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """Zip file of a data set. sha256: SHA-256 hash of the file. into: subfolder to extract the file into, "" = none."""
+    """Zip file of a data set."""
 
     url: str
     sha256: str
+    """SHA-256 hash of the zip file."""
     into: str
+    """Subfolder to extract the zip file into. Empty for the download folder itself."""
 
     @property
     def file_name(self) -> str:
@@ -26,17 +28,16 @@ class Archive:
 
 @dataclass(frozen=True, slots=True)
 class KnownSet:
-    """Published data set.
-
-    home: address of its web page. archives: zip files to download, empty if their hashes are unknown.
-    """
+    """Published data set."""
 
     name: str
     title: str
     licence: str
     size: str
     home: str
+    """Address of the data set's web page."""
     archives: tuple[Archive, ...] = ()
+    """Zip files to download. Empty if their hashes are unknown."""
 
 
 KNOWN_SETS = (

@@ -35,31 +35,28 @@ RENDERED = "rendered.json"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """Ground truth of a frame.
-
-    labels: label image (H, W), 0 = background. ignore: mask (H, W) of pixels to leave out of the evaluation.
-
-    names: object names, indexed by label. Empty if the data set has no names.
-    """
+    """Ground truth of a frame."""
 
     labels: npt.NDArray[np.integer[Any]]
+    """Label image (H, W), 0 = background, other values = objects."""
     ignore: Mask
+    """Mask (H, W) of pixels to leave out of the evaluation."""
     names: Mapping[int, str] = field(default_factory=dict)
+    """Object names, indexed by label. Empty if the data set has no names."""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry(ABC):
-    """Reference to one frame of a data set, without its images. Entries can be pickled and sent to other processes.
-
-    data_set: name of the data set. name: name of the frame in its data set. group: name shared by near-identical
-    frames, for example all frames of one video. labelling: `full`, `part` or `none`, if all, some or no objects are
-    labelled.
-    """
+    """Reference to one frame of a data set, without its images. Entries can be pickled and sent to other processes."""
 
     data_set: str
+    """Name of the data set."""
     name: str
+    """Name of the frame in its data set."""
     group: str
+    """Name shared by all frames of a group of near-identical frames, for example the frames of one video."""
     labelling: Labelling
+    """Labelled objects: all objects (`full`), some objects (`part`) or no objects (`none`)."""
 
     @property
     @abstractmethod
@@ -118,13 +115,14 @@ class Entry(ABC):
 class ImageEntry(Entry):
     """Frame stored as a colour image and a depth image.
 
-    depth_scale: metres per stored depth unit. Subclasses add ground truth.
+    Subclasses add ground truth.
     """
 
     color: Path
     depth: Path
     camera: Camera
     depth_scale: float
+    """Metres per unit of the stored depth image."""
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -197,9 +195,18 @@ class DataSet(ABC):
         """Return the camera and the depth scale (metres per unit) from camera.json, or the given defaults if the file
         is missing.
 
-        folder: folder in which camera.json is searched first, before the folder of the data set. Raises CameraError for
-        an impossible scale. Raises FileError for a camera with distortion, because only images would be undistorted,
-        not labels.
+        Raises CameraError for an impossible scale. Raises FileError for a camera with distortion, because only images
+        would be undistorted, not labels.
+
+        Parameters
+        ----------
+        usual
+            Camera to return if there is no file camera.json.
+        scale
+            Depth scale to return if there is no file camera.json, metres per unit.
+        folder
+            Folder in which camera.json is searched first, before the folder of the data set.
+
         """
         places = [place / "camera.json" for place in (folder, self.folder) if place is not None]
         path = next((place for place in places if place.is_file()), None)

@@ -29,8 +29,15 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 
     If the folder itself has no known layout, its subfolders are searched.
 
-    full: name patterns, such as "osd-*", of data sets in which every object is labelled. Raises FileError if there is
-    not exactly one data set, or if files are missing.
+    Raises FileError if there is not exactly one data set, or if files are missing.
+
+    Parameters
+    ----------
+    path
+        Folder of the data set.
+    full
+        Name patterns, such as "osd-*", of data sets in which every object is labelled.
+
     """
     folder = existing_folder(path)
     reader = _reader(folder)
@@ -51,8 +58,15 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SETS) -> list[Entry]:
     """Return all frames in these folders, sorted by data set and name. `guess` detects the file layout of each folder.
 
-    full: name patterns of data sets in which every object is labelled. Raises FileError if a folder has no frames, or
-    if two frames have the same data set and name.
+    Raises FileError if a folder has no frames, or if two frames have the same data set and name.
+
+    Parameters
+    ----------
+    folders
+        Folders of the data sets.
+    full
+        Name patterns of data sets in which every object is labelled.
+
     """
     found: dict[tuple[str, str], Entry] = {}
     for folder in folders:

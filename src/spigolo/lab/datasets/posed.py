@@ -21,15 +21,15 @@ Pose = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class PosedImage(ImageEntry):
-    """Frame with the poses of one object or of several instances of it. poses, model: None if the frame has no poses.
-
-    read_poses: function that reads the poses (4, 4) from the file `poses`. The function must be picklable.
-    """
+    """Frame with the poses of one object or of several instances of it."""
 
     object_name: str
     poses: Path | None
+    """File with the object poses (4, 4). None if the frame has no poses."""
     model: Path | None
+    """File with the triangle mesh of the object. None if the frame has no poses."""
     read_poses: Callable[[Path], Sequence[Pose]]
+    """Function that reads the poses (4, 4) from the file `poses`. The function must be picklable."""
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -40,8 +40,17 @@ def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) ->
 def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_m: float = TOLERANCE_M) -> Mask:
     """Return the mask (H, W) of the pixels in which a rendered model is visible.
 
-    drawn: rendered depth map. measured: measured depth map. tolerance_m: maximum distance of the model behind the
-    measured surface.
+    Parameters
+    ----------
+    drawn
+        Depth map (H, W) rendered from the model, metres.
+    measured
+        Measured depth map (H, W), metres.
+    camera
+        Camera intrinsics of both depth maps.
+    tolerance_m
+        Maximum distance of a visible model behind the measured surface, metres.
+
     """
     behind = (drawn - measured) * ray_lengths(camera)
     return np.asarray((drawn > 0) & ((measured == 0) | (behind <= tolerance_m)))
@@ -58,7 +67,19 @@ def visible_labels(
 
     Each pixel gets the label of the nearest visible instance.
 
-    models: model of each instance, in the order of `instances`. measured: measured depth map (H, W), metres.
+    Parameters
+    ----------
+    instances
+        Labelled objects with their poses.
+    models
+        Model of each instance, in the order of `instances`.
+    measured
+        Measured depth map (H, W), metres.
+    camera
+        Camera intrinsics of the measured depth map.
+    tolerance_m
+        Maximum distance of a visible model behind the measured surface, metres.
+
     """
     labels = np.zeros(measured.shape, np.int32)
     nearest = np.full(measured.shape, np.inf, np.float32)

@@ -33,7 +33,19 @@ from spigolo.lab.datasets.uw_scenes import MASK_COLORS, MASK_FOLDER, category_of
 def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int, shot: int) -> str:
     """Return the frame name for `write_rutgers`.
 
-    bin_letter: A..L. clutter: degree of clutter, 0..2. position: camera position, 0..2. shot: 0..3.
+    Parameters
+    ----------
+    object_name
+        Name of the labelled object.
+    bin_letter
+        Letter of the shelf bin, A..L.
+    clutter
+        Degree of clutter in the bin, 0..2.
+    position
+        Number of the camera position, 0..2.
+    shot
+        Number of the frame at the camera position, 0..3.
+
     """
     return f"{object_name}-{bin_letter}-{clutter}-{position}-{shot}"
 
@@ -41,7 +53,13 @@ def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int,
 def uw_scenes_name(sequence: str, number: int) -> str:
     """Return the frame name for `write_uw_scenes`.
 
-    sequence: name such as table_1 or kitchen_small_1. number: counted from 1.
+    Parameters
+    ----------
+    sequence
+        Name of the sequence, such as table_1 or kitchen_small_1.
+    number
+        Number of the frame in the sequence, counted from 1.
+
     """
     return f"{sequence}_{number}"
 
@@ -49,8 +67,15 @@ def uw_scenes_name(sequence: str, number: int) -> str:
 def tejani_name(object_name: str, number: int) -> str:
     """Return the frame name for `write_tejani`.
 
-    object_name: Coffee_Cup, Shampoo, Joystick, Camera, Juice or Milk. number: counted from 0. Raises FrameError for
-    another object.
+    Raises FrameError for another object.
+
+    Parameters
+    ----------
+    object_name
+        Name of the scene's object: Coffee_Cup, Shampoo, Joystick, Camera, Juice or Milk.
+    number
+        Number of the frame in the scene, counted from 0.
+
     """
     if object_name not in TEJANI_OBJECTS:
         raise FrameError(f"expected one of {', '.join(TEJANI_OBJECTS)}, got {object_name}")
@@ -60,8 +85,19 @@ def tejani_name(object_name: str, number: int) -> str:
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
     """Write frames in the file layout of the reader `Rutgers`. The pose of the object in each frame's name is written.
 
-    models: models of all objects. about: one-sentence description of the rendering. Returns the number of frames.
-    Raises FileError or FrameError.
+    Returns the number of frames. Raises FileError or FrameError.
+
+    Parameters
+    ----------
+    folder
+        Folder to write to.
+    samples
+        Frames with ground truth.
+    models
+        Models of all objects.
+    about
+        One-sentence description of the rendering.
+
     """
     images = _Images(folder, about)
     for model in models:

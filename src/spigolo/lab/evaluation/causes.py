@@ -54,8 +54,17 @@ class Fate:
 def find_fates(truth: Labels, labels: Labels, regions: Labels, ignore: Mask | None = None) -> list[Fate]:
     """Determine for every labelled object why the object was not found.
 
-    truth: true labels (H, W), 0 = background. labels: predicted labels (H, W), 0 = background. regions: region numbers
-    (H, W) from 0, including rejected regions. ignore: mask (H, W) of pixels to leave out.
+    Parameters
+    ----------
+    truth
+        True labels (H, W), 0 = background.
+    labels
+        Predicted labels (H, W), 0 = background.
+    regions
+        Region numbers (H, W) from 0, including rejected regions.
+    ignore
+        Mask (H, W) of pixels to leave out.
+
     """
     counted = np.ones(truth.shape, bool) if ignore is None else ~ignore
     true, found, region = truth[counted], labels[counted], regions[counted]

@@ -115,6 +115,7 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     objects, segments
         Row and column numbers (min(N, S),) of the pairs in the table. If several pairings reach the same sum, the
         result depends on the order of the labels.
+
     """
     try:
         from scipy.optimize import linear_sum_assignment

@@ -120,6 +120,7 @@ def score_frame(
     ------
     ValueError
         If an image is not a 2-D label image, if the shapes differ, or if the radius is negative.
+
     """
     true, pred = checked_pair(truth, prediction, ignore)
     radius_px = checked_radius(default_radius_px(true.shape) if radius_px is None else radius_px)

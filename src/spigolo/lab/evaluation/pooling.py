@@ -99,8 +99,6 @@ class Difference:
     """Differences between the measures of two methods, on the frames that both methods segmented.
 
     The intervals are from a paired bootstrap over groups of near-identical frames.
-
-    cpu_ratio: CPU time of the second method divided by that of the first, median over the frames.
     """
 
     n_frames: int
@@ -110,6 +108,7 @@ class Difference:
     f75: Estimate
     found: Estimate
     cpu_ratio: float
+    """CPU time of the second method divided by that of the first, median over the frames."""
 
 
 def pool(rows: Sequence[Row]) -> Pooled:
@@ -204,7 +203,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
     """Return the mean (G,) of a measure in each group of near-identical frames.
 
-    of: rows that define the groups, by default `rows`.
+    The groups are taken from the rows in `of`, by default from `rows`.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):

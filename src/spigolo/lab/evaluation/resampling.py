@@ -33,15 +33,13 @@ UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
-    """Split of frames for cross-validation.
-
-    inside: indices of the frames used to choose parameters. outside: indices of the held-out frames. No frame of
-    `inside` is near-identical to a held-out frame.
-    """
+    """Split of frames for cross-validation."""
 
     name: str
     inside: Indices
+    """Indices of the frames used to choose parameters."""
     outside: Indices
+    """Indices of the held-out frames. No frame of `inside` is near-identical to a held-out frame."""
 
 
 def bootstrap(
@@ -49,8 +47,21 @@ def bootstrap(
 ) -> Estimate:
     """Return the weighted mean of one value per group, with its bootstrap confidence interval.
 
-    values: one value per group (G,). For a paired comparison, pass the differences. weights: weight of each group (G,),
-    by default 1. draws: number of bootstrap samples. The limits of the interval are NaN for fewer than two groups.
+    For fewer than two groups, the limits of the interval are NaN.
+
+    Parameters
+    ----------
+    values
+        One value per group (G,). For a paired comparison, pass the differences.
+    weights
+        Weight of each group (G,), by default 1.
+    draws
+        Number of bootstrap samples.
+    seed
+        Random seed. The same seed always gives the same interval.
+    level
+        Confidence level of the interval, 0..1.
+
     """
     x = np.asarray(values, np.float64)
     w = np.ones_like(x) if weights is None else np.asarray(weights, np.float64)
@@ -96,9 +107,17 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
 def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = None) -> list[Split]:
     """Return one split per data set, which holds out all frames of this data set. Splits are ordered by name.
 
-    sets: data set of each frame (K,). groups: group of near-identical frames of each frame (K,). Frames of other data
-    sets that are near-identical to a held-out frame are not used. Raises ValueError if there are fewer than two data
-    sets.
+    Frames of other data sets that are near-identical to a held-out frame are not used.
+
+    Raises ValueError if there are fewer than two data sets.
+
+    Parameters
+    ----------
+    sets
+        Data set of each frame (K,).
+    groups
+        Group of near-identical frames that contains each frame (K,).
+
     """
     names = sorted(set(sets))
     if len(names) < 2:

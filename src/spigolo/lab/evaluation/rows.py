@@ -164,8 +164,20 @@ def score_row(
 ) -> RowScore:
     """Score a predicted label image (H, W) against the true label image (H, W). See `score_frame`.
 
-    regions: all regions of the segmentation, including rejected regions, as a label image (H, W) without 0. By default
-    `prediction`. ignore: mask (H, W) of pixels to leave out. names: names of the true objects, indexed by label.
+    Parameters
+    ----------
+    truth
+        True label image (H, W), 0 = background.
+    prediction
+        Predicted label image (H, W), 0 = background.
+    regions
+        All regions of the segmentation, including rejected regions, as a label image (H, W) without 0. By default
+        `prediction`.
+    ignore
+        Mask (H, W) of pixels to leave out.
+    names
+        Names of the true objects, indexed by label.
+
     """
     score = score_frame(truth, prediction, ignore)
     table = overlap_table(*checked_pair(truth, prediction if regions is None else regions, ignore))

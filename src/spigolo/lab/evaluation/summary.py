@@ -52,6 +52,7 @@ def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
     ------
     ValueError
         If `scores` is empty.
+
     """
     scores = list(scores)
     if not scores:

@@ -19,15 +19,14 @@ Place = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Contender:
-    """Scores of one method with one set of parameters.
-
-    label: unique name in the report. file: file of the scores, "" unless several files hold the same frames. rows:
-    scores, one row per frame.
-    """
+    """Scores of one method with one set of parameters."""
 
     label: str
+    """Name of the contender in the report, unique in a comparison."""
     file: str
+    """File of the scores. Empty unless several files hold the same frames."""
     rows: tuple[Row, ...]
+    """Scores of the method, one row per frame."""
 
     @property
     def which(self) -> tuple[str, str]:

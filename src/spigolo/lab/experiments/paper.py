@@ -26,15 +26,13 @@ NOT_DONE = "-"
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """Numbers of objects for one table cell.
-
-    found: objects of which a predicted object covers more than 70 %. in_regions: objects of which any region, including
-    rejected regions, covers more than 70 %.
-    """
+    """Numbers of objects for one table cell."""
 
     objects: int = 0
     found: int = 0
+    """Number of objects of which one predicted object covers more than 70 %."""
     in_regions: int = 0
+    """Number of objects of which one region, including rejected regions, covers more than 70 %."""
 
     def __add__(self, other: Tally) -> Tally:
         return Tally(self.objects + other.objects, self.found + other.found, self.in_regions + other.in_regions)
@@ -56,17 +54,16 @@ class Tally:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Measured values of one table of the paper, on one data set.
-
-    rendered: True for rendered frames. tallies: numbers of objects, indexed by contender and table cell. The first
-    contender uses the same preset as the paper. beside: contender whose values are printed in parentheses, or None.
-    """
+    """Measured values of one table of the paper, on one data set."""
 
     printed: Printed
     rendered: bool
+    """True if the frames are rendered."""
     n_frames: int
     tallies: Mapping[str, Mapping[Place, Tally]]
+    """Numbers of objects, indexed by contender and table cell. The first contender uses the paper's preset."""
     beside: str | None
+    """Name of the contender whose values are printed in parentheses, or None."""
 
     @property
     def title(self) -> str:
@@ -80,8 +77,7 @@ def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple
 
     Return the titles and tables.
 
-    Raises FileError if no row belongs to a data set of the paper, if rows with the paper's preset are missing, or if a
-    file cannot be written.
+    Raises FileError if a file cannot be written, or if results for the paper's data sets and presets are missing.
     """
     measured = measure(contenders)
     tables = [(one.title, paper_table(one)) for one in measured]
@@ -97,7 +93,7 @@ def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple
 def measure(contenders: Sequence[Contender]) -> list[Measured]:
     """Compute the values of the paper's tables from evaluation results.
 
-    Raises FileError if no row belongs to a data set of the paper, or if rows with the paper's preset are missing.
+    Raises FileError if results for the paper's data sets and presets are missing.
     """
     sets = [(printed, rendered) for printed in TABLES for rendered in (False, True)]
     measured = [one for pair in sets if (one := _measure(contenders, *pair)) is not None]

@@ -55,8 +55,18 @@ def draw_worst(
     """Segment the frames with the lowest scores again, and write pictures of the results into the folder
     `out`/pictures.
 
-    folders: frames, indexed by data set and name. Other frames are left out. No pictures are drawn if the method cannot
-    be created with the parameters in the rows.
+    Parameters
+    ----------
+    contender
+        Scores of the method.
+    folders
+        Frames, indexed by data set and name. Other frames are left out. No pictures are drawn if the method cannot be
+        created with the parameters in the rows.
+    out
+        Folder of the report.
+    tell
+        Progress callback. Its arguments are the number of finished pictures and the total number.
+
     """
     rows = [row for row in worst_rows(contender.rows) if (row.data_set, row.frame) in folders]
     method = remake(rows[0]) if rows else None

@@ -12,33 +12,34 @@ Place = tuple[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """Value in a cell of the paper's table.
-
-    found: share of found objects, per cent. beside: value in parentheses. objects: number of objects, 0 if not printed.
-    """
+    """Value in a cell of the paper's table."""
 
     found: str
+    """Printed share of found objects, per cent."""
     beside: str = ""
+    """Value that is printed in parentheses, empty for none."""
     objects: int = 0
+    """Printed number of objects, 0 if not printed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """Table of the paper.
-
-    number: number of the table. about: title of the data set. data_set: name of the data set. preset: preset with the
-    paper's parameters for this table. beside: method whose values are in parentheses, "" for none. figures: printed
-    values, indexed by cell, without empty cells. place: function that returns the cell of an object from the name of
-    the frame and the name of the object.
-    """
+    """Table of the paper."""
 
     number: str
+    """Number of the table, such as "II"."""
     about: str
+    """Title of the data set in the table."""
     data_set: str
+    """Name of the data set in `spigolo.lab.datasets`."""
     preset: str
+    """Name of the preset with the paper's parameters for this table."""
     figures: Mapping[Place, Figure]
+    """Printed values, indexed by line and column. Empty cells are left out."""
     place: Callable[[str, str], Place]
+    """Function that returns the table cell of an object from the names of its frame and of the object."""
     beside: str = ""
+    """Name of the method whose values are printed in parentheses. Empty for none."""
     note: str = ""
 
     @property

@@ -29,9 +29,21 @@ def write_report(
     """Write a report as index.html and report.md into the folder `out`, with pictures of the frames with the lowest
     scores.
 
-    frames: frames for the pictures. against: name of the reference contender, see `find_references`. tell: progress
-    callback with the number of finished pictures and the total number per contender. Raises ConfigError if no contender
-    matches `against`. Raises FileError if a file cannot be written.
+    Raises ConfigError if no contender matches `against`. Raises FileError if a file cannot be written.
+
+    Parameters
+    ----------
+    contenders
+        Scores of the methods to compare.
+    out
+        Folder to write to.
+    frames
+        Frames for the pictures. Without frames, no pictures are drawn.
+    against
+        Name of the reference contender, see `find_references`.
+    tell
+        Progress callback. Its arguments are the number of finished pictures and the total number for one contender.
+
     """
     references = find_references(contenders, against)
     rows = [row for contender in contenders for row in contender.rows]

@@ -112,9 +112,24 @@ def evaluate(
     Evaluations that the file already has are not repeated. Exceptions are evaluations whose worker process died, and
     frames that failed and have been changed since. Only one process may use the file at a time.
 
-    jobs: number of worker processes. tell: progress callback. engine: executor of the tasks, instead of `jobs` worker
-    processes. Raises SpigoloError if scipy is not installed. Raises FileError if the file is invalid, or has results of
-    other frames with the same names.
+    Raises SpigoloError if scipy is not installed. Raises FileError if the file is invalid, or has results of other
+    frames with the same names.
+
+    Parameters
+    ----------
+    frames
+        Labelled frames to segment.
+    methods
+        Segmentation methods to evaluate.
+    out
+        File of results, to which new results are appended.
+    jobs
+        Number of worker processes.
+    tell
+        Progress callback.
+    engine
+        Executor of the tasks, instead of `jobs` worker processes.
+
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)

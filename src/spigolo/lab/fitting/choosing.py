@@ -14,14 +14,12 @@ from spigolo.lab.fitting.trials import Search, Trial
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """Result of a cross-validation.
-
-    rows: score of every frame, with the parameter values chosen on the other folds or data sets. chosen: trial chosen
-    for each held-out fold or data set.
-    """
+    """Result of a cross-validation."""
 
     rows: tuple[Row, ...]
+    """Score of every frame with the parameter values chosen on the other folds or data sets."""
     chosen: tuple[Trial, ...]
+    """Trial (set of parameter values) chosen for each held-out fold or data set."""
 
 
 def goodness(rows: Sequence[Row]) -> float:
@@ -70,9 +68,20 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 
     Near-identical frames are in the same fold.
 
-    count: number of folds. with_start: True if the initial parameter values may be chosen too. Use False if the initial
-    values were fitted to these frames. Raises SpigoloError if there are fewer groups of near-identical frames than
-    folds.
+    Raises SpigoloError if there are fewer groups of near-identical frames than folds.
+
+    Parameters
+    ----------
+    search
+        Parameter search with the scores of all trials.
+    count
+        Number of folds.
+    seed
+        Random seed of the split into folds.
+    with_start
+        True if the initial parameter values may be chosen too. Use False if the initial values were fitted to these
+        frames.
+
     """
     groups = [place.group for place in search.subject.places]
     check_folds(groups, count)

@@ -17,8 +17,7 @@ from spigolo.methods import Method, Toscana2016
 
 
 def fitted(search: Search, start: Method) -> Method:
-    """Return the method with the parameter values that are best over all frames. start: method with its initial values.
-    """
+    """Return the method with the parameter values that are best over all frames. start: method with initial values."""
     method = apply(best_trial(search.trials).setting, start)
     return method.replace(name=f"{start.preset}_FITTED") if isinstance(method, Toscana2016) else method
 

@@ -54,10 +54,28 @@ def search(
 
     Trials that the file `out` already has are not repeated. New trials are appended to the file.
 
-    frames: frames to score. Frames without labels are left out. start: method with its initial parameter values. jobs:
-    number of worker processes. engine: executor of the trials, instead of `jobs` worker processes. Raises SpigoloError
-    if optuna or scipy is not installed, or if a worker process dies. Raises FileError if no frame has labels, or if the
-    file belongs to another search.
+    Raises SpigoloError if optuna or scipy is not installed, or if a worker process dies. Raises FileError if no frame
+    has labels, or if the file belongs to another search.
+
+    Parameters
+    ----------
+    frames
+        Frames to score. Frames without labels are left out.
+    start
+        Method with its initial parameter values.
+    out
+        File of trials, to which new trials are appended.
+    trials
+        Number of random sets of parameter values.
+    seed
+        Random seed of the parameter values.
+    jobs
+        Number of worker processes.
+    tell
+        Progress callback. Its arguments are the number of finished trials, the total number, and the latest trial.
+    engine
+        Executor of the trials, instead of `jobs` worker processes.
+
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)

@@ -24,12 +24,13 @@ Setting = dict[str, Any]
 class Range:
     """Range of a number from `low` to `high`.
 
-    The number is an integer if both limits are integers. log: True to draw from a logarithmic distribution.
+    If both limits are integers, only integers are drawn.
     """
 
     low: float
     high: float
     log: bool = False
+    """True to draw the number from a log-uniform distribution."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,13 +42,12 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """Switch of an optional stage.
-
-    on: parameter values of the stage if it is on. needs: name of another switch that must also be on.
-    """
+    """Switch of an optional stage."""
 
     on: Mapping[str, Any] = field(default_factory=dict)
+    """Parameter values of the optional stage if it is switched on."""
     needs: str = ""
+    """Name of another switch that must be on too. Empty for none."""
 
 
 Space = Mapping[str, Range | Choice | Switch]

@@ -31,16 +31,15 @@ GZIP = b"\x1f\x8b"
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Identification of a frame.
-
-    group: name of its group of near-identical frames. content: checksum of the frame's files.
-    """
+    """Identification of a frame."""
 
     data_set: str
     frame: str
     group: str
+    """Name of the group of near-identical frames that contains the frame."""
     labelling: Labelling
     content: str = ""
+    """Checksum of the files of the frame."""
 
 
 @dataclass(frozen=True, slots=True)

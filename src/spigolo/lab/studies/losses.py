@@ -70,8 +70,7 @@ def main() -> None:
 
 
 def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple[str, int]:
-    """Return the class of a labelled object, and the number of the region that covers most of the object. mask: (H, W).
-    """
+    """Return the class of a labelled object with this mask (H, W), and the region that covers most of the object."""
     area = mask.sum()
     returned = np.bincount(labels[mask])[1:]
     counts = np.bincount(regions[mask])

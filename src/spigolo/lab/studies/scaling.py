@@ -38,11 +38,14 @@ DISK_MB_PER_S = 500
 
 @dataclass(frozen=True, slots=True)
 class Overhead:
-    """Scheduling time of empty jobs. group: number of jobs per group. jobs: total number of jobs."""
+    """Scheduling time of empty jobs."""
 
     group: int
+    """Number of jobs in each group that is sent to a worker."""
     jobs: int
+    """Total number of empty jobs."""
     wall_s: float
+    """Wall time of all jobs, s."""
 
     @property
     def task_ms(self) -> float:

@@ -98,8 +98,7 @@ def finds(sample: Sample, result: sp.Segmentation) -> Mapping[str, sp.ObjectMask
 
 
 def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_label: bool = False) -> Count:
-    """Count found objects and identity switches in a sequence. by_label: True to use the label of each mask as its id.
-    """
+    """Count found objects and identity switches in a sequence. by_label: True to use mask labels as ids."""
     last: dict[str, int] = {}
     present = found = again = switches = 0
     ids: set[int] = set()

@@ -41,15 +41,14 @@ _COLOUR_NOISE_LEVELS = 0.4  # standard deviation in grey levels, 0..255. More no
 
 @dataclass(frozen=True)
 class RenderedScene:
-    """Rendered images of a scene.
-
-    rgb: colour image (H, W, 3). depth_m: depth map (H, W), metres. label: label image (H, W), 0 = background, 1..N =
-    objects.
-    """
+    """Rendered images of a scene."""
 
     rgb: npt.NDArray[np.uint8]
+    """Colour image (H, W, 3), 8-bit RGB."""
     depth_m: npt.NDArray[np.float32]
+    """Depth map (H, W), metres."""
     label: npt.NDArray[np.uint8]
+    """Label image (H, W), 0 = background, 1..N = objects."""
 
 
 def scene_objects() -> list[SceneObject]:

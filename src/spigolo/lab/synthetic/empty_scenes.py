@@ -25,17 +25,15 @@ _SHADOW_PX = 1024
 
 @dataclass(frozen=True)
 class _Scene:
-    """Meshes, camera view and lighting of a scene.
-
-    exposure: factor on the brightness of the colour image. noise_levels: standard deviation of the colour noise in grey
-    levels, 0..255.
-    """
+    """Meshes, camera view and lighting of a scene."""
 
     parts: tuple[Part, ...]
     view: View
     lighting: Lighting
     exposure: float = 1.0
+    """Factor on the brightness of the colour image, 1 = unchanged."""
     noise_levels: float = 1.0
+    """Standard deviation of the colour noise in grey levels, 0..255."""
 
 
 def empty_scene(family: str, seed: int) -> Frame:
@@ -134,8 +132,7 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create the outside, inside and floor of a plastic tote with slanted walls, round corners and a flange at the rim.
-    """
+    """Create the outside, inside and floor of a plastic tote with slanted walls, round corners and a flange."""
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))
     fillet_m = rng.uniform(0.004, 0.02)

@@ -41,20 +41,18 @@ LEAST_IOU = 0.98
 
 @dataclass(frozen=True)
 class Family:
-    """Family (kind) of rendered scenes.
-
-    stage: function that creates a random scene from a scene name. scenes: names of the scenes, which alternate.
-    objects: names of the objects that may be labelled.
-
-    fully_labelled: True if every object is labelled. first_alone: True if the corresponding real data set labels only
-    one object per frame.
-    """
+    """Family (kind) of rendered scenes."""
 
     stage: Callable[[str, np.random.Generator], Stage]
+    """Function that creates a random scene from a scene name and a random number generator."""
     scenes: tuple[str, ...]
+    """Names of the scenes in the family. Frames alternate between the scenes."""
     objects: tuple[str, ...]
+    """Names of all objects that may be labelled in the family's scenes."""
     fully_labelled: bool
+    """True if every object in a frame is labelled."""
     first_alone: bool = False
+    """True if the corresponding real data set labels only one object per frame."""
 
 
 FAMILIES: Mapping[str, Family] = {
@@ -69,8 +67,17 @@ def render_family(family: str, number: int, seed: int = 0) -> Sample:
 
     The frame's name consists of the name of its scene and a number, counted from 1.
 
-    family: kind of scene, a key of `FAMILIES`. number: index of the frame, counted from 0. The same family, number and
-    seed always give the same frame. Raises ConfigError for an unknown family.
+    Raises ConfigError for an unknown family.
+
+    Parameters
+    ----------
+    family
+        Kind of scene, a key of `FAMILIES`.
+    number
+        Index of the frame, counted from 0. The same family, number and seed always give the same frame.
+    seed
+        Random seed of the frames.
+
     """
     return record_family(family, number, seed).sample
 
@@ -103,9 +110,20 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
     """Return the IoU (N,) between the exact mask of each object and the mask rendered from its model and pose.
 
-    measured: depth map (H, W) in metres, to determine which pixels are visible. tolerance_m: maximum distance of a
-    visible model behind the measured surface. For families with `first_alone`, the mask of the first object is also
-    rendered without the other objects, and the smaller IoU is returned.
+    For families with `first_alone`, the mask of the first object is also rendered without the other objects. The
+    smaller of both IoU values is returned.
+
+    Parameters
+    ----------
+    family
+        Kind of scene, a key of `FAMILIES`.
+    sample
+        Frame with exact masks and poses.
+    measured
+        Depth map (H, W) in metres, to determine which pixels are visible.
+    tolerance_m
+        Maximum distance of a visible model behind the measured surface, metres.
+
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)
     if _family(family).first_alone:

@@ -23,26 +23,22 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rest:
-    """Stable orientation of an object on a plane.
-
-    tilt_deg: angle between the object's z axis and the vertical. roll_deg: rotation about the object's z axis before
-    tilting, None if any rotation is stable.
-    """
+    """Stable orientation of an object on a plane."""
 
     tilt_deg: float = 0.0
+    """Angle between the object's z axis and the vertical, degrees."""
     roll_deg: float | None = None
+    """Rotation about the object's z axis before tilting, degrees. None if any rotation is stable."""
 
 
 @dataclass(frozen=True)
 class Product:
-    """Household object with the meshes of its parts. In its own frame, the object stands on z = 0.
-
-    rests: stable orientations, most likely first.
-    """
+    """Household object with the meshes of its parts. In its own frame, the object stands on z = 0."""
 
     name: str
     parts: tuple[Part, ...]
     rests: tuple[Rest, ...]
+    """Stable orientations of the object on a plane, most likely first."""
 
     @property
     def points_m(self) -> FloatArray:

@@ -1,5 +1,4 @@
-"""Writer of rendered frames in one of three file layouts: one folder per frame, BOP, or the layout of a real data set.
-"""
+"""Writer of rendered frames in three file layouts: one folder per frame, BOP, or the layout of a real data set."""
 
 from __future__ import annotations
 
@@ -38,10 +37,24 @@ def write_family(
 ) -> int:
     """Render frames 0..count-1 of a family of scenes, and write them to a folder.
 
-    family: kind of scene, a key of `FAMILIES`. layout: file layout. "folders" is read by `Folders`, "bop" by `Bop`.
-    "original" is the layout of the corresponding real data set, read by `Rutgers`, `UwScenes` or `Tejani`. tell:
-    progress callback with the number of finished frames. Returns the number of frames. Raises ConfigError, FileError or
-    FrameError.
+    Returns the number of frames. Raises ConfigError, FileError or FrameError.
+
+    Parameters
+    ----------
+    family
+        Kind of scene, a key of `FAMILIES`.
+    count
+        Number of frames.
+    seed
+        Random seed of the frames.
+    folder
+        Folder to write to.
+    layout
+        File layout. "folders" is read by `Folders`, "bop" by `Bop`. "original" is the layout of the corresponding real
+        data set, read by `Rutgers`, `UwScenes` or `Tejani`.
+    tell
+        Progress callback with the number of finished frames.
+
     """
     if layout not in LAYOUTS:
         raise ConfigError(f"unknown layout {layout!r}: expected one of {', '.join(LAYOUTS)}")

@@ -61,10 +61,15 @@ def line(*points: tuple[float, float]) -> FloatArray:
 def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     """Create a solid of revolution by rotating a profile about the z axis.
 
-    sections: smooth sections of the profile, each with points (r, z) as an array (K, 2), metres. Edges between sections
-    are sharp. The solid is on the left of the profile's direction. around: number of facets around the axis. The
-    texture coordinate u goes once around the axis. The texture coordinate v goes from 1 at the lowest point to 0 at the
-    highest point.
+    Parameters
+    ----------
+    sections
+        Smooth sections of the profile, each with points (r, z) as an array (K, 2), metres. Edges between sections
+        are sharp. The solid is on the left of the profile's direction.
+    around
+        Number of facets around the axis. The texture coordinate u goes once around the axis. The texture coordinate
+        v goes from 1 at the lowest point to 0 at the highest point.
+
     """
     lowest, highest = min(p[:, 1].min() for p in sections), max(p[:, 1].max() for p in sections)
     turn = np.linspace(0.0, 1.0, around + 1)  # seam vertices exist twice, for u = 0 and u = 1

@@ -30,8 +30,19 @@ _TRIES = 40
 def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_m: Spot) -> SceneObject:
     """Place a product at (x, y), so that its lowest point is at z = 0.
 
-    rest: stable orientation. roll_deg: rotation about the object's z axis, used only if `rest` has none. spot_m:
-    position (x, y), metres.
+    Parameters
+    ----------
+    product
+        Household object to place.
+    rest
+        Stable orientation of the product.
+    yaw_deg
+        Rotation about the vertical axis, degrees.
+    roll_deg
+        Rotation about the object's z axis, used only if `rest` has none.
+    spot_m
+        Position (x, y), metres.
+
     """
     roll_deg = roll_deg if rest.roll_deg is None else rest.roll_deg
     hung = SceneObject(product.name, (*spot_m, 0.0), yaw_deg, product.parts, rest.tilt_deg, roll_deg)
@@ -77,8 +88,19 @@ class Plot:
     ) -> SceneObject | None:
         """Place a product at a random free position. None if there is no room.
 
-        rests: stable orientations to choose from. spot: function that returns a random position (x, y), metres.
-        touching: True to move the product until it touches the nearest object.
+        Parameters
+        ----------
+        product
+            Household object to place.
+        rests
+            Stable orientations to choose from.
+        spot
+            Function that returns a random position (x, y), metres.
+        rng
+            Random number generator.
+        touching
+            True to move the product until it touches the nearest object.
+
         """
         for _ in range(_TRIES):
             rest = rests[int(rng.integers(len(rests)))]

@@ -28,20 +28,22 @@ LEAST_WINDOWS = 500
 
 @dataclass(frozen=True, slots=True)
 class Realism:
-    """Statistics of a frame: missing depth, image edges, brightness and depth noise.
-
-    missing: share of pixels without depth. edges: share of pixels on Canny edges. brightness: median grey level,
-    0..255. noise_04 to noise_11: depth noise in millimetres in each depth range of `BANDS_M`. Depth noise is the median
-    root mean square distance to planes fitted in 7x7 windows. The noise is NaN if a depth range has too few windows.
-    """
+    """Statistics of a frame: missing depth, image edges, brightness and depth noise."""
 
     missing: float
+    """Share of pixels without depth, 0..1."""
     edges: float
+    """Share of pixels on Canny edges of the colour image, 0..1."""
     brightness: float
+    """Median grey level of the colour image, 0..255."""
     noise_04: float
+    """Depth noise from 0.4 to 0.6 m distance, mm. NaN with too few image windows."""
     noise_06: float
+    """Depth noise from 0.6 to 0.8 m distance, mm. NaN with too few image windows."""
     noise_08: float
+    """Depth noise from 0.8 to 1.1 m distance, mm. NaN with too few image windows."""
     noise_11: float
+    """Depth noise from 1.1 to 1.6 m distance, mm. NaN with too few image windows."""
 
 
 def realism(frame: Frame) -> Realism:

@@ -30,24 +30,27 @@ _LIGHT_DISTANCE_M = 1.9
 
 @dataclass(frozen=True)
 class Lighting:
-    """Lighting of a scene: a disc-shaped lamp, and diffuse light from a hemisphere (sky), both directed at `aim_m`.
-
-    lamp_rgb, sky_rgb: brightness of lamp and sky, linear RGB. sky_tilt_deg: tilt of the hemisphere's pole from the
-    vertical towards -y. lamp_samples, sky_samples: number of point lights that approximate lamp and sky.
-    """
+    """Lighting of a scene: a disc-shaped lamp, and diffuse light from a hemisphere (sky), both directed at `aim_m`."""
 
     aim_m: tuple[float, float, float]
+    """Point (x, y, z) at which all lights are directed, metres."""
     lamp_m: tuple[float, float, float]
+    """Position (x, y, z) of the lamp, metres."""
     lamp_radius_m: float
+    """Radius of the lamp, metres. A larger lamp gives softer shadows."""
     lamp_rgb: FloatArray
+    """Brightness of the lamp, linear RGB."""
     sky_rgb: FloatArray
+    """Brightness of the diffuse light, linear RGB."""
     sky_tilt_deg: float = 0.0
+    """Tilt of the hemisphere of diffuse light from the vertical towards -y, degrees."""
     lamp_samples: int = 24
+    """Number of point lights that approximate the lamp."""
     sky_samples: int = 40
+    """Number of point lights that approximate the diffuse light."""
 
     def points(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Yield the position (metres) and brightness (linear RGB) of each point light that approximates lamp and sky.
-        """
+        """Yield the position (metres) and brightness (linear RGB) of all point lights of lamp and sky."""
         golden = np.pi * (3 - np.sqrt(5))
         for k in range(self.lamp_samples):
             radius_m, turn = self.lamp_radius_m * np.sqrt((k + 0.5) / self.lamp_samples), golden * k
@@ -90,16 +93,16 @@ def render_light(model: Any, lighting: Lighting) -> FloatArray:
 
 @dataclass(frozen=True)
 class Rendering:
-    """Rendered images of a scene, without noise.
-
-    light: colour image (H, W, 3), linear RGB. lamp_light: colour image (H, W, 3) with the second lighting, linear RGB.
-    depth_m: depth map (H, W), metres. geoms: number of the MuJoCo geom at each pixel (H, W), -1 = background.
-    """
+    """Rendered images of a scene, without noise."""
 
     light: FloatArray
+    """Colour image (H, W, 3), linear RGB."""
     lamp_light: FloatArray
+    """Colour image (H, W, 3) under the second lighting, linear RGB."""
     depth_m: FloatMap
+    """Depth map (H, W), metres."""
     geoms: npt.NDArray[np.int32]
+    """Number of the MuJoCo geom (part of an object) at each pixel (H, W), -1 = background."""
 
 
 def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:

@@ -27,7 +27,15 @@ def block(centre_m: tuple[float, float, float], size_m: tuple[float, float, floa
 def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
     """Create a floor, a wall at the back, and sometimes a wall at one side.
 
-    floor_m: height of the floor. wall_y_m: position of the back wall.
+    Parameters
+    ----------
+    rng
+        Random number generator.
+    floor_m
+        Height of the floor.
+    wall_y_m
+        Position of the back wall.
+
     """
     below = surface(str(rng.choice(["plain", "wood", "checker", "terrazzo", "cloth"])), rng)
     paint = surface("plain", rng)
@@ -44,7 +52,15 @@ def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part
 def hall(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
     """Create a large room with floor, back wall and side walls, in plain colours.
 
-    floor_m: height of the floor. wall_y_m: position of the back wall.
+    Parameters
+    ----------
+    rng
+        Random number generator.
+    floor_m
+        Height of the floor (z), metres.
+    wall_y_m
+        Position of the back wall (y), metres.
+
     """
     below = str(rng.choice(["carpet", "carpet", "wood", "terrazzo", "paint"]))
     paint = surface("paint", rng)

@@ -42,18 +42,17 @@ class Part:
 
 @dataclass(frozen=True)
 class SceneObject:
-    """Object in a scene, with its pose and the meshes of its parts.
-
-    roll_deg: first rotation, about the z axis. tilt_deg: second rotation, about the y axis. yaw_deg: third rotation,
-    about the vertical axis.
-    """
+    """Object in a scene, with its pose and the meshes of its parts."""
 
     name: str
     position_m: tuple[float, float, float]
     yaw_deg: float
+    """Third rotation of the object, about the vertical world axis, degrees."""
     parts: tuple[Part, ...]
     tilt_deg: float = 0.0
+    """Second rotation of the object, about the y axis, degrees."""
     roll_deg: float = 0.0
+    """First rotation of the object, about the z axis, degrees."""
 
     @property
     def rotation(self) -> FloatArray:
@@ -63,20 +62,20 @@ class SceneObject:
 
 @dataclass(frozen=True)
 class View:
-    """Camera view.
-
-    look_at_m: point on the optical axis, in the world frame. distance_m: distance of the camera from this point.
-    pitch_deg: angle of the view direction below the horizontal. yaw_deg: rotation to the left.
-
-    roll_deg: rotation about the optical axis. camera: intrinsics without distortion.
-    """
+    """Camera view."""
 
     look_at_m: tuple[float, float, float]
+    """Point (x, y, z) on the optical axis of the camera, in the world frame, metres."""
     distance_m: float
+    """Distance of the camera from the point `look_at_m`, metres."""
     pitch_deg: float
+    """Angle of the optical axis below the horizontal, degrees."""
     yaw_deg: float = 0.0
+    """Rotation of the camera to the left, degrees."""
     roll_deg: float = 0.0
+    """Rotation of the camera about its optical axis, degrees."""
     camera: Camera = CAMERA
+    """Camera intrinsics without distortion."""
 
     @property
     def position_m(self) -> FloatArray:
@@ -121,7 +120,17 @@ def load_mujoco() -> Any:
 def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, shadow_px: int = 4096) -> Any:
     """Compile a scene to a ``mujoco.MjModel``.
 
-    bodies: objects, indexed by the name of their body in the model. shadow_px: resolution of the shadow map.
+    Parameters
+    ----------
+    title
+        Name of the model.
+    bodies
+        Objects, indexed by the name of their body in the model.
+    view
+        View of the camera in the model.
+    shadow_px
+        Resolution of the shadow map.
+
     """
     mujoco = load_mujoco()
     assets: dict[str, bytes] = {}
@@ -205,8 +214,7 @@ def _numbers(values: npt.ArrayLike) -> str:
 
 
 def _linear_png(texture: npt.NDArray[np.uint8]) -> bytes:
-    """Convert an sRGB texture to linear RGB, and encode it as a PNG file. Light adds up correctly only in linear RGB.
-    """
+    """Convert an sRGB texture to linear RGB, and encode the texture as a PNG file."""
     linear = np.round(255 * _srgb_to_linear(np.arange(256) / 255)).astype(np.uint8)[texture]
     return bytes(cv2.imencode(".png", linear[..., ::-1])[1].tobytes())
 

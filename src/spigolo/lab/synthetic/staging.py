@@ -32,29 +32,30 @@ _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
 
 @dataclass(frozen=True)
 class Stage:
-    """Scene with camera settings.
-
-    objects: objects with labels 1..N. surroundings, bystanders: meshes and objects without labels. sensor: model of the
-    depth camera.
-
-    grey: median grey level of the colour image that the exposure aims at, 0..255. noise_levels: standard deviation of
-    the colour noise in grey levels. blur_px: standard deviation of the image blur, pixels. sharpening: strength of the
-    sharpening in the camera, 0 = none. contrast: exponent on the linear brightness. saturation: factor on the colour
-    saturation.
-    """
+    """Scene with camera settings."""
 
     objects: tuple[SceneObject, ...]
+    """Objects that are labelled 1..N."""
     surroundings: tuple[Part, ...]
+    """Meshes of the background, such as tables and walls, which are not labelled."""
     view: View
     lighting: Lighting
     sensor: StructuredLight
+    """Model of the depth camera and its noise."""
     bystanders: tuple[SceneObject, ...] = ()
+    """Additional objects that are not labelled."""
     grey: float = 110.0
+    """Median grey level of the colour image, 0..255, set by the exposure."""
     noise_levels: float = 1.5
+    """Standard deviation of the colour noise, in grey levels 0..255."""
     blur_px: float = 0.6
+    """Standard deviation of the blur of the colour image, pixels."""
     sharpening: float = 0.5
+    """Strength of the image sharpening, 0 = none."""
     contrast: float = 1.2
+    """Exponent applied to the linear brightness. Larger values increase the contrast."""
     saturation: float = 0.8
+    """Factor on the colour saturation, 1 = unchanged."""
 
 
 @dataclass(frozen=True)

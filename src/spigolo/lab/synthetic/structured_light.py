@@ -28,42 +28,48 @@ _TURNED_AWAY = 0.95
 
 @dataclass(frozen=True)
 class StructuredLight:
-    """Parameters of the depth camera model.
-
-    baseline_m: distance between projector and camera. noise_px: standard deviation of the disparity noise, pixels.
-    noise_radius_px: correlation length of the disparity noise. disparity_step_px: step of the quantised disparity.
-    dark_brightness, shiny_brightness: minimum and maximum brightness with measurable depth, as the mean of RGB, 0..1.
-    steepest_angle_deg: maximum angle between viewing ray and surface normal with measurable depth. rim_jump_px: minimum
-    disparity step of a depth discontinuity. rim_loss: controls the amount of missing depth at depth discontinuities,
-    0..1. nearest_m, furthest_m: minimum and maximum measurable depth.
-
-    slant_noise_px: additional disparity noise on slanted surfaces, for a disparity gradient of 1. edge_jitter_px:
-    standard deviation of the distance between outlines in depth and in colour. patch_px: size of the patches of missing
-    depth on surfaces at the limit of what can be measured. margin_px: width of the border of the colour image without
-    depth, at the top, right, bottom and left.
-    """
+    """Parameters of the depth camera model."""
 
     baseline_m: float = 0.075
+    """Distance between projector and camera, metres."""
     noise_px: float = 0.12
+    """Standard deviation of the disparity noise, pixels."""
     slant_noise_px: float = 0.0
+    """Additional disparity noise at a disparity gradient of 1 (slanted surface), pixels."""
     noise_radius_px: float = 1.2
+    """Radius within which the disparity noise is correlated, pixels."""
     disparity_step_px: float = 0.125
+    """Quantisation step of the disparity, pixels."""
     dark_brightness: float = 0.11
+    """Brightness (mean of RGB, 0..1) below which no depth is measured."""
     shiny_brightness: float = 0.985
+    """Brightness (mean of RGB, 0..1) above which no depth is measured."""
     steepest_angle_deg: float = 75.0
+    """Maximum angle between viewing ray and surface normal at which depth is measured, degrees."""
     rim_jump_px: float = 1.0
+    """Minimum disparity step between neighbouring pixels at a depth discontinuity, pixels."""
     rim_loss: float = 0.35
+    """Amount of missing depth at depth discontinuities, 0..1."""
     nearest_m: float = 0.40
+    """Minimum measurable depth, metres."""
     furthest_m: float = 4.5
+    """Maximum measurable depth, metres."""
     edge_jitter_px: float = 0.0
+    """Random displacement of outlines in depth relative to colour, standard deviation in pixels."""
     patch_px: float = 1.5
+    """Size of the irregular patches of missing depth, pixels."""
     margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
+    """Width in pixels of the image border without depth: top, right, bottom, left."""
 
     def at_noise_level(self, level: float) -> StructuredLight:
         """Return the camera model with noise similar to real cameras.
 
-        level: factor on the noise, 1 = typical first Kinect. Real cameras range from 0.5 to 2. A level below 1 also
-        reduces the quantisation step.
+        Parameters
+        ----------
+        level
+            Factor on the noise, 1 = typical first Kinect. Real cameras range from 0.5 to 2. A level below 1 also
+            reduces the quantisation step.
+
         """
         return replace(
             self,
@@ -84,10 +90,22 @@ def simulate_structured_light(
 ) -> npt.NDArray[np.float32]:
     """Simulate the depth map (H, W) of a structured-light camera from a noise-free depth map. Missing depth is 0.
 
-    depth_m: noise-free depth map (H, W), metres. Pixels without a surface are 0 or not finite. rgb: colour image (H, W,
-    3), 8 bit. fx_px: focal length in pixels. The principal point is assumed at the image centre. rng: random number
-    generator. sensor: camera parameters, by default similar to the first Kinect. gloss: gloss of the surface at each
-    pixel (H, W), 0 = matt, 1 = mirror. Depth of glossy surfaces is measured only if they face the camera.
+    Parameters
+    ----------
+    depth_m
+        Noise-free depth map (H, W), metres. Pixels without a surface are 0 or not finite.
+    rgb
+        Colour image (H, W, 3), 8 bit.
+    fx_px
+        Focal length in pixels. The principal point is assumed at the image centre.
+    rng
+        Random number generator.
+    sensor
+        Camera parameters, by default similar to the first Kinect.
+    gloss
+        Gloss of the surface at each pixel (H, W), 0 = matt, 1 = mirror. Depth of glossy surfaces is measured only
+        if they face the camera.
+
     """
     sensor = sensor or StructuredLight()
     ideal = np.asarray(depth_m, dtype=np.float64)
@@ -223,7 +241,7 @@ def _steep(
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
     """Return the difference between adjacent points of a grid (H, W, K) along one axis.
 
-    Of the previous and the next point, the one with the smaller difference in the last coordinate is used.
+    Each point is compared with its previous or next point, with whichever the last coordinate differs less.
 
     Differences are therefore not taken across depth discontinuities.
     """

@@ -158,8 +158,23 @@ def _strewn(
 ) -> list[SceneObject]:
     """Place objects at random positions around a point of the table. Objects that do not fit are left out.
 
-    middle_m, spread_m: mean and standard deviation of the positions (x, y). lying: probability that an object lies.
-    touching: probability that an object touches another object. flat: True to lay all objects of flat kinds down.
+    Parameters
+    ----------
+    products
+        Household objects to place.
+    plot
+        Area of the table top, with the objects already on it.
+    middle_m, spread_m
+        Mean and standard deviation of the positions (x, y).
+    rng
+        Random number generator.
+    lying
+        Probability that an object lies.
+    touching
+        Probability that an object touches another object.
+    flat
+        True to lay all objects of flat kinds down.
+
     """
 
     def spot() -> tuple[float, float]:

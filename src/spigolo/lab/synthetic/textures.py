@@ -41,7 +41,15 @@ _ROUND_FONT = cv2.FONT_HERSHEY_DUPLEX
 def smooth_noise(size: tuple[int, int], cells: tuple[int, int], rng: np.random.Generator) -> npt.NDArray[np.float64]:
     """Return smooth noise (H, W) with values of about -2 to 2.
 
-    size: height and width in pixels. cells: number of random values down and across, which are interpolated.
+    Parameters
+    ----------
+    size
+        Height and width in pixels.
+    cells
+        Number of random values down and across, which are interpolated.
+    rng
+        Random number generator.
+
     """
     grid = rng.standard_normal((cells[0] + 1, cells[1] + 1)).astype(np.float32)
     return cv2.resize(grid, (size[1], size[0]), interpolation=cv2.INTER_CUBIC).astype(np.float64)

@@ -35,7 +35,7 @@ class Machine:
 
 
 def this_machine(**versions: str) -> Machine:
-    """Return the current machine. versions: additional package versions to include, as name=version."""
+    """Describe the current machine. versions: additional package versions to include, as name=version."""
     versions |= {
         "python": platform.python_version(),
         "numpy": np.__version__,

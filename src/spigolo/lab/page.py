@@ -42,7 +42,10 @@ class Items:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Table. The first `names` columns are left-aligned text, and the other columns are right-aligned values."""
+    """Table of text and values.
+
+    The first `names` columns are left-aligned text, and the other columns are right-aligned values.
+    """
 
     head: Sequence[str]
     """Column headings."""

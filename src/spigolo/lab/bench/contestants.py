@@ -1,4 +1,4 @@
-"""Functions that the benchmark times (contestants), and comparison of their times."""
+"""Functions that the benchmark times, and comparison of their CPU times."""
 
 from __future__ import annotations
 
@@ -42,12 +42,13 @@ SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Comparison of a peer (function of another library) with our function for the same task."""
+    """Comparison of our function (`ours`) with a function of another library (`peer`) for the same task."""
 
     peer: str
     ours: str
     ratio: float
-    """CPU time of the peer divided by our CPU time, median over rounds."""
+    """CPU time of the peer (function of another library) divided by the CPU time of our function, median over rounds.
+    """
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:
@@ -61,14 +62,14 @@ def baselines(frame: Frame) -> dict[str, Run]:
 
 
 def saliency(frame: Frame) -> dict[str, Run]:
-    """Return a timed function that computes our saliency map. OpenCV has the same algorithm as a peer."""
+    """Return a timed function that computes our saliency map."""
     return {SALIENCY: timed(lambda: fine_grained_saliency(frame.color, SHELF.saliency))}
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
     """Return our merging and the textbook merging as timed functions on the same graphs.
 
-    Raises SpigoloError if their regions differ.
+    Raises SpigoloError if both give different regions.
     """
     runs: dict[str, Run] = {}
     for name in MERGED:
@@ -81,12 +82,12 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """Return the contestant's name for our merging with this configuration."""
+    """Return the name under which our merging of regions is timed with this configuration."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """Return the contestant's name for the textbook merging with this configuration."""
+    """Return the name under which the textbook merging of regions is timed with this configuration."""
     return f"textbook merging, {config}"
 
 
@@ -100,7 +101,7 @@ def check_merging(graph: Graph, config: Config) -> None:
 
 
 def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
-    """Compare the CPU times of all pairs of contestants that do the same task."""
+    """Compare the CPU times of all pairs of timed functions that do the same task."""
     rivals = [name for name in (*SEGMENTING_PEERS, *_others()) if name in samples]
     pairs = [(rival, ours) for ours in CONFIGS for rival in rivals]
     pairs += [(SALIENCY_PEER, SALIENCY), *((textbook_name(name), merging_name(name)) for name in MERGED)]
@@ -112,7 +113,10 @@ def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
 
 
 def everybody(frame: Frame, peers: Peers, key: str) -> dict[str, Run]:
-    """Return all contestants for one frame. The worker processes store its colour image as `key`."""
+    """Return all functions to time on one frame.
+
+    The worker processes store the colour image of the frame under the name `key`.
+    """
     peers.load(key, frame.color)
     return {**segmenters(frame), **baselines(frame), **saliency(frame), **mergings(frame), **peers.contestants(key)}
 

@@ -13,7 +13,7 @@ from spigolo.lab.bench.timing import Sample
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Median and minimum time of a contestant's runs, ms."""
+    """Median and minimum time of several runs of one function, ms."""
 
     cpu_ms: float
     cpu_min_ms: float
@@ -28,7 +28,10 @@ def summarise(samples: Sequence[Sample]) -> Summary:
 
 
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
-    """Return the CPU time of the peer divided by ours, median over rounds. Both lists have one sample per round."""
+    """Return the ratio of CPU times, peer to ours, as the median over rounds.
+
+    The lists `peer` and `ours` have one sample per round.
+    """
     return statistics.median(p.cpu_ms / o.cpu_ms for p, o in zip(peer, ours, strict=True))
 
 

@@ -1,4 +1,4 @@
-"""Peers: functions of other libraries, run in a worker process.
+"""Execution of functions of other libraries (peers) in a worker process.
 
 A separate Python environment is required, because opencv-contrib-python cannot be installed together with
 opencv-python.
@@ -28,11 +28,14 @@ PACKAGES = {
     "StaticSaliencyFineGrained": "opencv-contrib-python-headless",
     "felzenszwalb": "scikit-image",
 }
-"""Name of the package on PyPI that provides each peer."""
+"""Name of the PyPI package that provides each function of another library."""
 
 
 class Worker:
-    """Worker process in another Python environment. The worker runs the peers that this environment can import."""
+    """Worker process in another Python environment.
+
+    The worker process runs all functions in `PACKAGES` that this environment can import.
+    """
 
     def __init__(self, python: Path) -> None:
         self.python = python
@@ -62,7 +65,7 @@ class Worker:
             self._ask({"load": key, "path": str(path)})
 
     def run(self, name: str, key: str) -> Sample:
-        """Run a peer once on the stored image `key`, and return its times."""
+        """Run a function once on the stored image `key`, and return its CPU and wall time."""
         answer = self._ask({"run": name, "image": key})
         return Sample(max(answer["cpu_ms"], LEAST_MS), max(answer["wall_ms"], LEAST_MS))
 
@@ -104,7 +107,7 @@ class Worker:
 
 
 class Peers:
-    """Peers that can run, with the worker process that runs each peer."""
+    """Functions of other libraries (peers) that can run, with the worker process of each function."""
 
     def __init__(self, workers: list[Worker]) -> None:
         self._workers = workers
@@ -115,7 +118,7 @@ class Peers:
 
     @property
     def names(self) -> list[str]:
-        """Return the names of the peers that can run."""
+        """Return the names of the functions of other libraries that can run."""
         return [name for name in PACKAGES if name in self._home]
 
     @property
@@ -142,7 +145,7 @@ class Peers:
             worker.load(key, image)
 
     def contestants(self, key: str) -> Mapping[str, Run]:
-        """Return one timed function per peer, to run on the stored image `key`."""
+        """Return the functions of other libraries, to run and time on the stored image `key`."""
         return {name: _run(self._home[name], name, key) for name in self.names}
 
 
@@ -152,15 +155,15 @@ def _run(worker: Worker, name: str, key: str) -> Run:
 
 @contextmanager
 def open_peers(python: Path | None = None) -> Iterator[Peers]:
-    """Start worker processes for the peers.
+    """Start worker processes for functions of other libraries (peers).
 
     Raises FileError if `python` cannot be run.
 
     Parameters
     ----------
     python
-        Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Peers that this
-        interpreter cannot import run in a worker of the current interpreter.
+        Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Libraries that this
+        interpreter cannot import are searched in the environment of the current interpreter.
 
     """
     given = python if python is not None else DEFAULT_PYTHON if DEFAULT_PYTHON.is_file() else None

@@ -43,7 +43,7 @@ def main() -> None:
 
 
 def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str, Image]) -> dict[str, float]:
-    """Execute one request: store an image, or time a contestant on a stored image."""
+    """Execute one request: store an image, or time a function on a stored image."""
     if "load" in request:
         rgb = importlib.import_module("numpy").load(request["path"])
         images[request["load"]] = {"rgb": rgb, "bgr": rgb[..., ::-1].copy()}

@@ -57,18 +57,18 @@ QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
 
 @dataclass(frozen=True, slots=True)
 class Contest:
-    """Times of all timed functions (contestants) on one frame."""
+    """Times of all timed functions on one frame."""
 
     frame: str
     width: int
     height: int
     comparisons: list[Comparison]
     samples: dict[str, list[Sample]]
-    """Measured times, indexed by the name of the timed function (contestant)."""
+    """Measured times, indexed by the name of the timed function."""
 
     @property
     def summaries(self) -> dict[str, Summary]:
-        """Return the median and minimum times of each contestant."""
+        """Return the median and minimum time of each timed function."""
         return {name: summarise(taken) for name, taken in self.samples.items()}
 
 
@@ -84,7 +84,7 @@ class Report:
     """One message for each package that no Python environment has."""
     contests: list[Contest]
     growth: dict[str, Growth]
-    """CPU times at several image sizes, indexed by contestant (timed function)."""
+    """CPU times at several image sizes, indexed by the name of the timed function."""
     stages: dict[str, dict[str, list[Sample]]]
     """Times of each stage of the segmentation, indexed by configuration and stage."""
     memory: dict[str, Memory]

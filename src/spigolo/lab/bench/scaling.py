@@ -25,7 +25,7 @@ VGA, FULL_HD = (640, 480), (1920, 1080)
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """Times of one contestant at several image sizes."""
+    """CPU times of one function at several image sizes."""
 
     cpu_ms: list[float]
     """Median CPU time at each image size, ms."""
@@ -34,7 +34,7 @@ class Growth:
     pixels_log: PowerLaw | None
     """Fit of the CPU time t = c (N log N)^p for N pixels, None for a single image size."""
     hd_per_vga: float | None
-    """CPU time per pixel at 1920x1080 divided by CPU time per pixel at 640x480. None if not measured."""
+    """CPU time per pixel at 1920x1080 divided by CPU time per pixel at 640x480, or None if not measured."""
     samples: list[list[Sample]]
     """Measured times of all runs at each image size."""
 
@@ -50,9 +50,9 @@ def rescaled(frame: Frame, size: Size) -> Frame:
 
 
 def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: Tell = silent) -> dict[str, Growth]:
-    """Time the presets TABLE and SHELF and one segmentation peer at each image size.
+    """Time the presets TABLE and SHELF, and one segmentation function of another library, at each image size.
 
-    Return the times, indexed by contestant.
+    Return the times, indexed by the name of the timed function.
     """
     if not sizes:
         return {}
@@ -72,7 +72,7 @@ def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: 
 
 
 def growth(sizes: Sequence[Size], samples: list[list[Sample]]) -> Growth:
-    """Fit the CPU time of a contestant as a function of the number of pixels. samples: times at each image size."""
+    """Fit the CPU time of a function to the number of pixels. samples: measured times at each image size."""
     cpu = [summarise(s).cpu_ms for s in samples]
     pixels = [float(width * height) for width, height in sizes]
     several = len(set(pixels)) > 1

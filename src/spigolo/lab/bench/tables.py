@@ -45,7 +45,7 @@ def machine_table(report: Report) -> Table:
 
 
 def times_table(contest: Contest) -> Table:
-    """Return the table with the CPU and wall times of every contestant, in milliseconds."""
+    """Return the table with the CPU and wall times of every timed function, in milliseconds."""
     rows = [
         (name, _ms(s.cpu_ms), _ms(s.cpu_min_ms), _ms(s.wall_ms), _ms(s.wall_min_ms))
         for name, s in contest.summaries.items()

@@ -1,6 +1,6 @@
 """Reference implementation of graph-based segmentation: a stable sort of all graph edges, then union-find.
 
-`regions.partition` must give the same regions.
+The function The function `regions.partition` must give the same regions.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 
 def sort_and_merge(graph: Graph, gamma: float) -> npt.NDArray[np.int32]:
-    """Segment a graph with eqs. 2 and 3 of the paper.
+    """Segment a graph with equations 2 and 3 of the paper.
 
     Return region labels (H, W), numbered from 0 by their first pixel.
     """

@@ -1,6 +1,6 @@
-"""Timing of several functions (contestants) in rounds.
+"""Timing of several functions in rounds.
 
-Each contestant runs once per round, in random order, so that other load on the machine affects all contestants equally.
+Each function runs once per round, in random order, so that other load on the machine affects all functions equally.
 """
 
 from __future__ import annotations
@@ -11,7 +11,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 Tell = Callable[[str, float], None]
-"""Progress callback. Its arguments are the name of the current measurement and the finished share of the work, 0..1."""
+"""Progress callback.
+
+The arguments of the callback are the name of the current measurement and the finished share of the work, 0..1.
+"""
 
 
 LEAST_MS = 1e-3
@@ -32,11 +35,11 @@ class Sample:
 
 
 Run = Callable[[], Sample]
-"""Function that runs a contestant once and returns its times."""
+"""Function that does one timed run and returns its CPU and wall time."""
 
 
 def silent(what: str, done: float) -> None:
-    """Ignore the progress. This function is the default progress callback."""
+    """Ignore the reported progress. This function is the default progress callback."""
 
 
 def timed(work: Callable[[], object]) -> Run:
@@ -54,9 +57,9 @@ def timed(work: Callable[[], object]) -> Run:
 def run_rounds(
     contestants: Mapping[str, Run], rounds: int, tell: Tell = silent, what: str = "", seed: int = 0
 ) -> dict[str, list[Sample]]:
-    """Time all contestants in several rounds, after one warm-up run each.
+    """Time several functions in rounds, after one warm-up run each.
 
-    Return the times of each contestant, one per round.
+    Return the times of each function, with one sample per round.
     """
     samples: dict[str, list[Sample]] = {name: [] for name in contestants}
     order, rng = list(contestants), random.Random(seed)

@@ -65,14 +65,17 @@ class BopImage(Entry):
         return self.color, self.depth, *(self._masks or (self._model(obj_id) for obj_id, _, _ in self.poses))
 
     def read(self) -> Frame:
-        """Read the colour image and the depth map. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
         depth = read_depth(self.depth)
         return Frame(read_color(self.color), depth, self.intrinsics, self.name, depth_scale=self.depth_scale)
 
     def read_truth(self) -> Truth | None:
         """Return the ground truth from stored masks, or from masks rendered from models and poses.
 
-        Raises FileError or FrameError.
+        Raises FileError or FrameError for missing or invalid files.
         """
         if self.labelling == "none":
             return None

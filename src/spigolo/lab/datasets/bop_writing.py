@@ -53,7 +53,10 @@ class SceneFiles:
         self._info: dict[str, Any] = {}
 
     def write(self, image: int, sample: Sample) -> None:
-        """Write the colour image, depth image and masks of one frame. Raises FileError or FrameError."""
+        """Write the colour image, depth image and masks of one frame.
+
+        Raises FileError if a file cannot be written. Raises FrameError if a frame does not fit the file layout.
+        """
         frame, key = sample.frame, str(image)
         if frame.camera is None or key in self._cameras:
             raise FrameError(f"expected frame {frame.name} once in its scene and with a camera, got another")

@@ -38,7 +38,10 @@ class ObjectBox:
 
 
 def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
-    """Read the bounding boxes of one frame. number: frame number, counted from 1. Raises FileError."""
+    """Read the bounding boxes of one frame.
+
+    number: frame number, counted from 1. Raises FileError if the file cannot be read.
+    """
     frames = _read_all(path)
     if not 1 <= number <= len(frames):
         raise FileError(f"expected boxes of frame {number} in {path}, got those of {len(frames)} frames")

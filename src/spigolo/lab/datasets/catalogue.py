@@ -18,7 +18,7 @@ class Archive:
     sha256: str
     """SHA-256 hash of the zip file."""
     into: str
-    """Subfolder to extract the zip file into. Empty for the download folder itself."""
+    """Subfolder to extract the zip file into, empty for the download folder itself."""
 
     @property
     def file_name(self) -> str:
@@ -37,7 +37,7 @@ class KnownSet:
     home: str
     """Address of the data set's web page."""
     archives: tuple[Archive, ...] = ()
-    """Zip files to download. Empty if their hashes are unknown."""
+    """Zip files to download, empty if their hashes are unknown."""
 
 
 KNOWN_SETS = (

@@ -27,7 +27,7 @@ Labelling = Literal["full", "part", "none"]
 """Labelled objects in a frame: all objects (`full`), some objects (`part`) or no objects (`none`)."""
 
 FULL_SETS = ("osd-*", "hand-uoc")
-"""Name patterns of data sets in which every object is labelled, for file layouts without this information."""
+"""Name patterns of data sets in which every object is known to be labelled."""
 MILLIMETRES = 0.001
 RENDERED = "rendered.json"
 """Name of the file that marks a data set of rendered frames."""
@@ -42,7 +42,7 @@ class Truth:
     ignore: Mask
     """Mask (H, W) of pixels to leave out of the evaluation."""
     names: Mapping[int, str] = field(default_factory=dict)
-    """Object names, indexed by label. Empty if the data set has no names."""
+    """Object names, indexed by label, empty if the data set has no names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,12 +65,15 @@ class Entry(ABC):
 
     @property
     def reading(self) -> str:
-        """Return the reader's settings that change the labels, as text. Empty for default settings."""
+        """Return the reader's settings that change the labels, as text. The text is empty for default settings."""
         return ""
 
     @property
     def content(self) -> str:
-        """Return a checksum of the frame's files and of `reading`, as eight hexadecimal digits. Raises FileError."""
+        """Return a checksum of the frame's files and of `reading`, as eight hexadecimal digits.
+
+        Raises FileError if a file cannot be read.
+        """
         value = zlib.crc32(self.reading.encode())
         for path in self.files:
             try:
@@ -81,14 +84,23 @@ class Entry(ABC):
 
     @abstractmethod
     def read(self) -> Frame:
-        """Read the colour image and the depth map. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
 
     @abstractmethod
     def read_truth(self) -> Truth | None:
-        """Read the ground truth. None if the frame has no labels. Raises FileError or FrameError."""
+        """Read the ground truth.
+
+        Return None if the frame has no labels. Raises FileError or FrameError for missing or invalid files.
+        """
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Read the labelled objects with their poses. Empty if the data set has no poses. Raises FileError."""
+        """Read the labelled objects with their poses.
+
+        The result is empty if the data set has no poses. Raises FileError if a file cannot be read.
+        """
         return ()
 
     def read_both(self) -> tuple[Frame, Truth | None]:
@@ -130,7 +142,10 @@ class ImageEntry(Entry):
         return self.color, self.depth
 
     def read(self) -> Frame:
-        """Read the colour image and the depth map. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
         return Frame(
             read_color(self.color), read_depth(self.depth), self.camera, self.name, depth_scale=self.depth_scale
         )

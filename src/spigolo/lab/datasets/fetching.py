@@ -79,7 +79,7 @@ def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
 
 
 def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> None:
-    """Download a file, or continue the partial download in the file `partial`. Raises FileError."""
+    """Download a file, or continue the partial download in `partial`. Raises FileError if the download fails."""
     for attempt in range(1, ATTEMPTS + 1):
         try:
             if _append(url, partial, tell):

@@ -57,11 +57,17 @@ class FrameFolder(Entry):
         return "" if self.ignore_label == IGNORE_LABEL else f"ignore {self.ignore_label}"
 
     def read(self) -> Frame:
-        """Read the colour image and the depth map. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
         return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file)
 
     def read_truth(self) -> Truth | None:
-        """Read the label image. None if the frame has no labels. Raises FileError or FrameError."""
+        """Read the label image.
+
+        Return None if the frame has no labels. Raises FileError or FrameError for missing or invalid files.
+        """
         if self.labelling == "none":
             return None
         labels = read_labels(self.folder / "label.png")
@@ -74,13 +80,13 @@ class FrameFolder(Entry):
         camera = self._distorting_camera(labels.shape[1], labels.shape[0])
         if camera is not None and (camera.height, camera.width) == labels.shape:
             labels = camera.undistort(labels, nearest=True)
-            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # or outside the image
+            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # ignored, or outside the image
         return Truth(np.where(ignore, 0, labels), ignore)
 
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
         """Return the camera if its lens distortion must be removed from the label image, else None.
 
-        The result is also None if the camera file cannot be read. In this case `read` raises the error.
+        The result is also None if the camera file cannot be read. An unreadable camera file raises an error in `read`.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)
@@ -130,7 +136,7 @@ def _places(folder: Path) -> Iterator[Path]:
 def _groups(root: Path) -> Mapping[str, str]:
     """Read the groups of near-identical frames from splits.json.
 
-    Return the name of the group's first frame, indexed by frame.
+    Return the name of each group (its first frame), indexed by the names of all frames in the group.
 
     Warns if splits.json names a frame that does not exist.
     """
@@ -145,7 +151,7 @@ def _groups(root: Path) -> Mapping[str, str]:
 
 
 def _is_absent(root: Path, name: str) -> bool:
-    """Return True if the folder SET of a name SET/FRAME exists but has no such frame."""
+    """Return True if the folder SET exists, but there is no frame with the name SET/FRAME."""
     data_set, slash, _ = name.partition("/")
     return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
 
@@ -165,5 +171,5 @@ def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], defaul
 
 
 def _mapping(path: Path) -> Mapping[str, Any]:
-    """Read the fields of a JSON file. Empty if the file does not exist."""
+    """Read the fields of a JSON file. The result is empty if the file does not exist."""
     return read_mapping(path) if path.is_file() else {}

@@ -11,7 +11,7 @@ from spigolo.errors import FileError
 
 
 def read_mapping(path: Path) -> Mapping[str, Any]:
-    """Read a JSON file that contains an object, and return its fields. Raises FileError."""
+    """Read a JSON file that contains an object, and return its fields. Raises FileError if the file cannot be read."""
     try:
         values = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError, RecursionError) as error:

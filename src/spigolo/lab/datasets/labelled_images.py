@@ -30,14 +30,17 @@ class LabelledImages(ImageEntry):
         return self.color, self.depth, self.labels
 
     def read_truth(self) -> Truth | None:
-        """Read the label image, with background labels set to 0. Raises FileError or FrameError."""
+        """Read the label image, with background labels set to 0.
+
+        Raises FileError or FrameError for missing or invalid files.
+        """
         stored = read_labels(self.labels)
         labels = np.where(np.isin(stored, self.background), 0, stored)
         return Truth(labels, np.zeros(labels.shape, np.bool_))
 
 
 class Osd(DataSet):
-    """Object Segmentation Database (Richtsfeld et al. 2012): scenes on tables, with every object labelled by hand.
+    """Object Segmentation Database (Richtsfeld et al., 2012): scenes on tables, with every object labelled by hand.
 
     OSD/image_color/learn0.png            8 bits
     OSD/disparity/learn0.png              16 bits, depth in millimetres in spite of the name, 0 = missing
@@ -61,7 +64,7 @@ class Osd(DataSet):
 
 
 class Ocid(DataSet):
-    """Object Clutter Indoor Dataset (Suchi et al. 2019), with every object labelled.
+    """Object Clutter Indoor Dataset (Suchi et al., 2019), with every object labelled.
 
     In each sequence, objects are added to the scene one by one.
 

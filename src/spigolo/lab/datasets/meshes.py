@@ -20,7 +20,8 @@ MESHES = (".ply", ".obj", ".stl")
 def read_model(path: Path, unit_m: float = 1.0) -> Model:
     """Read a triangle mesh.
 
-    The model is named after the file. unit_m: metres per unit of length in the file. Raises FileError.
+    The model is named after the file. unit_m: metres per unit of length in the file. Raises FileError if the file
+    cannot be read.
     """
     trimesh = _trimesh(path)
     try:
@@ -41,7 +42,10 @@ def read_model(path: Path, unit_m: float = 1.0) -> Model:
 
 
 def write_model(path: Path, model: Model, unit_m: float = 1.0) -> None:
-    """Write a model as a binary .ply file. unit_m: metres per unit of length in the file. Raises FileError."""
+    """Write a model as a binary .ply file.
+
+    unit_m: metres per unit of length in the file. Raises FileError if the file cannot be written.
+    """
     trimesh = _trimesh(path)
     mesh = trimesh.Trimesh(model.vertices_m / unit_m, model.triangles, vertex_colors=model.colors, process=False)
     write_bytes(path, trimesh.exchange.ply.export_ply(mesh, vertex_normal=False))
@@ -51,7 +55,7 @@ def find_model(folder: Path, name: str) -> Path | None:
     """Find the file NAME.ply, NAME.obj or NAME.stl in the folder or in its subfolder NAME, ignoring upper and lower
     case.
 
-    None if there is no such file.
+    Return None if no file is found.
     """
     if not folder.is_dir():
         return None

@@ -35,7 +35,10 @@ class LabelledCloud(Entry):
         return (self.cloud,)
 
     def read(self) -> Frame:
-        """Read the colour image and the depth map from the point cloud. Raises FileError or CameraError."""
+        """Read the colour image and the depth map from the point cloud.
+
+        Raises FileError or CameraError for missing or invalid files.
+        """
         points = read_pcd(self.cloud)
         if missing := {"x", "y", "z"} - set(points.dtype.names or ()):
             raise FileError(f"expected fields x, y, z in {self.cloud}: {', '.join(sorted(missing))} not found")
@@ -44,7 +47,7 @@ class LabelledCloud(Entry):
         return Frame(colors_of(points), points["z"].astype(np.float32), camera_of(points), self.name)
 
     def read_truth(self) -> Truth | None:
-        """Read the object labels from the point cloud. Raises FileError."""
+        """Read the object labels from the point cloud. Raises FileError if a file cannot be read."""
         points = read_pcd(self.cloud)
         if "label" not in (points.dtype.names or ()):
             raise FileError(f"expected a field label in {self.cloud}, got {', '.join(points.dtype.names or ())}")

@@ -26,7 +26,7 @@ MAX_MISFIT_PX = 0.5
 def read_pcd(path: Path) -> npt.NDArray[Any]:
     """Read the points (H, W) of a point cloud as a structured array.
 
-    H = 1 if the cloud is not organised. Raises FileError.
+    H = 1 if the cloud is not organised. Raises FileError if the file cannot be read.
     """
     try:
         header, body = _split(path.read_bytes())

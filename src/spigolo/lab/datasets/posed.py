@@ -25,9 +25,9 @@ class PosedImage(ImageEntry):
 
     object_name: str
     poses: Path | None
-    """File with the object poses (4, 4). None if the frame has no poses."""
+    """File with the object poses (4, 4), or None if the frame has no poses."""
     model: Path | None
-    """File with the triangle mesh of the object. None if the frame has no poses."""
+    """File with the triangle mesh of the object, or None if the frame has no poses."""
     read_poses: Callable[[Path], Sequence[Pose]]
     """Function that reads the poses (4, 4) from the file `poses`. The function must be picklable."""
 
@@ -39,7 +39,7 @@ class PosedImage(ImageEntry):
     def read_truth(self) -> Truth | None:
         """Return the visible mask of each instance, rendered from its model and pose.
 
-        None if the frame has no poses. Raises FileError.
+        Return None if the frame has no poses. Raises FileError if a file cannot be read.
         """
         if self.model is None:
             return None
@@ -49,6 +49,6 @@ class PosedImage(ImageEntry):
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Read the instances of the object with their poses. Raises FileError."""
+        """Read the instances of the object with their poses. Raises FileError if a file cannot be read."""
         poses = () if self.poses is None else self.read_poses(self.poses)
         return tuple(Instance(label, self.object_name, pose) for label, pose in enumerate(poses, start=1))

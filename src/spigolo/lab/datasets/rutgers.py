@@ -9,8 +9,8 @@
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
 BIN is a letter from A to L. The four shots at one position form a group of near-identical frames. Only the object in
-the file name is labelled, with label 1. Its visible mask is rendered from its model and pose. Frames without a pose
-have no labels.
+the file name is labelled, with label 1. The visible mask of this object is rendered from its model and pose. Frames
+without a pose have no labels.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
 
 
 def read_pose(path: Path) -> list[Pose]:
-    """Read the pose (4, 4) of the object in the camera frame, metres. Raises FileError."""
+    """Read the pose (4, 4) of the object in the camera frame, metres. Raises FileError if the file cannot be read."""
     yaml, pose = import_yaml(path, "datasets"), np.eye(4)
     try:
         values = parse_yaml(yaml, path.read_text(encoding="utf-8"))

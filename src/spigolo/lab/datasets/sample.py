@@ -49,4 +49,4 @@ class Sample:
     labels: npt.NDArray[np.integer[Any]]
     """Label image (H, W), 0 = background, 1..N = objects."""
     instances: tuple[Instance, ...] = ()
-    """Labelled objects with their poses. Empty if the data set has no poses."""
+    """Labelled objects with their poses, empty if the data set has no poses."""

@@ -1,4 +1,4 @@
-"""Reader of the data set by Tejani et al. 2014: several instances of one object among clutter.
+"""Reader of the data set by Tejani et al., 2014, with several instances of one object among clutter.
 
     FOLDER/test/scene_01/RGB/img_000.png                  8 bits; also scene_01/ right in FOLDER, or the object's name
     FOLDER/test/scene_01/Depth/img_000.png                16 bits, millimetres, 0 = missing
@@ -76,7 +76,7 @@ class Tejani(DataSet):
 
 
 def read_poses(path: Path) -> list[Pose]:
-    """Read the poses (4, 4) of all instances in the camera frame, metres. Raises FileError."""
+    """Read the poses (4, 4) of all instances in the camera frame. Raises FileError if the file cannot be read."""
     try:
         count, *numbers = path.read_text(encoding="utf-8").replace(",", " ").split()
         poses = np.array(numbers, np.float64).reshape(int(count), 4, 4)
@@ -104,7 +104,7 @@ def _is_scene(colors: Path) -> bool:
 def _object(scene: str) -> tuple[int, str]:
     """Return the number and the name of the object in a scene.
 
-    scene: folder name, such as scene_01. The number is 0 for unknown scenes.
+    scene: folder name, such as scene_01. The number of an unknown scene is 0.
     """
     known = [name.lower() for name in OBJECTS]
     digits = scene.removeprefix("scene_")

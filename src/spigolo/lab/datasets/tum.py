@@ -1,13 +1,13 @@
-"""Reader of the TUM RGB-D benchmark (Sturm et al. 2012), and of other sequences with the same file layout.
+"""Reader of the TUM RGB-D benchmark (Sturm et al., 2012), and of other sequences with the same file layout.
 
     SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
     SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
-Times may also be in milliseconds, microseconds or nanoseconds. The unit is inferred from the values. Each colour image
-is paired with the depth image nearest in time. Colour images without a depth image within 20 ms are left out. The
-frames have no labels. The frames of a sequence form a group of near-identical frames. A folder that contains several
-sequences can be given, too.
+Timestamps may also be in milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from their
+values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image within 20
+ms are left out. The frames have no labels. The frames of a sequence form a group of near-identical frames. A folder
+that contains several sequences can be given, too.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 DEPTH_SCALE = 1 / 5000
 MAX_APART_S = 0.02
 UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
-"""Minimum value of timestamps since 1970, and the unit (in seconds) of timestamps from this value on."""
+"""Minimum value of timestamps since 1970, and the unit (in seconds) of timestamps of at least this value."""
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
-"""Minimum time difference between frames, and the unit (in seconds) of timestamps from this difference on.
+"""Minimum time difference between frames, and the unit (in seconds) of timestamps with at least this difference.
 
-The differences are used for clocks that start at 0.
+The unit of clocks that start at 0 is inferred from differences, because their values are small.
 """
 MANY_ALONE = 0.5
 """Share of colour images without a depth image above which a warning is given."""
@@ -65,7 +65,8 @@ def _sequences(folder: Path) -> list[Path]:
 def _listed(path: Path) -> Stamped:
     """Read a list such as rgb.txt.
 
-    Return the time in seconds and the image file of each line, sorted by time. Raises FileError.
+    Return the time in seconds and the image file of each line, sorted by time. Raises FileError if the file cannot be
+    read.
     """
     found = []
     for number, line in enumerate(_text(path).splitlines(), start=1):
@@ -92,7 +93,7 @@ def _stays_inside(file: str) -> bool:
 
 
 def _text(path: Path) -> str:
-    """Read a text file in UTF-8 or UTF-16 encoding. Raises FileError."""
+    """Read a text file in UTF-8 or UTF-16 encoding. Raises FileError if the file cannot be read."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -105,7 +106,7 @@ def _text(path: Path) -> str:
 
 
 def _unit_s(times: np.ndarray) -> float:
-    """Infer the unit of timestamps from their values or differences. Return the unit in seconds."""
+    """Infer the unit of timestamps from their values or differences. Return the unit of the timestamps in seconds."""
     if not times.size:
         return 1.0
     absolute = next((unit for least, unit in UNITS_S if np.median(times) >= least), None)

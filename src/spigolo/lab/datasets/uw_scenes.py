@@ -55,11 +55,17 @@ class UwFrame(ImageEntry):
         return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Read the labels from QuickFind's mask. None if the frame has no mask. Raises FileError."""
+        """Read the labels from QuickFind's mask.
+
+        Return None if the frame has no mask. Raises FileError if a file cannot be read.
+        """
         return None if self.mask is None else labels_of(read_color(self.mask))
 
     def read_boxes(self) -> tuple[ObjectBox, ...]:
-        """Read the bounding boxes of the objects. Empty if the data set has no boxes. Raises FileError."""
+        """Read the bounding boxes of the objects.
+
+        The result is empty if the data set has no boxes. Raises FileError if the file cannot be read.
+        """
         return () if self.boxes is None else read_boxes(self.boxes, self.number)
 
 

@@ -85,7 +85,8 @@ def tejani_name(object_name: str, number: int) -> str:
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
     """Write frames in the file layout of the reader `Rutgers`. The pose of the object in each frame's name is written.
 
-    Returns the number of frames. Raises FileError or FrameError.
+    Returns the number of frames. Raises FileError if a file cannot be written. Raises FrameError if a frame does not
+    fit the file layout.
 
     Parameters
     ----------
@@ -116,7 +117,8 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
     """Write frames in the file layout of the reader `UwScenes`, with masks and bounding boxes of the objects in
     `MASK_COLORS`.
 
-    about: one-sentence description of the rendering. Returns the number of frames. Raises FileError or FrameError.
+    about: one-sentence description of the rendering. Returns the number of frames. Raises FileError if a file cannot be
+    written. Raises FrameError if a frame does not fit the file layout.
     """
     images = _Images(folder, about)
     boxes: dict[str, dict[int, list[ObjectBox]]] = defaultdict(dict)
@@ -135,7 +137,8 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
 def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
     """Write frames in the file layout of the reader `Tejani`, with the poses of all instances of the scene's object.
 
-    Returns the number of frames. Raises FileError or FrameError.
+    Returns the number of frames. Raises FileError if a file cannot be written. Raises FrameError if a frame does not
+    fit the file layout.
     """
     images = _Images(folder, about)
     for model in models:
@@ -155,7 +158,7 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
 
     A frame named "SCENE/IMAGE", with two numbers, becomes that image of that scene. Frames with other names are
     numbered and written to scene 1. about: one-sentence description of the rendering. Returns the number of frames.
-    Raises FileError or FrameError.
+    Raises FileError if a file cannot be written. Raises FrameError if a frame does not fit the file layout.
     """
     write_json(folder / RENDERED, {"about": about})
     write_description(folder, models, about)
@@ -182,7 +185,7 @@ class _Images:
         write_json(folder / RENDERED, {"about": about})
 
     def write(self, sample: Sample, color: str, depth: str) -> None:
-        """Write the colour image and the depth image of a frame. With the first frame, camera.json is written too."""
+        """Write the colour image and the depth image of a frame. The first call also writes camera.json."""
         camera = sample.frame.camera
         if camera is None or camera not in (self._camera, camera if self._camera is None else None):
             raise FrameError(f"expected one camera in all frames, got {camera} in {sample.frame.name}")

@@ -19,7 +19,7 @@ OTHER_SHARE = 0.2
 
 
 class Cause(str, Enum):
-    """Reason why a labelled object was not found. The reasons are tested in this order."""
+    """Reason why a labelled object was not found. Reasons are tested in the order of their definition."""
 
     FOUND = "found"
     """A predicted object has an IoU above 0.7 with the labelled object, so the object is not lost."""
@@ -37,7 +37,7 @@ class Cause(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """Result of the search for the cause of one labelled object."""
+    """Reason why one labelled object was not found, with the region of the object."""
 
     label: int
     """Label of the object in the ground truth."""

@@ -1,7 +1,7 @@
 """Matching of true objects with predicted segments, and of their boundary pixels.
 
-The functions do not validate their label images. `spigolo.lab.evaluation.score_frame` does. Letters in array shapes: H,
-W = image height and width, N = number of true objects, S = number of predicted segments.
+Label images must be valid. `spigolo.lab.evaluation.score_frame` validates them. Letters in array shapes: H, W = image
+height and width, N = number of true objects, S = number of predicted segments.
 """
 
 from __future__ import annotations

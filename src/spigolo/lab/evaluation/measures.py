@@ -103,7 +103,7 @@ class FrameScore(Measures):
 def score_frame(
     truth: ArrayLike, prediction: ArrayLike, ignore: ArrayLike | None = None, radius_px: float | None = None
 ) -> FrameScore:
-    """Compare a predicted label image with the true one.
+    """Compute accuracy measures of a predicted label image.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def _by_any_segment(holds: Mask) -> Mask:
 def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
     """Return precision, recall and F from counts of matched and of all pixels.
 
-    All three are 1 if both totals are 0, and 0 if only one total is 0.
+    Precision, recall and F are 1 if both totals are 0, and 0 if only one total is 0.
     """
     if all_pred == 0 and all_true == 0:
         return 1.0, 1.0, 1.0

@@ -45,7 +45,7 @@ class Pooled:
     n_objects: float
     """Number of labelled objects, averaged within groups of near-identical frames and summed over the groups.
 
-    The value can be a fraction.
+    The number of objects can therefore be a fraction.
     """
 
     overlap_precision: float
@@ -108,13 +108,13 @@ class Difference:
     f75: Estimate
     found: Estimate
     cpu_ratio: float
-    """CPU time of the second method divided by that of the first, median over the frames."""
+    """CPU time of the second method divided by the CPU time of the first method, median over the frames."""
 
 
 def pool(rows: Sequence[Row]) -> Pooled:
-    """Return the mean measures of one method over the frames of these rows.
+    """Return the mean measures of one method over all frames. rows: evaluation results, one per frame.
 
-    Raises ValueError if there are no rows, or if two rows belong to the same frame.
+    Raises ValueError if `rows` is empty, or if two rows belong to the same frame.
     """
     _check(rows)
     scored = [row for row in rows if row.score is not None]
@@ -203,7 +203,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
     """Return the mean (G,) of a measure in each group of near-identical frames.
 
-    The groups are taken from the rows in `of`, by default from `rows`.
+    The group of each row is taken from the row at the same position in `of`, by default from `rows`.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):
@@ -221,6 +221,6 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 
 
 def _share(rows: Sequence[Row], count: Figure) -> float:
-    """Return the sum of a count over all rows, divided by the number of labelled objects."""
+    """Return the sum of a count over all frames, divided by the number of labelled objects."""
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

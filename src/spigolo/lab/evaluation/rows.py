@@ -46,7 +46,7 @@ class Key(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RowScore(Measures):
-    """Accuracy measures of one method on one frame. See `FrameScore`."""
+    """Accuracy measures of one method on one frame. `FrameScore` defines most measures."""
 
     n_objects: int
     """Number N of labelled objects."""
@@ -66,7 +66,7 @@ class RowScore(Measures):
     false_positives: int
     """Number of predicted objects that have no IoU above 0.7 with any labelled object.
 
-    The number is meaningful only if all objects are labelled.
+    The number of false positives is meaningful only if all objects are labelled.
     """
 
     false_negatives: int
@@ -92,14 +92,14 @@ class RowScore(Measures):
     """
 
     covered: tuple[float, ...] = ()
-    """Maximum share (N,) of each labelled object that one predicted object covers. Empty in files of earlier versions.
+    """Maximum share (N,) of each labelled object that one predicted object covers, empty in files of earlier versions.
     """
 
     covered_by_regions: tuple[float, ...] = ()
     """Maximum share (N,) of each labelled object that one region covers, including rejected regions."""
 
     names: tuple[str, ...] = ()
-    """Names (N,) of the labelled objects. Empty if the data set has no names."""
+    """Names (N,) of the labelled objects, empty if the data set has no names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +127,7 @@ class Row:
     machine: str
 
     cpu_s: float | None
-    """CPU time of the segmentation, s. None after an error."""
+    """CPU time of the segmentation, s, or None after an error."""
 
     wall_s: float | None
 
@@ -138,16 +138,16 @@ class Row:
     """Number of rejected regions, indexed by the reason of rejection."""
 
     score: RowScore | None
-    """Accuracy measures.
+    """Accuracy measures, or None if the frame has no labels.
 
-    None if the frame has no labels. An error of the method is scored like a prediction without objects.
+    An error of the method is scored like a prediction without objects.
     """
 
     error: str | None = None
-    """One-line message of the error that the method raised. None if the method succeeded."""
+    """One-line message of the error that the method raised, or None if the method succeeded."""
 
     content: str = ""
-    """Checksum of the frame's files, to distinguish frames with the same name. Empty if unknown."""
+    """Checksum of the frame's files, to distinguish frames with the same name, empty if unknown."""
 
     @property
     def key(self) -> Key:
@@ -162,7 +162,7 @@ def score_row(
     ignore: ArrayLike | None = None,
     names: Mapping[int, str] | None = None,
 ) -> RowScore:
-    """Score a predicted label image (H, W) against the true label image (H, W). See `score_frame`.
+    """Score a predicted label image (H, W) against the true label image (H, W). `score_frame` defines the measures.
 
     Parameters
     ----------

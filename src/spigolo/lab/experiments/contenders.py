@@ -1,4 +1,4 @@
-"""Contenders of a comparison: the scores of one method with one set of parameters, under a unique name."""
+"""Scores of one method with one set of parameters (contender), under a name that is unique in a comparison."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from spigolo.lab.evaluation.rows import Row, read_rows
 from spigolo.settings.presets import PRESETS
 
 Part = tuple[str, str, str]
-"""Key of a contender: method, digest of its parameters, and file name if several files hold the same frames."""
+"""Method, digest (hash) of its parameters, and name of the file with the scores.
+
+The file name is used only if several files hold the same frames.
+"""
 
 Place = tuple[str, str]
 
@@ -24,7 +27,7 @@ class Contender:
     label: str
     """Name of the contender in the report, unique in a comparison."""
     file: str
-    """File of the scores. Empty unless several files hold the same frames."""
+    """File of the scores, empty unless several files hold the same frames."""
     rows: tuple[Row, ...]
     """Scores of the method, one row per frame."""
 
@@ -35,7 +38,7 @@ class Contender:
 
 
 def read_contenders(paths: Sequence[Path]) -> list[Contender]:
-    """Read files of evaluation results, and return one contender per method and set of parameters."""
+    """Read files of evaluation results. Return one `Contender` per method and set of parameters."""
     files = {path: read_rows(path) for path in paths}
     rows = gather({str(path): held for path, held in files.items()})
     if not rows:
@@ -47,7 +50,7 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
     """Group evaluation results by method and parameters. files: rows, indexed by file name.
 
     If files hold different frames of one method, their rows are combined. If two files hold the same frames, for
-    example before and after a change of the code, each file gives its own contender.
+    example before and after a change of the code, each file gives its own `Contender`.
     """
     held = {file: _by_method(rows) for file, rows in files.items()}
     parts: dict[Part, dict[Place, Row]] = {}
@@ -61,16 +64,19 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
 
 
 def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
-    """Return the reference contenders, with which the other contenders are compared.
+    """Return the reference methods, with which all other methods are compared.
 
     name: label, digest, preset, method or file name of the reference.
 
-    Without a name, the reference is the first contender. If several files hold the same frames, the references are all
-    contenders of the first file. Raises ConfigError if no contender, or more than one, matches the name.
+    Without a name, the first element of `contenders` is the reference. Without a name, and if several files hold the
+    same frames, all methods in the first file are references. Raises ConfigError if no method, or more than one,
+    matches the name.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]
-    alias = PRESETS[name.upper()].digest if name.upper() in PRESETS else name  # a preset name means the current values
+    alias = (
+        PRESETS[name.upper()].digest if name.upper() in PRESETS else name
+    )  # a preset name stands for its current parameters
     exact = [c for c in contenders if name == c.label]
     files = {c.file for c in contenders if c.file and name in (c.file, Path(c.file).name, Path(c.file).stem)}
     found = exact or [c for file in files for c in _of_file(contenders, file)]
@@ -87,10 +93,10 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 
 
 def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
-    """Pair each contender with its reference.
+    """Pair each evaluated method with its reference.
 
-    The reference has the same method and parameters if possible. Otherwise the first reference is used. The references
-    themselves are left out.
+    The reference has the same method and parameters if possible. If there is no such reference, the first reference is
+    used. References are not paired with themselves.
     """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]
@@ -112,7 +118,7 @@ def _by_method(rows: Sequence[Row]) -> dict[tuple[str, str], dict[Place, Row]]:
 
 
 def _labels(firsts: Mapping[Part, Row]) -> dict[Part, str]:
-    """Return a short unique label for each contender.
+    """Return a short unique label for each method and set of parameters.
 
     A label consists of preset or method, followed by digest and file name if necessary.
     """

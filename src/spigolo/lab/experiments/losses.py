@@ -23,9 +23,9 @@ class Loss:
     frame: str
     """Name of the frame."""
     fate: Fate
-    """Cause, region and IoU of the object."""
+    """Reason why the object was not found, with the region and IoU of the object."""
     why: str
-    """Rule that rejected the region of the object. Empty if the region was not rejected."""
+    """Rule that rejected the region of the object, empty if the region was not rejected."""
 
 
 def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], None] | None = None) -> list[Loss]:

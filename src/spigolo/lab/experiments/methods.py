@@ -28,7 +28,7 @@ def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method
 def remake(row: Row) -> Method | None:
     """Create the method that gave this evaluation result.
 
-    None if this version of spigolo no longer has the method or its parameters.
+    Return None if this version of spigolo no longer has the method or its parameters.
     """
     if row.method not in METHODS:
         return None

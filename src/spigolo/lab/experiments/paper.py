@@ -61,9 +61,9 @@ class Measured:
     """True if the frames are rendered."""
     n_frames: int
     tallies: Mapping[str, Mapping[Place, Tally]]
-    """Numbers of objects, indexed by contender and table cell. The first contender uses the paper's preset."""
+    """Numbers of objects, indexed by method and table cell. The first method uses the paper's preset."""
     beside: str | None
-    """Name of the contender whose values are printed in parentheses, or None."""
+    """Name of the method whose values are printed in parentheses, or None."""
 
     @property
     def title(self) -> str:
@@ -171,7 +171,7 @@ def _narrow(measured: Measured) -> Table:
 def _wide(measured: Measured) -> Table:
     """Return the table with several columns.
 
-    Each line has rows for printed values, measured values and numbers of objects.
+    Each line of the paper's table becomes several rows: printed values, measured values, and numbers of objects.
     """
     printed = measured.printed
     first, *others = [label for label in measured.tallies if label != measured.beside]
@@ -194,7 +194,7 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """Yield the cells of one line for the contender `label`, with the values of the contender `measured.beside` in
+    """Yield the cells of one line for the method `label`, with the values of the method `measured.beside` in
     parentheses.
     """
     tallies = _tallies(measured, line, label)
@@ -204,7 +204,7 @@ def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
 
 
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
-    """Return the numbers of objects for each column of a line. None for cells that are empty in the paper."""
+    """Return the numbers of objects for each column of a line. The value is None for cells that are empty in the paper."""
     places = [(line, column) for column in measured.printed.columns]
     return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]
 

@@ -65,7 +65,7 @@ def draw_worst(
     out
         Folder of the report.
     tell
-        Progress callback. Its arguments are the number of finished pictures and the total number.
+        Progress callback. The arguments of the callback are the number of finished pictures and the total number.
 
     """
     rows = [row for row in worst_rows(contender.rows) if (row.data_set, row.frame) in folders]

@@ -39,7 +39,7 @@ class Printed:
     place: Callable[[str, str], Place]
     """Function that returns the table cell of an object from the names of its frame and of the object."""
     beside: str = ""
-    """Name of the method whose values are printed in parentheses. Empty for none."""
+    """Name of the method whose values are printed in parentheses, empty for none."""
     note: str = ""
 
     @property

@@ -29,7 +29,7 @@ def write_report(
     """Write a report as index.html and report.md into the folder `out`, with pictures of the frames with the lowest
     scores.
 
-    Raises ConfigError if no contender matches `against`. Raises FileError if a file cannot be written.
+    Raises ConfigError if no method matches `against`. Raises FileError if a file cannot be written.
 
     Parameters
     ----------
@@ -40,9 +40,10 @@ def write_report(
     frames
         Frames for the pictures. Without frames, no pictures are drawn.
     against
-        Name of the reference contender, see `find_references`.
+        Name of the reference method, see `find_references`.
     tell
-        Progress callback. Its arguments are the number of finished pictures and the total number for one contender.
+        Progress callback. The arguments of the callback are the number of finished pictures and the total number for
+        one method.
 
     """
     references = find_references(contenders, against)

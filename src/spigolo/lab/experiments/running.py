@@ -40,7 +40,7 @@ class Task:
 
     @property
     def key(self) -> Key:
-        """Return the key of the task's result."""
+        """Return the identification of the task's result: data set, frame, method and digest of the parameters."""
         return Key(self.frame.data_set, self.frame.name, self.method, self.digest)
 
 
@@ -107,10 +107,12 @@ def evaluate(
     tell: Tell | None = None,
     engine: Engine | None = None,
 ) -> list[Row]:
-    """Evaluate every method on every frame, and append the results (rows) to the file `out`. Return all results.
+    """Evaluate every method on every frame, and append the results (rows) to the file `out`.
 
-    Evaluations that the file already has are not repeated. Exceptions are evaluations whose worker process died, and
-    frames that failed and have been changed since. Only one process may use the file at a time.
+    Return the results of all methods on all frames.
+
+    Evaluations that the file already has are not repeated. An evaluation is repeated if its worker process died, or if
+    its frame failed and has been changed since. Only one process may use the file at a time.
 
     Raises SpigoloError if scipy is not installed. Raises FileError if the file is invalid, or has results of other
     frames with the same names.
@@ -225,7 +227,7 @@ def _score(truth: Truth, result: Segmentation) -> RowScore:
 
 
 def _readable_truth(frame: Entry) -> Truth | None:
-    """Read the ground truth of a frame. None if the files cannot be read."""
+    """Read the ground truth of a frame. Return None if the files cannot be read."""
     try:
         return frame.read_truth()
     except SpigoloError:
@@ -235,7 +237,7 @@ def _readable_truth(frame: Entry) -> Truth | None:
 def _score_of_nothing(truth: Truth | None) -> RowScore | None:
     """Return the score of a prediction without objects.
 
-    None if the frame has no labelled objects, because a failed method must not get a perfect score.
+    Return None if the frame has no labelled objects, because a failed method must not get a perfect score.
     """
     if truth is None or not truth.labels.any():
         return None

@@ -52,7 +52,7 @@ def set_table(contenders: Sequence[Contender]) -> Table:
 
 
 def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
-    """Return a table with the difference of each pair of contenders, second minus first, per data set and over all data
+    """Return a table of the differences between pairs of methods, second minus first, per data set and over all data
     sets.
     """
     every = [c for pair in pairs for c in pair]
@@ -138,7 +138,8 @@ def _change_cells(d: Difference) -> list[Cell]:
 def _change(estimate: Estimate, form: str, many: bool) -> Cell:
     """Format a difference with its interval as a table cell.
 
-    many: True for at least `FEW_GROUPS` groups. In this case the cell is bold if the interval does not include zero.
+    many: True if there are at least `FEW_GROUPS` groups of near-identical frames. The cell is bold if `many` is True
+    and the interval does not include zero.
     """
     value, low, high = estimate
     if math.isnan(value):

@@ -43,7 +43,7 @@ def goodness(rows: Sequence[Row]) -> float:
 
 
 def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> Trial:
-    """Return the trial with the highest `goodness`, or the first of equal trials.
+    """Return the trial (set of parameter values) with the highest `goodness`.
 
     frames: indices of the frames to score, by default all.
     """
@@ -64,7 +64,7 @@ def check_folds(groups: Sequence[str], count: int) -> None:
 
 
 def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
-    """Score every frame by cross-validation, with the trial that is best on the other folds.
+    """Score every frame by cross-validation, with the parameter values that are best on the other folds.
 
     Near-identical frames are in the same fold.
 
@@ -73,7 +73,7 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
     Parameters
     ----------
     search
-        Parameter search with the scores of all trials.
+        Parameter search with the scores of all tested parameter values.
     count
         Number of folds.
     seed
@@ -89,11 +89,12 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 
 
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
-    """Score every data set with the trial that is best on the other data sets.
+    """Score every data set with the parameter values that are best on the other data sets.
 
     The scores estimate the accuracy with another camera or place.
 
-    Data sets are ordered by name. Raises SpigoloError if there are not at least two different data sets.
+    The result is ordered by the name of the data set. Raises SpigoloError if there are not at least two different data
+    sets.
     """
     splits = set_splits(search)
     if not splits:

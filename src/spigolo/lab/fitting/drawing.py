@@ -21,8 +21,7 @@ DIGITS = 4
 def draw(space: Space, count: int, seed: int) -> list[Setting]:
     """Draw `count` random settings (sets of parameter values).
 
-    A larger count with the same seed appends settings and keeps the first ones. Raises SpigoloError if optuna is not
-    installed.
+    The first settings depend only on the seed, not on `count`. Raises SpigoloError if optuna is not installed.
     """
     try:
         import optuna
@@ -52,5 +51,5 @@ def _distribution(way: Range | Choice | Switch) -> BaseDistribution:
 
 
 def _short(value: object) -> object:
-    """Round a float to `DIGITS` significant digits. Return other values unchanged."""
+    """Round a float to `DIGITS` significant digits. Values that are not floats are returned unchanged."""
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value

@@ -20,7 +20,9 @@ from spigolo.lab.machine import this_machine
 from spigolo.methods import Method
 
 Tell = Callable[[int, int, Trial | None], None]
-"""Progress callback. Its arguments are the number of finished trials, the total number of trials, and the latest trial.
+"""Progress callback.
+
+The arguments of the callback are the number of finished trials, the total number of trials, and the latest trial.
 """
 
 
@@ -52,7 +54,7 @@ def search(
 ) -> Search:
     """Score the initial and `trials` random sets of parameter values.
 
-    Trials that the file `out` already has are not repeated. New trials are appended to the file.
+    Parameter values that the file `out` already has scores for are not scored again.
 
     Raises SpigoloError if optuna or scipy is not installed, or if a worker process dies. Raises FileError if no frame
     has labels, or if the file belongs to another search.
@@ -72,7 +74,8 @@ def search(
     jobs
         Number of worker processes.
     tell
-        Progress callback. Its arguments are the number of finished trials, the total number, and the latest trial.
+        Progress callback. The arguments of the callback are the number of finished trials, the total number, and the
+        latest trial.
     engine
         Executor of the trials, instead of `jobs` worker processes.
 
@@ -115,9 +118,9 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 
 
 def _check(trial: Trial) -> None:
-    """Raise FileError if a trial has no score for a frame.
+    """Raise FileError if a trial (set of parameter values) has no score for a frame.
 
-    An error with the initial parameter values also raises FileError.
+    A frame that fails with the initial parameter values also raises FileError.
     """
     at_start = trial.number == 0
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)

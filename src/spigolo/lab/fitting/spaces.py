@@ -47,7 +47,7 @@ class Switch:
     on: Mapping[str, Any] = field(default_factory=dict)
     """Parameter values of the optional stage if it is switched on."""
     needs: str = ""
-    """Name of another switch that must be on too. Empty for none."""
+    """Name of another switch that must be on too, empty for none."""
 
 
 Space = Mapping[str, Range | Choice | Switch]
@@ -74,7 +74,10 @@ OPTIONAL: Mapping[str, Space] = {
     },
     "additions.rules.ledge": {"additions.rules.ledge.min_share": Range(0.35, 0.7)},
 }
-"""Parameters of optional stages, indexed by the stage's name. They are fitted only if the preset has the stage."""
+"""Parameters of optional stages, indexed by the stage's name.
+
+Parameters of a stage are fitted only if the preset has this stage.
+"""
 
 IN_PIXELS: Space = {
     "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
@@ -84,7 +87,10 @@ IN_METRES: Space = {
     "additions.rules.max_length_m": Range(0.3, 0.6),
     "additions.rules.max_width_m": Range(0.18, 0.4),
 }
-"""Parameters that limit the size of objects in metres. Presets without these limits use `IN_PIXELS` instead."""
+"""Parameters that limit the size of objects in metres.
+
+For presets without limits in metres, `IN_PIXELS` is used instead.
+"""
 
 ADDED: Space = {
     SUPPORT: Switch(),

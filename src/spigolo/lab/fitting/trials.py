@@ -1,9 +1,9 @@
 """Files of trials: tested parameter values with their scores on each frame.
 
 The first line of a file describes the search (`Subject`) and names the frames. Each further line is a trial with one
-list of numbers per frame. The list holds the measures in `SHARES` (in thousandths) and in `COUNTS`. Then follow the
-maximum IoU of each object with predicted objects and with all regions (in thousandths). The last number is the CPU time
-in milliseconds, null after an error.
+list of numbers per frame. The list holds the measures in `SHARES` (in thousandths) and in `COUNTS`. The list also holds
+the maximum IoU of each object over predicted objects and over all regions (in thousandths). The last number in the list
+is the CPU time in milliseconds, null after an error.
 """
 
 from __future__ import annotations
@@ -56,7 +56,10 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Tested parameter values (`setting`), and their scores on each frame. Trial 0 has the initial parameter values."""
+    """Tested parameter values (`setting`), and their scores on each frame.
+
+    Trial number 0 has the initial parameter values of the search.
+    """
 
     number: int
     setting: Setting
@@ -129,7 +132,7 @@ class TrialFile:
             self._write(asdict(subject))
 
     def append(self, trial: Trial) -> None:
-        """Append a trial to the file and to `trials`. Values in `trials` are rounded as in the file."""
+        """Append a trial to the file and to `trials`. The scores in `trials` are rounded like the scores in the file."""
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)
         self.trials.append(_unpack_trial(packed, self._subject, trial.number))

@@ -1,6 +1,6 @@
 """Scripts that measure the values in the documentation.
 
-Run `python -m spigolo.lab.studies.NAME --help` for a description.
+The command `python -m spigolo.lab.studies.NAME --help` describes a script.
 
 Real frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
 """

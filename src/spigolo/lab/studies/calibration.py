@@ -28,7 +28,7 @@ IGNORE = 255
 def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
     """Return the maximum IoU of a mask (H, W) over all labelled objects, without ignored pixels.
 
-    NaN if most of the mask is ignored.
+    Return NaN if most of the mask is ignored.
     """
     seen = mask & (label != IGNORE)
     if np.count_nonzero(seen) < 0.5 * np.count_nonzero(mask):

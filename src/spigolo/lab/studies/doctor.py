@@ -61,7 +61,7 @@ def zoom(frame: Frame, factor: float) -> Frame:
 def whole_pixels(frame: Frame) -> Frame:
     """Simulate the depth of a stereo camera with 50 mm baseline that measures disparity in whole pixels.
 
-    Depth is rounded to millimetres.
+    The simulated depth is rounded to millimetres.
     """
     assert frame.camera is not None
     focal, baseline_m = frame.camera.fx, 0.05
@@ -164,7 +164,7 @@ def measure(folder: Path) -> None:
     seconds = []
     names = distinct(folder)
     for name in names:
-        warnings.simplefilter("ignore", UserWarning)  # from correct and from spoilt frames
+        warnings.simplefilter("ignore", UserWarning)  # for all frames
         frame = read_frame(folder / name / "rgb.png", folder / name / "depth.png", folder / name / "camera.json")
         start = time.perf_counter()
         for finding in diagnose(frame).findings:

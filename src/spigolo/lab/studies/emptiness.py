@@ -1,6 +1,7 @@
 """Count false objects in rendered scenes without objects, and found boxes in the same scenes with one added box.
 
-The default scenes were used to develop the rules of the presets. Use `--first 500` for fifty held-out scenes.
+The default scenes were used to develop the rules of the presets. The option `--first 500` selects fifty held-out
+scenes.
 """
 
 from __future__ import annotations

@@ -81,7 +81,7 @@ def write_frames(folder: Path, count: int) -> None:
 
 
 def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
-    """Segment all frames in the current process, which may be killed during the run. Return the exit code."""
+    """Segment all frames in the current process, which may be killed during the run. Return the exit code of the run."""
     names = sorted(path.stem for path in (source / "rgb").iterdir())
     camera = source / "camera.json"
     jobs = [Logged(n, source / "rgb" / f"{n}.png", source / "depth" / f"{n}.png", camera, log=log) for n in names]
@@ -94,7 +94,10 @@ def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
 
 
 class Study:
-    """Folders and operations of the test. The attribute `plain` is the output folder of the uninterrupted run."""
+    """Test of interrupted batch runs, with its folders.
+
+    The attribute `plain` is the output folder of the uninterrupted run.
+    """
 
     def __init__(self, root: Path, count: int) -> None:
         self.root, self.count, self.rng = root, count, random.Random(0)
@@ -120,7 +123,7 @@ class Study:
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
         """Wait until the manifest (list of finished frames) has this number of lines.
 
-        Then wait for a short random time.
+        A short random delay follows.
         """
         while process.poll() is None and lines_in(out / FILE) < lines:
             time.sleep(0.002)

@@ -106,7 +106,7 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
 def noise_by_slant(frame: sp.Frame) -> list[float]:
     """Return the median depth noise in each range of disparity gradient, in pixels of disparity.
 
-    NaN for ranges with fewer than 400 image windows, and for frames without a camera.
+    Return NaN for ranges with fewer than 400 image windows, and for frames without a camera.
     """
     planes = fit_local_planes(frame.depth)
     focal_px = frame.camera.fx if frame.camera else float("nan")

@@ -28,7 +28,7 @@ def main() -> None:
     print("| preset | frames | segmenting | scoring | ratio, median | below a fifth |\n|---|---|---|---|---|---|")
     for name in arguments.presets:
         segmenter = sp.Segmenter(sp.preset(name))
-        took = np.array([times(segmenter, *one, arguments.rounds) for one in read])  # (frames, rounds, 2)
+        took = np.array([times(segmenter, *one, arguments.rounds) for one in read])  # shape (frames, rounds, 2)
         segmenting, scoring = 1e3 * np.median(took, axis=(0, 1))
         ratios = np.median(took[..., 1] / took[..., 0], axis=1)
         ratio = f"{np.median(ratios):.2f} | {np.mean(ratios < 0.2):.0%} of the frames"

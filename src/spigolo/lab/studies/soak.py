@@ -71,7 +71,7 @@ class Scenes:
         self.seen = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
 
     def __call__(self, number: int) -> sp.Frame:
-        """Return the frame with this number. The same number always gives the same frame."""
+        """Create the frame with this number. The same number always gives the same frame."""
         rng = np.random.default_rng(number)
         height, width = self.seen.depth.shape
         share = rng.uniform(0.6, 1)

@@ -5,7 +5,7 @@ second. Using only every third or sixth frame simulates a lower frame rate.
 
 A true object is found in a frame if a mask has an IoU of at least 0.5 with the object. An identity switch occurs if the
 mask has another id than the mask that found the object before. The share of switches is relative to the number of times
-that an object was found again. For comparison, the column `labels` uses the labels of each frame as ids, which are
+that an object was found again. For comparison, the column `labels` uses the labels of each frame as ids. The labels are
 sorted by score.
 """
 
@@ -30,7 +30,7 @@ FOUND_IOU = 0.5
 TURN_DEG = 0.7
 """Rotation of the camera around the table per frame, degrees."""
 SWEEP_DEG = 12.0
-"""Maximum rotation of the camera to each side, degrees. The camera then reverses its direction."""
+"""Maximum rotation of the camera to each side, degrees. The camera reverses its direction at this angle."""
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ def shelf_stage(name: str, rng: Rng) -> Stage:
 
 
 def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m: float, rng: Rng) -> SceneObject | None:
-    """Place a product in a bin, standing, lying, or leaning against a wall of the bin. None if there is no room."""
+    """Place a product in a bin, standing, lying, or leaning against a wall. Return None if there is no room."""
     if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
         side = int(rng.choice([-1, 1]))
         leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
@@ -163,7 +163,7 @@ def _light(view: View, rng: Rng) -> Lighting:
 
 
 def _tool(view: View, rng: Rng) -> SceneObject:
-    """Create a black robot gripper at the edge of the image, which is too near for a depth measurement."""
+    """Create a black robot gripper at the edge of the image. The gripper is too near for a depth measurement."""
     up, side = rng.choice([-1, 1]) * rng.uniform(0.115, 0.15), rng.uniform(-0.12, 0.12)
     forward = np.array(view.look_at_m) - view.position_m
     middle = view.position_m + 0.3 * forward / np.linalg.norm(forward) + side * view.axes[0] + up * view.axes[1]

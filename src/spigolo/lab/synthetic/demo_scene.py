@@ -56,7 +56,7 @@ def scene_objects() -> list[SceneObject]:
     pair_yaw_deg = -24.0
     tea_m, plain_m = (0.125, 0.07, 0.17), (0.09, 0.10, 0.10)
     tea_at = np.array([0.25, 0.19])
-    # The plain box touches the right side of the tea box. Its front is a little nearer.
+    # The plain box touches the right side of the tea box. The front of the plain box is slightly nearer to the camera.
     yaw = np.radians(pair_yaw_deg)
     along, back = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
     plain_at = tea_at + (tea_m[0] + plain_m[0]) / 2 * along - 0.030 * back

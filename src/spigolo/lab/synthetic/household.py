@@ -28,12 +28,12 @@ class Rest:
     tilt_deg: float = 0.0
     """Angle between the object's z axis and the vertical, degrees."""
     roll_deg: float | None = None
-    """Rotation about the object's z axis before tilting, degrees. None if any rotation is stable."""
+    """Rotation about the object's z axis before tilting, degrees, or None if any rotation is stable."""
 
 
 @dataclass(frozen=True)
 class Product:
-    """Household object with the meshes of its parts. In its own frame, the object stands on z = 0."""
+    """Household object with the meshes of its parts. In its own coordinate frame, the object stands on z = 0."""
 
     name: str
     parts: tuple[Part, ...]
@@ -75,14 +75,14 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
 }
 """Function that creates a kind of object, and its stable orientations, indexed by the name of the kind."""
 FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
-"""Kinds of objects on which other objects can stand. Some of these objects must lie for this."""
+"""Kinds of objects on which other objects can stand. Some kinds of objects must lie down to carry another object."""
 
 
 @cache
 def household(name: str) -> Product:
     """Create the object with this name: a key of `KINDS`, optionally with a number, such as soda_can_4.
 
-    Size and print depend only on the name. Raises ConfigError for an unknown kind of object.
+    The size and print of the object depend only on its name. Raises ConfigError for an unknown kind of object.
     """
     kind = kind_of(name)
     if kind not in KINDS:

@@ -37,7 +37,8 @@ def write_family(
 ) -> int:
     """Render frames 0..count-1 of a family of scenes, and write them to a folder.
 
-    Returns the number of frames. Raises ConfigError, FileError or FrameError.
+    Returns the number of frames. Raises ConfigError for an unknown family or layout. Raises FileError if a file cannot
+    be written.
 
     Parameters
     ----------

@@ -98,7 +98,7 @@ def camera(rng: np.random.Generator) -> Parts:
             line((0.016, 0.030), (0.0, 0.030)),
         ]
     )
-    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # z to -y
+    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # turns z to -y
     lens = moved(barrel, forward, (0.012, -0.017, 0.033))
     button = moved(
         lathe([line((0.008, 0.0), (0.008, 0.005)), line((0.008, 0.005), (0.0, 0.005))]), np.eye(3), (-0.038, 0.0, 0.066)

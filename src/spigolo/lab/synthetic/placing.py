@@ -86,7 +86,7 @@ class Plot:
         rng: np.random.Generator,
         touching: bool = False,
     ) -> SceneObject | None:
-        """Place a product at a random free position. None if there is no room.
+        """Place a product at a random free position. Return None if there is no room.
 
         Parameters
         ----------
@@ -115,7 +115,7 @@ class Plot:
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
         """Place a product on the flat top of another object.
 
-        None if the product does not fit, or would touch other objects.
+        Return None if the product does not fit, or would touch other objects.
         """
         points = world_points(below)
         top_m = float(points[:, 2].max())

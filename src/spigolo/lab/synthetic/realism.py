@@ -37,13 +37,13 @@ class Realism:
     brightness: float
     """Median grey level of the colour image, 0..255."""
     noise_04: float
-    """Depth noise from 0.4 to 0.6 m distance, mm. NaN with too few image windows."""
+    """Depth noise from 0.4 to 0.6 m distance, mm, NaN with too few image windows."""
     noise_06: float
-    """Depth noise from 0.6 to 0.8 m distance, mm. NaN with too few image windows."""
+    """Depth noise from 0.6 to 0.8 m distance, mm, NaN with too few image windows."""
     noise_08: float
-    """Depth noise from 0.8 to 1.1 m distance, mm. NaN with too few image windows."""
+    """Depth noise from 0.8 to 1.1 m distance, mm, NaN with too few image windows."""
     noise_11: float
-    """Depth noise from 1.1 to 1.6 m distance, mm. NaN with too few image windows."""
+    """Depth noise from 1.1 to 1.6 m distance, mm, NaN with too few image windows."""
 
 
 def realism(frame: Frame) -> Realism:

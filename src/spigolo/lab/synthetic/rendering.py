@@ -106,7 +106,10 @@ class Rendering:
 
 
 def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
-    """Render colour images with two different lightings, the depth map and the geom numbers. See `render_quickly`."""
+    """Render colour images with two different lightings, the depth map and the geom numbers.
+
+    The images are rendered like in `render_quickly`.
+    """
     with _renderer(model, samples=0) as renderer:
         light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))
         depth_m = _depth(renderer, _at_rest(model))

@@ -32,9 +32,9 @@ def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part
     rng
         Random number generator.
     floor_m
-        Height of the floor.
+        Height of the floor (z), metres.
     wall_y_m
-        Position of the back wall.
+        Position of the back wall (y), metres.
 
     """
     below = surface(str(rng.choice(["plain", "wood", "checker", "terrazzo", "cloth"])), rng)

@@ -62,7 +62,7 @@ class SceneObject:
 
 @dataclass(frozen=True)
 class View:
-    """Camera view."""
+    """Position and direction of the camera in a scene, with its intrinsics."""
 
     look_at_m: tuple[float, float, float]
     """Point (x, y, z) on the optical axis of the camera, in the world frame, metres."""

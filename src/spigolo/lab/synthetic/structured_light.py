@@ -67,8 +67,8 @@ class StructuredLight:
         Parameters
         ----------
         level
-            Factor on the noise, 1 = typical first Kinect. Real cameras range from 0.5 to 2. A level below 1 also
-            reduces the quantisation step.
+            Factor on the noise, 1 = typical first Kinect. Real cameras have noise levels from 0.5 to 2. A level below 1
+            also reduces the quantisation step.
 
         """
         return replace(
@@ -241,9 +241,9 @@ def _steep(
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
     """Return the difference between adjacent points of a grid (H, W, K) along one axis.
 
-    Each point is compared with its previous or next point, with whichever the last coordinate differs less.
+    From the two adjacent points, the point with the smaller difference in the last coordinate is used.
 
-    Differences are therefore not taken across depth discontinuities.
+    No difference is taken across a depth discontinuity.
     """
     steps = np.diff(points, axis=axis)
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)

@@ -173,7 +173,7 @@ def _strewn(
     touching
         Probability that an object touches another object.
     flat
-        True to lay all objects of flat kinds down.
+        True to lay all flat objects down on the table.
 
     """
 

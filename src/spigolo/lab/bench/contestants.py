@@ -30,7 +30,7 @@ CONFIGS = {
 }
 """Configurations to time: each preset with 8-connected and with 4-connected pixels."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Configurations for which the merging of graph edges is also timed separately."""
+"""Configurations for which the step that merges pixels to regions is also timed separately."""
 OURS = "toscana2016"
 """Name of the method that runs with the presets in `CONFIGS`.
 
@@ -67,7 +67,7 @@ def saliency(frame: Frame) -> dict[str, Run]:
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Return our merging and the textbook merging as timed functions on the same graphs.
+    """Return timed functions that merge pixels to regions on the same graphs: our function and the textbook algorithm.
 
     Raises SpigoloError if both give different regions.
     """
@@ -82,17 +82,17 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """Return the name under which our merging of regions is timed with this configuration."""
+    """Return the name under which our function that merges regions is timed with this configuration."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """Return the name under which the textbook merging of regions is timed with this configuration."""
+    """Return the name under which the textbook algorithm that merges regions is timed with this configuration."""
     return f"textbook merging, {config}"
 
 
 def check_merging(graph: Graph, config: Config) -> None:
-    """Raise SpigoloError if our merging and the textbook merging give different regions of a graph."""
+    """Raise SpigoloError if our function and the textbook algorithm give different regions of a graph."""
     ours = partition(graph, config.partition.gamma).labels
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):

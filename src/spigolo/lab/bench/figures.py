@@ -28,7 +28,7 @@ def summarise(samples: Sequence[Sample]) -> Summary:
 
 
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
-    """Return the ratio of CPU times, peer to ours, as the median over rounds.
+    """Return the CPU time in `peer` divided by the CPU time in `ours`, as the median over rounds.
 
     The lists `peer` and `ours` have one sample per round.
     """

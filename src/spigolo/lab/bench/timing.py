@@ -20,7 +20,7 @@ The arguments of the callback are the name of the current measurement and the fi
 LEAST_MS = 1e-3
 """Minimum time of a sample, ms.
 
-Shorter times are set to this value, because a time of 0 would cause a division by zero.
+Measured times below this value are set to this value, to avoid a division by zero.
 """
 
 

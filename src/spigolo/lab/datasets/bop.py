@@ -38,7 +38,8 @@ from spigolo.lab.datasets.sample import Instance
 from spigolo.lab.datasets.visibility import visible_labels
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
-"""Patterns of folders with scenes, in order of preference. Only the first folder with scenes is read."""
+"""Patterns of folders with scenes, in order of preference. Only the first matching folder that contains scenes is read.
+"""
 
 Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
 """Object pose as stored in BOP: obj_id, rotation matrix cam_R_m2c (9 numbers), translation cam_t_m2c (3 numbers, mm).
@@ -102,7 +103,10 @@ class BopImage(Entry):
         return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
 
     def _stored_labels(self) -> npt.NDArray[np.int32]:
-        """Return labels (H, W) from stored masks. If masks overlap, the object that is later in the list is used."""
+        """Return labels (H, W) from stored masks.
+
+        If masks overlap, the pixels get the label of the object that is later in scene_gt.json.
+        """
         labels = None
         for label, path in enumerate(self._masks, start=1):
             mask = read_labels(path)

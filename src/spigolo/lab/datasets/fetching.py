@@ -24,7 +24,8 @@ from spigolo.lab.datasets.catalogue import Archive, KnownSet
 Tell = Callable[[str, int, int | None], None]
 """Progress callback.
 
-Its arguments are the archive's name, the number of received bytes, and the total number of bytes or None.
+The arguments of the callback are the archive's name, the number of received bytes, and the total number of bytes or
+None.
 """
 
 ATTEMPTS = 3

@@ -25,7 +25,7 @@ RADIUS_PER_DIAGONAL = 0.003
 DENSE = 4096
 """Maximum label value for counting pixels in an array indexed by label.
 
-Larger labels are first replaced by consecutive numbers.
+Label images with larger values are first converted to consecutive labels.
 """
 
 LARGE_PX = 16

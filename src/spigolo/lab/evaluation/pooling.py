@@ -45,7 +45,7 @@ class Pooled:
     n_objects: float
     """Number of labelled objects, averaged within groups of near-identical frames and summed over the groups.
 
-    The number of objects can therefore be a fraction.
+    The number of objects can be a fraction.
     """
 
     overlap_precision: float
@@ -114,7 +114,7 @@ class Difference:
 def pool(rows: Sequence[Row]) -> Pooled:
     """Return the mean measures of one method over all frames. rows: evaluation results, one per frame.
 
-    Raises ValueError if `rows` is empty, or if two rows belong to the same frame.
+    Raises ValueError if `rows` is empty, or if two results belong to the same frame.
     """
     _check(rows)
     scored = [row for row in rows if row.score is not None]
@@ -156,7 +156,7 @@ def pool(rows: Sequence[Row]) -> Pooled:
 def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
     """Return the measures of `after` minus the measures of `before`, on the frames in both lists.
 
-    Raises ValueError if a list is empty, or if two rows of a list belong to the same frame.
+    Raises ValueError if a list is empty, or if two results in a list belong to the same frame.
     """
     _check(before)
     _check(after)
@@ -203,7 +203,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
     """Return the mean (G,) of a measure in each group of near-identical frames.
 
-    The group of each row is taken from the row at the same position in `of`, by default from `rows`.
+    The groups are taken from the results in `of`, which has the same order as `rows`. By default, `rows` is used.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):

@@ -33,9 +33,9 @@ Precision is meaningful only if all objects are labelled.
 
 
 class Key(NamedTuple):
-    """Identification of a row: data set, frame, method and digest of its parameters.
+    """Identification of an evaluation result: data set, frame, method and digest (hash) of its parameters.
 
-    Two rows with equal keys are the same evaluation.
+    Two results with equal keys are from the same evaluation.
     """
 
     data_set: str
@@ -212,14 +212,14 @@ def _adapter() -> TypeAdapter[Row]:
 
 
 def row_to_json(row: Row) -> str:
-    """Convert a row to one line of JSON, without a newline."""
+    """Convert an evaluation result to one line of JSON, without a newline."""
     return _adapter().dump_json(row).decode()
 
 
 def read_rows(path: Path | str) -> list[Row]:
-    """Read the rows of a file. An incomplete last line, for example after a crash, is ignored.
+    """Read a file of evaluation results. An incomplete last line, for example after a crash, is ignored.
 
-    Raises FileError if the file cannot be read, or if a line is not a valid row.
+    Raises FileError if the file cannot be read, or if a line is not a valid result.
     """
     try:
         data = Path(path).read_bytes()
@@ -245,10 +245,10 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
 
 
 class RowFile:
-    """File of evaluation results, open for appending. Each new row is written to disk immediately.
+    """File of evaluation results, open for appending. Each new result is written to disk immediately.
 
-    The attribute `rows` holds all rows of the file. An incomplete last line is removed from the file on opening. Raises
-    FileError if the file cannot be opened, or if a line is not a valid row.
+    The attribute `rows` holds all results in the file. An incomplete last line is removed from the file on opening.
+    Raises FileError if the file cannot be opened, or if a line is not a valid result.
     """
 
     rows: list[Row]
@@ -259,13 +259,13 @@ class RowFile:
         self._file = append_lines(self.path)
 
     def append(self, row: Row) -> None:
-        """Write a row to the file, and append the row to `rows`."""
+        """Append an evaluation result to the file and to `rows`."""
         self._file.write(row_to_json(row).encode() + b"\n")
         self._file.flush()
         self.rows.append(row)
 
     def rewrite(self, rows: Sequence[Row]) -> None:
-        """Replace all rows of the file at once. The old file stays intact if writing fails."""
+        """Replace all evaluation results in the file at once. The old file stays intact if writing fails."""
         self._file.close()
         write_bytes(self.path.resolve(), b"".join(row_to_json(row).encode() + b"\n" for row in rows))
         self.rows, self._file = list(rows), append_lines(self.path)

@@ -33,7 +33,7 @@ class DatasetScore(Measures):
     """Share of true objects that have an IoU above 0.7 with a segment, NaN without objects."""
 
     best_iou: float
-    """Maximum IoU of a true object over all segments, averaged over all true objects. NaN without objects."""
+    """Maximum IoU of a true object over all segments, averaged over all true objects, NaN without objects."""
 
     segments_per_object: float
     """Number of predicted segments in all frames, divided by the number of true objects."""

@@ -25,11 +25,11 @@ class Contender:
     """Scores of one method with one set of parameters."""
 
     label: str
-    """Name of the contender in the report, unique in a comparison."""
+    """Name of the method and its parameters in the report, unique in a comparison."""
     file: str
     """File of the scores, empty unless several files hold the same frames."""
     rows: tuple[Row, ...]
-    """Scores of the method, one row per frame."""
+    """Scores of the method, one result per frame."""
 
     @property
     def which(self) -> tuple[str, str]:
@@ -47,9 +47,9 @@ def read_contenders(paths: Sequence[Path]) -> list[Contender]:
 
 
 def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
-    """Group evaluation results by method and parameters. files: rows, indexed by file name.
+    """Group evaluation results by method and parameters. files: evaluation results, indexed by file name.
 
-    If files hold different frames of one method, their rows are combined. If two files hold the same frames, for
+    If files hold different frames of one method, the results are combined. If two files hold the same frames, for
     example before and after a change of the code, each file gives its own `Contender`.
     """
     held = {file: _by_method(rows) for file, rows in files.items()}

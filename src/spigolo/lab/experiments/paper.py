@@ -138,7 +138,10 @@ def _tally(rows: Sequence[Row], printed: Printed) -> dict[Place, Tally]:
 
 
 def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
-    """Yield the table cell and the counts of each object of a frame that belongs in the table."""
+    """Yield the table cell and the counts of each object in a frame.
+
+    Objects without a table cell are left out.
+    """
     score = row.score
     assert score is not None
     if not len(score.names) == len(score.covered) == score.n_objects:
@@ -169,7 +172,7 @@ def _narrow(measured: Measured) -> Table:
 
 
 def _wide(measured: Measured) -> Table:
-    """Return the table with several columns.
+    """Return a table that has one column per class of objects, with printed and measured values.
 
     Each line of the paper's table becomes several rows: printed values, measured values, and numbers of objects.
     """
@@ -204,7 +207,7 @@ def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
 
 
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
-    """Return the numbers of objects for each column of a line. The value is None for cells that are empty in the paper."""
+    """Return the numbers of objects in each cell of a table line. Cells that are empty in the paper give None."""
     places = [(line, column) for column in measured.printed.columns]
     return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]
 

@@ -38,7 +38,7 @@ def goodness(row: Row) -> float:
 
 
 def worst_rows(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows of the ten labelled frames with the lowest scores.
+    """Return the evaluation results of the ten labelled frames with the lowest scores.
 
     Only one frame per group of near-identical frames is returned. Frames with an error are left out.
     """
@@ -60,8 +60,8 @@ def draw_worst(
     contender
         Scores of the method.
     folders
-        Frames, indexed by data set and name. Other frames are left out. No pictures are drawn if the method cannot be
-        created with the parameters in the rows.
+        Frames, indexed by data set and name. Frames that are not in `folders` are left out. No pictures are drawn if
+        this version of spigolo cannot create the method.
     out
         Folder of the report.
     tell

@@ -26,7 +26,7 @@ from spigolo.objects.segmentation import Segmentation
 Tell = Callable[[int, int, Row | None], None]
 """Progress callback.
 
-Its arguments are the number of finished evaluations, the total number, and the latest result or None.
+The arguments of the callback are the number of finished evaluations, the total number, and the latest result or None.
 """
 
 
@@ -107,7 +107,7 @@ def evaluate(
     tell: Tell | None = None,
     engine: Engine | None = None,
 ) -> list[Row]:
-    """Evaluate every method on every frame, and append the results (rows) to the file `out`.
+    """Evaluate every method on every frame, and append the results to the file `out`.
 
     Return the results of all methods on all frames.
 

@@ -13,7 +13,7 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.page import Cell, Table
 
 Scope = tuple[str, Callable[[Row], bool]]
-"""Subset of the frames: name of the subset, and function that returns True for rows in the subset."""
+"""Subset of the frames: name of the subset, and function that returns True for results in the subset."""
 
 EVERY_OBJECT = "every object labelled"
 ALL_LABELLED = "all labelled frames"

@@ -108,7 +108,7 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
 def set_splits(search: Search) -> list[Split]:
     """Return one cross-validation split per data set.
 
-    The list is empty for a single data set, or if a split would have no frames to choose on.
+    The list is empty for a single data set, or if a split would have no frames for choosing parameters.
     """
     places = search.subject.places
     if len({place.data_set for place in places}) < 2:

@@ -1,4 +1,4 @@
-"""Files of trials: tested parameter values with their scores on each frame.
+"""Files of tested parameter values (trials), with their scores on each frame.
 
 The first line of a file describes the search (`Subject`) and names the frames. Each further line is a trial with one
 list of numbers per frame. The list holds the measures in `SHARES` (in thousandths) and in `COUNTS`. The list also holds
@@ -68,14 +68,14 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """Parameter search with its trials."""
+    """Parameter search with all tested parameter values and their scores."""
 
     subject: Subject
     trials: tuple[Trial, ...]
 
     @property
     def start(self) -> Trial:
-        """Return the trial with the initial parameter values."""
+        """Return the scores of the initial parameter values."""
         return self.trials[0]
 
 
@@ -107,7 +107,9 @@ def read_search(path: Path | str) -> Search:
 
 
 class TrialFile:
-    """File of the trials of one search, open for appending. Each new trial is written to disk immediately.
+    """File of the tested parameter values (trials) of one search, open for appending.
+
+    Each new trial is written to disk immediately.
 
     Raises FileError if the file holds the trials of another search.
     """
@@ -132,7 +134,10 @@ class TrialFile:
             self._write(asdict(subject))
 
     def append(self, trial: Trial) -> None:
-        """Append a trial to the file and to `trials`. The scores in `trials` are rounded like the scores in the file."""
+        """Append tested parameter values and their scores to the file and to `trials`.
+
+        Scores in `trials` are rounded like the scores in the file.
+        """
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)
         self.trials.append(_unpack_trial(packed, self._subject, trial.number))

@@ -63,7 +63,10 @@ def log(name: str) -> Path:
 
 
 def logged(name: str) -> Search:
-    """Read the trials of a method from docs/data. Exit with an error if the trials belong to other initial parameters."""
+    """Read the scores of all tested parameter values of a method from docs/data.
+
+    Exit with an error if the file was made with other initial parameters.
+    """
     held = read_search(log(name))
     if held.subject.digest != sp.METHODS[name].digest:
         raise SystemExit(f"{log(name)} is of other parameters ({held.subject.digest}): run `search` again")

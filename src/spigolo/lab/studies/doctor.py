@@ -38,7 +38,7 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Shift the depth map by (dx, dy) pixels. Depth is missing where no pixel was shifted to."""
+    """Shift the depth map by (dx, dy) pixels. Pixels at the image border that receive no depth are missing depth."""
     height, width = frame.depth.shape
     moved = np.zeros_like(frame.depth)
     moved[max(dy, 0) : height + min(dy, 0), max(dx, 0) : width + min(dx, 0)] = frame.depth[

@@ -81,7 +81,7 @@ def write_frames(folder: Path, count: int) -> None:
 
 
 def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
-    """Segment all frames in the current process, which may be killed during the run. Return the exit code of the run."""
+    """Segment all frames in this process, which may be killed during the run. Return the exit code of the run."""
     names = sorted(path.stem for path in (source / "rgb").iterdir())
     camera = source / "camera.json"
     jobs = [Logged(n, source / "rgb" / f"{n}.png", source / "depth" / f"{n}.png", camera, log=log) for n in names]

@@ -5,9 +5,9 @@ method.
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
 `search` draws random parameter values and scores them by cross-validation: over five folds of the frames, and over the
-data sets. The preset itself cannot be chosen, because its rules were developed on these frames. `ablation` scores the
-preset without one extension at a time. Results are stored in the folder --out. Frames are read from the folder in the
-environment variable SPIGOLO_DATA, by default ../shared/data.
+data sets. The preset OBJECTS itself cannot be chosen, because its rules were developed on these frames. `ablation`
+scores the preset without one extension at a time. Results are stored in the folder --out. Frames are read from the
+folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
 """
 
 from __future__ import annotations
@@ -28,7 +28,10 @@ from spigolo.lab.page import to_text
 from spigolo.lab.studies import FRAMES
 
 WHOLE = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Name patterns of data sets in which every object is labelled. False objects are counted only in these data sets."""
+"""Name patterns of data sets in which every object is labelled.
+
+False objects are counted only in data sets in which every object is labelled.
+"""
 GROUPS = {
     "mOSD": ("osd-mosd",),
     "mOSD, test split": ("osd-mosd-b",),

@@ -53,7 +53,7 @@ class Soak:
     range_mib: float
     """Difference between maximum and minimum resident memory after the first quarter of the frames, MiB."""
     slower: float
-    """CPU time of a scene in the last round, divided by the CPU time in the first round. Median over the scenes."""
+    """CPU time of a scene in the last round divided by the CPU time in the first round, median over the scenes."""
     first_ms: float
     """Median CPU time per frame in the first round, ms."""
 

@@ -24,7 +24,10 @@ __all__ = ["Recording", "Stage", "record"]
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_VISIBLE_PX = 150
-"""Minimum number of visible pixels of a labelled object. Objects with fewer visible pixels are background."""
+"""Minimum number of visible pixels of a labelled object.
+
+Objects with fewer visible pixels than this are labelled as background.
+"""
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0
 _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
@@ -76,7 +79,7 @@ def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
     bodies |= {f"object {k}": _renamed(thing, f"object {k}") for k, thing in enumerate(stage.objects)}
     model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
     drawn = render_all(model, stage.lighting, _projector(stage.view))
-    # The depth camera has its own light. Its brightness is blurred, because depth is measured in image windows.
+    # The depth camera has its own light. The image is blurred, because depth is measured in windows.
     seen = cv2.GaussianBlur(developed(drawn.lamp_light), (0, 0), _WINDOW_PX)
     depth_m = simulate_structured_light(
         drawn.depth_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, drawn.geoms)
@@ -94,7 +97,7 @@ def _projector(view: View) -> Lighting:
 
 
 def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
-    """Label the visible objects from 1, and return the frame with its ground truth.
+    """Number the visible objects from 1, and return the frame with labels and poses.
 
     indices: index of the object at each pixel (H, W).
     """

@@ -37,7 +37,8 @@ TABLES = {
 """Names of the objects in each scene of the family `table`, as in the data set UW RGB-D Scenes."""
 
 INSTANCES = ("Milk", "Coffee_Cup", "Shampoo", "Camera")
-"""Names of the objects that occur several times in a scene. The scenes of the family `multi` have the same names."""
+"""Names of the objects that occur several times in a scene. Each scene of the family `multi` is named after its object.
+"""
 CLUTTER = (
     "box_1",
     "box_2",
@@ -113,8 +114,8 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
     """Return a random camera view, and the model of its depth camera.
 
-    With a probability of 40 %, the camera is precise, has a short range and is near the table. Otherwise the camera is
-    similar to the first Kinect.
+    With a probability of 40 %, the camera is precise, has a short range and is near the table. With a probability of 60
+    %, the camera is similar to the first Kinect.
     """
     sensor = _sensor(rng, (0.65, 1.7))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)

@@ -74,7 +74,10 @@ class Contest:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Results of a benchmark. Only `contests` covers all frames. All other measurements use the first frame."""
+    """Results of a benchmark.
+
+    Only the field `contests` covers all frames. The other fields are measured on the first frame.
+    """
 
     machine: Machine
     plan: Plan

@@ -94,7 +94,7 @@ class Latency:
 
 
 def measure_latency(frame: Frame, config: Config, frames: int, tell: Tell = silent) -> Latency:
-    """Measure the wall time of each frame in one thread. The first frame is not measured."""
+    """Measure the wall time of each frame in one thread. One frame is segmented before the measurement to warm up."""
     run = Segmenter(config)
     run(frame)
     times: list[float] = []

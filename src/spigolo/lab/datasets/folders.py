@@ -136,7 +136,7 @@ def _places(folder: Path) -> Iterator[Path]:
 def _groups(root: Path) -> Mapping[str, str]:
     """Read the groups of near-identical frames from splits.json.
 
-    Return the name of each group (its first frame), indexed by the names of all frames in the group.
+    Return the group of each near-identical frame, indexed by frame. A group is named after its first frame.
 
     Warns if splits.json names a frame that does not exist.
     """

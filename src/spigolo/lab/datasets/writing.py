@@ -185,7 +185,7 @@ class _Images:
         write_json(folder / RENDERED, {"about": about})
 
     def write(self, sample: Sample, color: str, depth: str) -> None:
-        """Write the colour image and the depth image of a frame. The first call also writes camera.json."""
+        """Write the colour image and the depth image of a frame. The first call of `write` also writes camera.json."""
         camera = sample.frame.camera
         if camera is None or camera not in (self._camera, camera if self._camera is None else None):
             raise FrameError(f"expected one camera in all frames, got {camera} in {sample.frame.name}")

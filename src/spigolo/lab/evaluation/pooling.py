@@ -1,7 +1,7 @@
 """Mean measures of a method over many frames, and differences between two methods.
 
-Near-identical frames, such as the frames of one video, form a group. Every group has the same weight in a mean. A frame
-in a group of n frames has the weight 1 / n, and so have its objects.
+Near-identical frames, such as the frames of one video, form a group. Every group of near-identical frames has the same
+weight in a mean. In a group of n near-identical frames, each frame and each object has the weight 1 / n.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Pooled:
 
     n_frames: int
     n_groups: int
-    """Number of groups of near-identical frames. A frame without similar frames is a group of its own."""
+    """Number of groups of near-identical frames. A frame without near-identical frames counts as one group."""
 
     n_failed: int
     """Number of frames for which the method raised an error.
@@ -51,7 +51,7 @@ class Pooled:
     overlap_precision: float
     overlap_recall: float
     overlap_f: Estimate
-    """Mean overlap F over the groups, with a bootstrap interval over the groups."""
+    """Mean overlap F over the groups of near-identical frames, with a bootstrap confidence interval."""
 
     boundary_precision: float
     boundary_recall: float
@@ -203,7 +203,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
     """Return the mean (G,) of a measure in each group of near-identical frames.
 
-    The groups are taken from the results in `of`, which has the same order as `rows`. By default, `rows` is used.
+    The results in `of`, by default `rows`, define the groups of near-identical frames.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):

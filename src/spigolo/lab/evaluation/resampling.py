@@ -45,16 +45,16 @@ class Split:
 def bootstrap(
     values: ArrayLike, weights: ArrayLike | None = None, *, draws: int = DRAWS, seed: int = SEED, level: float = LEVEL
 ) -> Estimate:
-    """Return the weighted mean of one value per group, with its bootstrap confidence interval.
+    """Return the weighted mean of the values, with its bootstrap confidence interval.
 
-    For fewer than two groups, the limits of the interval are NaN.
+    The limits of the confidence interval are NaN for fewer than two values.
 
     Parameters
     ----------
     values
-        One value per group (G,). For a paired comparison, pass the differences.
+        Values (G,), one per group of near-identical frames. For a paired comparison, pass the differences.
     weights
-        Weight of each group (G,), by default 1.
+        Weight of each value (G,), by default 1.
     draws
         Number of bootstrap samples.
     seed
@@ -85,9 +85,10 @@ def bootstrap(
 def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Split]:
     """Split K frames into `k` folds of about equal size for cross-validation.
 
-    All frames of a group are in the same fold.
+    Near-identical frames are always in the same fold.
 
-    groups: group of each frame (K,). Raises ValueError if there are fewer groups than folds.
+    groups: name of the group of near-identical frames that contains each frame (K,). Raises ValueError if there are
+    fewer groups than folds.
     """
     frames_of = _frames_of(groups)
     if not 2 <= k <= len(frames_of):

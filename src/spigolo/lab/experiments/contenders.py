@@ -95,8 +95,8 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
     """Pair each evaluated method with its reference.
 
-    The reference has the same method and parameters if possible. If there is no such reference, the first reference is
-    used. References are not paired with themselves.
+    A reference with the same method and parameters is preferred. Without such a match, the first element of
+    `references` is the reference. References are not paired with themselves.
     """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]

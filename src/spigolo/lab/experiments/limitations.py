@@ -10,7 +10,7 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.experiments.tables import FEW_GROUPS
 
 MOST = 0.5
-"""Share of all frame groups above which one data set is reported to dominate the mean measures."""
+"""Share of all frames in one data set above which the report warns that this data set dominates the mean."""
 
 
 def limitations(contenders: Sequence[Contender]) -> list[str]:

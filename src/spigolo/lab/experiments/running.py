@@ -155,8 +155,7 @@ def evaluate(
 
 
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
-    """Return the existing results that need not be evaluated again, with the current groups and labelling of their
-    frames.
+    """Return the existing results that are still valid, with the current data of their frames.
 
     A result with an error is left out if the files of its frame have changed. Raises FileError if a frame of another
     content has the same name.
@@ -194,7 +193,7 @@ def _readable_content(frame: Entry) -> str:
 
 
 def _as_described(row: Row, frame: Entry | None) -> Row:
-    """Return the result with the current group and labelling of its frame.
+    """Update the fields `group` and `labelling` of an evaluation result from its frame.
 
     Results that were scored without labels stay unlabelled.
     """

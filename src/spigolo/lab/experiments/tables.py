@@ -21,7 +21,7 @@ FOUND = "found (IoU\N{NO-BREAK SPACE}>\N{NO-BREAK SPACE}0.7)"
 NONE = "–"
 MINUS = "−"
 FEW_GROUPS = 10
-"""Minimum number of frame groups for a reliable bootstrap interval."""
+"""Minimum number of groups of near-identical frames for a reliable bootstrap interval."""
 
 
 FIGURES = (

@@ -1,8 +1,8 @@
 """Compare masks rendered from models and poses with exact masks: `python -m spigolo.lab.studies.masks`.
 
 The first test uses noise-free depth and a tolerance of 2 mm, to check the poses and models. The second test uses the
-depth of the simulated camera and BOP's tolerance of 15 mm, as in `spigolo.lab.datasets`. The last column counts the
-scenes that were discarded because the rendered masks differ too much from the exact masks.
+depth of the simulated camera and BOP's tolerance of 15 mm, as in `spigolo.lab.datasets`. The last column of the printed
+table counts the scenes that were discarded because the rendered masks differ too much from the exact masks.
 """
 
 from __future__ import annotations

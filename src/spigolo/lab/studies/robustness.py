@@ -2,8 +2,8 @@
 
 `python -m spigolo.lab.studies.robustness` prints the overlap F on the data set hand-uoc, and the share of found objects
 on hand-uoc and on five other data sets. With `--shelves 24`, the script uses 24 rendered shelves instead of real
-frames. Two thirds of their depth are missing. The seeds 413 and 977 were used to develop the rules of the presets.
-Frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
+frames. Two thirds of the depth of a rendered shelf are missing. The seeds 413 and 977 were used to develop the rules of
+the presets. Frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ second. Using only every third or sixth frame simulates a lower frame rate.
 
 A true object is found in a frame if a mask has an IoU of at least 0.5 with the object. An identity switch occurs if the
 mask has another id than the mask that found the object before. The share of switches is relative to the number of times
-that an object was found again. For comparison, the column `labels` uses the labels of each frame as ids. The labels are
-sorted by score.
+that an object was found again. For comparison, the printed column `labels` uses the labels of each frame as ids. The
+labels are sorted by score.
 """
 
 from __future__ import annotations

@@ -111,7 +111,7 @@ def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: floa
     """Return the IoU (N,) between the exact mask of each object and the mask rendered from its model and pose.
 
     For families with `first_alone`, the mask of the first object is also rendered without the other objects. The
-    smaller IoU of the first object is returned.
+    smaller of the two IoU values of the first object is returned.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
 """Benchmark of spigolo and of other libraries on the same frames.
 
-Example::
+Measure one frame and print the tables::
 
     report = bench({"mine": frame}, QUICK)          # everything that is measured
     report.to_json()                                # with the raw rounds

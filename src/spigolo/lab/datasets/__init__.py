@@ -2,8 +2,10 @@
 
 The docstring of each class or of its module describes the layout.
 
-for entry in guess("rgbd-scenes"):
-    frame, truth = entry.read_both()
+Read all frames of a data set with their ground truth::
+
+    for entry in guess("rgbd-scenes"):
+        frame, truth = entry.read_both()
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ class Ocid(DataSet):
 
 
 def _stands_on(sequence: Path, folder: Path) -> str:
-    """Return the surface below the objects from the path of a sequence: "table", "floor", or "" if unknown.
+    """Infer the surface on which the objects stand from the path of a sequence. Return "table", "floor" or "".
 
     Only folders inside the data set are searched for the words "table" and "floor".
     """

@@ -9,8 +9,8 @@
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
 BIN is a letter from A to L. The four shots at one position form a group of near-identical frames. Only the object in
-the file name is labelled, with label 1. The visible mask of this object is rendered from its model and pose. Frames
-without a pose have no labels.
+the file name is labelled, with label 1. The visible mask of the labelled object is rendered from its model and pose.
+Frames without a pose have no labels.
 """
 
 from __future__ import annotations

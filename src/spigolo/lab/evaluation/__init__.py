@@ -1,6 +1,8 @@
 """Comparison of predicted segmentations with ground truth.
 
-A label image is a 2-D array of integers: 0 is background, and every other value is one object. Example::
+A label image is a 2-D array of integers: 0 is background, and every other value is one object.
+
+Score frames and average the scores::
 
     score = score_frame(truth, prediction, ignore=unsure)   # one frame
     total = summarise([score, ...])                         # a data set

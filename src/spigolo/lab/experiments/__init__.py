@@ -2,9 +2,11 @@
 
 `evaluate` writes scores to a file, and `write_report` creates a report.
 
-frames = find_labelled_frames([Path("frames")])
-evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))
-write_report(read_contenders([Path("rows.jsonl")]), Path("report"), frames)
+Evaluate two presets on labelled frames and write a report::
+
+    frames = find_labelled_frames([Path("frames")])
+    evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))
+    write_report(read_contenders([Path("rows.jsonl")]), Path("report"), frames)
 """
 
 from __future__ import annotations

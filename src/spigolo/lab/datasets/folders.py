@@ -1,4 +1,5 @@
-"""Reader of data sets with one folder per frame. Use this layout for your own frames.
+"""Reader of data sets with one folder per frame. The layout with one folder per frame is recommended for your own
+frames.
 
     FOLDER/splits.json                  optional: {"near_duplicate_groups": [["SET/FRAME", ...], ...]}
     FOLDER/SET/FRAME/rgb.png            8 bits

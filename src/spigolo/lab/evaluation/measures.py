@@ -25,7 +25,7 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""Overlap above which an object counts as found. An overlap equal to this value is not enough."""
+"""Overlap above which an object counts as found. An object with an overlap equal to this value is not found."""
 
 GOOD_F = 0.75
 """F measure above which a pair of object and segment counts in the measure F@.75."""
@@ -71,7 +71,7 @@ class FrameScore(Measures):
     """
 
     object_ids: NDArray[np.integer[Any]]
-    """Labels (N,) of the true objects, ascending. All other arrays (N,) are in this order."""
+    """Labels (N,) of the true objects, ascending. All other arrays (N,) have the order of `object_ids`."""
 
     n_segments: int
     """Number S of predicted segments."""

@@ -68,7 +68,7 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 
     name: label, digest, preset, method or file name of the reference.
 
-    Without a name, the first element of `contenders` is the reference. Without a name, and if several files hold the
+    Without a name, the first element of `contenders` is the reference. If no name is given and several files hold the
     same frames, all methods in the first file are references. Raises ConfigError if no method, or more than one,
     matches the name.
     """
@@ -95,8 +95,8 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
     """Pair each evaluated method with its reference.
 
-    A reference with the same method and parameters is preferred. Without such a match, the first element of
-    `references` is the reference. References are not paired with themselves.
+    A reference with the same method and parameters is preferred. If no reference has the same method and parameters,
+    the first element of `references` is used. References are not paired with themselves.
     """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]

@@ -11,7 +11,7 @@ from spigolo.settings.config import Config
 
 
 def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method]:
-    """Create the methods with these names. The method `toscana2016` is created once per configuration.
+    """Create segmentation methods from their names. The method `toscana2016` is created once per configuration.
 
     Duplicates are left out. Raises ConfigError for an unknown name.
     """

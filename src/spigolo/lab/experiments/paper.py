@@ -1,6 +1,6 @@
 """Tables I to III of the paper (Toscana & Rosa 2016), with printed and measured values.
 
-In these tables, an object is found if one segment covers more than 70 % of its pixels.
+In the paper's tables, an object is found if one segment covers more than 70 % of its pixels.
 """
 
 from __future__ import annotations

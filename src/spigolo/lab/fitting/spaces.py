@@ -59,7 +59,7 @@ REJECTED: Space = {
     "additions.support.stacked_share": Range(0.3, 0.8),
     "rejection.max_eccentricity": Range(0.975, 0.99),
 }
-"""Parameters of the rules that reject regions. All methods share these rules."""
+"""Parameters of the rules that reject regions. All methods share the rules that reject regions."""
 
 OPTIONAL: Mapping[str, Space] = {
     "additions.merging": {"additions.merging.max_mean": Range(0.2, 0.6)},

@@ -109,7 +109,7 @@ def read_search(path: Path | str) -> Search:
 class TrialFile:
     """File of the tested parameter values (trials) of one search, open for appending.
 
-    Each new trial is written to disk immediately.
+    Each new set of tested values is written to disk immediately.
 
     Raises FileError if the file holds the trials of another search.
     """

@@ -164,7 +164,7 @@ def measure(folder: Path) -> None:
     seconds = []
     names = distinct(folder)
     for name in names:
-        warnings.simplefilter("ignore", UserWarning)  # for all frames
+        warnings.simplefilter("ignore", UserWarning)  # ignored for all frames
         frame = read_frame(folder / name / "rgb.png", folder / name / "depth.png", folder / name / "camera.json")
         start = time.perf_counter()
         for finding in diagnose(frame).findings:

@@ -110,8 +110,8 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
     """Return the IoU (N,) between the exact mask of each object and the mask rendered from its model and pose.
 
-    For families with `first_alone`, the mask of the first object is also rendered without the other objects. The
-    smaller of the two IoU values of the first object is returned.
+    For families with `first_alone`, the mask of the first object is rendered with and without the other objects, and
+    its smaller IoU is returned.
 
     Parameters
     ----------
@@ -123,7 +123,6 @@ def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: floa
         Depth map (H, W) in metres, to determine which pixels are visible.
     tolerance_m
         Maximum distance of a visible model behind the measured surface, metres.
-
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)
     if _family(family).first_alone:

@@ -123,6 +123,7 @@ def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: floa
         Depth map (H, W) in metres, to determine which pixels are visible.
     tolerance_m
         Maximum distance of a visible model behind the measured surface, metres.
+
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)
     if _family(family).first_alone:

@@ -1,8 +1,8 @@
 """Model of a structured-light depth camera, similar to the first Kinect.
 
 A structured-light camera measures depth by triangulation. A projector next to the camera projects a pattern, and the
-disparity at depth Z is ``d = fx * baseline / Z``. The model simulates shadows of the projector, dark, glossy and steep
-surfaces without depth, noise, and the quantisation of disparity.
+disparity at depth Z is ``d = fx * baseline / Z``. The model simulates projector shadows, missing depth on dark, glossy
+or steep surfaces, disparity noise, and quantisation of the disparity.
 
 Camera frame: x to the right, y down, Z forward. The projector is at ``x = +baseline_m``, so shadows are to the left of
 objects.

@@ -1,4 +1,4 @@
-"""Laboratory: data sets, evaluation, experiments, fitting, benchmarks, rendered scenes.
+"""Tools for development: data sets, evaluation, experiments, parameter fitting, benchmarks and rendered scenes.
 
-Only the command line imports it. `segment` does not need it.
+Only the command line imports this subpackage. `spigolo.segment` does not need it.
 """

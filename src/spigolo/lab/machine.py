@@ -1,4 +1,4 @@
-"""Description of the measuring machine: processor, load, versions of the installed packages."""
+"""Description of the current machine: processor, load and versions of installed packages."""
 
 from __future__ import annotations
 
@@ -17,24 +17,25 @@ from spigolo.batch.engine import cores
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """Machine that runs this process. cores: those that the process may use. load: of the last minute, 0 = idle, or
-    None.
-    """
+    """Machine that runs this process."""
 
     cpu: str
     cores: int
+    """Number of processor cores that the process may use."""
     system: str
     load: float | None
+    """Average system load of the last minute, 0 = idle, None if unknown."""
     versions: dict[str, str]
+    """Versions of installed packages, indexed by package name."""
 
     def __str__(self) -> str:
-        """Return one line of the properties that do not change over hours."""
+        """Format the processor, the number of cores, the system and the package versions as one line."""
         versions = ", ".join(f"{name} {version}" for name, version in self.versions.items())
         return f"{self.cpu}, {self.cores} CPUs; {self.system}; {versions}"
 
 
 def this_machine(**versions: str) -> Machine:
-    """Return the current machine. versions: further versions to report, indexed by name."""
+    """Describe the current machine. versions: additional package versions to include, as name=version."""
     versions |= {
         "python": platform.python_version(),
         "numpy": np.__version__,
@@ -47,7 +48,7 @@ def this_machine(**versions: str) -> Machine:
 
 
 def processor() -> str:
-    """Return the name of the processor as reported by the system."""
+    """Return the name of the processor that the operating system reports."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""Page of blocks, written as HTML and Markdown."""
+"""Report pages of headings, text, tables and pictures, written as HTML or Markdown."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Value in a table, with an addition in smaller print. strong: emphasised."""
+    """Table cell."""
 
     text: str
     note: str = ""
+    """Additional text of the cell, in smaller print."""
     strong: bool = False
+    """True to print the text of the cell in bold."""
 
 
 @dataclass(frozen=True, slots=True)
 class Heading:
-    """Heading of a section."""
+    """Section heading."""
 
     text: str
 
@@ -33,25 +35,28 @@ class Paragraph:
 
 @dataclass(frozen=True, slots=True)
 class Items:
-    """List of sentences."""
+    """Bulleted list, with one sentence per item."""
 
     sentences: Sequence[str]
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows under a head. The first `names` columns hold text, the others values. Repeated names are printed once."""
+    """Table of text and values.
+
+    The first `names` columns are left-aligned text, and the other columns are right-aligned values.
+    """
 
     head: Sequence[str]
-    """Names of the columns."""
+    """Column headings."""
     rows: Sequence[Sequence[Cell]]
-    """Cells, row by row."""
+    """Table cells, as one sequence per row."""
     names: int = 1
-    """Number of columns that hold text."""
+    """Number of text columns at the left of the table."""
     title: str = ""
-    """Title for a table without a heading above it."""
+    """Title of the table. Only Markdown output prints the title."""
     note: str = ""
-    """Note below the table."""
+    """Text below the table. Only Markdown output prints the note."""
 
     @property
     def sides(self) -> list[Literal["left", "right"]]:
@@ -60,25 +65,27 @@ class Table:
 
 
 def cells(rows: Sequence[Sequence[str]]) -> list[list[Cell]]:
-    """Return rows of text as rows of cells."""
+    """Convert rows of strings to rows of table cells."""
     return [[Cell(text) for text in row] for row in rows]
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """Picture next to the page, with its caption."""
+    """Image with a caption."""
 
     path: str
+    """Path of the image file, relative to the page."""
     caption: str
 
 
 @dataclass(frozen=True, slots=True)
 class Gallery:
-    """Pictures that can be folded away."""
+    """Section with pictures that can be opened and closed."""
 
     title: str
     pictures: Sequence[Picture]
     unfolded: bool = False
+    """True if the section is open when the page is loaded."""
 
 
 Block = Heading | Paragraph | Items | Table | Gallery
@@ -86,7 +93,7 @@ Block = Heading | Paragraph | Items | Table | Gallery
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Page with a title and blocks."""
+    """Page with a title and a sequence of content blocks."""
 
     title: str
     blocks: Sequence[Block]
@@ -122,7 +129,7 @@ figcaption { color: var(--dim); font-size: .9em; margin-top: .3rem; }
 
 
 def to_html(page: Page) -> str:
-    """Return the page as one HTML file. Pictures are separate files next to it."""
+    """Format a page as HTML. Image files are not embedded but referenced by their paths."""
     title = escape(page.title)
     body = "\n".join(_html(block) for block in page.blocks)
     return (
@@ -133,12 +140,12 @@ def to_html(page: Page) -> str:
 
 
 def to_markdown(page: Page) -> str:
-    """Return the page as Markdown. Pictures are separate files next to it."""
+    """Format a page as Markdown. Image files are not embedded but referenced by their paths."""
     return "\n\n".join([f"# {page.title}", *(_markdown(block) for block in page.blocks)]) + "\n"
 
 
 def to_text(table: Table) -> str:
-    """Return the table for a terminal, with aligned columns. Additions to a value are in parentheses."""
+    """Format a table as plain text with aligned columns. The note of a cell is in parentheses."""
     cells = [list(table.head), *([_text_cell(cell) for cell in row] for row in table.rows)]
     widths = [max(len(row[k]) for row in cells) for k in range(len(table.head))]
     pads = [str.ljust if k < table.names else str.rjust for k in range(len(widths))]
@@ -232,7 +239,7 @@ def _markdown_cell(cell: Cell) -> str:
 
 
 def _plain(text: str) -> str:
-    """Return text with Markdown's special characters escaped."""
+    """Escape the special characters of Markdown in a text."""
     for mark in ("\\", "|", "*", "_", "`", "<", "[", "]"):
         text = text.replace(mark, f"\\{mark}")
     return " ".join(text.split())

@@ -1,12 +1,12 @@
-"""Time measurements of our code and of other libraries on the same frames, in rounds.
+"""Benchmark of spigolo and of other libraries on the same frames.
 
-In use::
+Measure one frame and print the tables::
 
     report = bench({"mine": frame}, QUICK)          # everything that is measured
     report.to_json()                                # with the raw rounds
     print(markdown(report))
 
-The other methods of this package (`spigolo.METHODS`) run in the rounds too.
+The benchmark also times all other segmentation methods in `spigolo.METHODS`.
 """
 
 from __future__ import annotations

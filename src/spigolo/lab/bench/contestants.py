@@ -1,4 +1,4 @@
-"""Contestants of the rounds, and the pairs that are compared."""
+"""Functions that the benchmark times, and comparison of their CPU times."""
 
 from __future__ import annotations
 
@@ -28,41 +28,49 @@ CONFIGS = {
     for name in ("OBJECTS", "SHELF", "TABLE", "CLUTTER")
     for connectivity in (8, 4)
 }
-"""Presets, 8- and 4-connected."""
+"""Configurations to time: each preset with 8-connected and with 4-connected pixels."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Configurations whose merging is also timed separately, on their graphs."""
+"""Configurations for which the step that merges pixels to regions is also timed separately."""
 OURS = "toscana2016"
-"""Name of the method of the presets in CONFIGS. All other methods in METHODS run with their own parameters."""
+"""Name of the method that runs with the presets in `CONFIGS`.
+
+The other methods in `METHODS` run with their default parameters.
+"""
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Comparison of two contestants. ratio: CPU time of the peer divided by ours, median over rounds."""
+    """Comparison of our function (`ours`) with a function of another library (`peer`) for the same task."""
 
     peer: str
     ours: str
     ratio: float
+    """CPU time of the peer (function of another library) divided by the CPU time of our function, median over rounds.
+    """
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:
-    """Return a Segmenter for each configuration, kept between the rounds."""
+    """Return one timed function per configuration that segments the frame with its own `Segmenter`."""
     return {name: _on(Segmenter(config), frame) for name, config in configs.items()}
 
 
 def baselines(frame: Frame) -> dict[str, Run]:
-    """Return the other methods of this package."""
+    """Return one timed function for each method in `METHODS` other than `toscana2016`."""
     return {name: _on(METHODS[name], frame) for name in _others()}
 
 
 def saliency(frame: Frame) -> dict[str, Run]:
-    """Return our saliency, which OpenCV has too."""
+    """Return a timed function that computes our saliency map."""
     return {SALIENCY: timed(lambda: fine_grained_saliency(frame.color, SHELF.saliency))}
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Return our merging and the textbook's on the same weights. Raises SpigoloError if their regions differ."""
+    """Return timed functions that merge pixels to regions on the same graphs: our function and the textbook algorithm.
+
+    Raises SpigoloError if both give different regions.
+    """
     runs: dict[str, Run] = {}
     for name in MERGED:
         config = CONFIGS[name]
@@ -74,17 +82,17 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """Return the name of our merging of a configuration's graph."""
+    """Return the name under which our function that merges regions is timed with this configuration."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """Return the name of the textbook's merging of a configuration's graph."""
+    """Return the name under which the textbook algorithm that merges regions is timed with this configuration."""
     return f"textbook merging, {config}"
 
 
 def check_merging(graph: Graph, config: Config) -> None:
-    """Raise SpigoloError if our regions of a graph, including small ones, differ from the textbook's."""
+    """Raise SpigoloError if our function and the textbook algorithm give different regions of a graph."""
     ours = partition(graph, config.partition.gamma).labels
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):
@@ -93,7 +101,7 @@ def check_merging(graph: Graph, config: Config) -> None:
 
 
 def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
-    """Return all pairs that do the same task and ran in the same rounds."""
+    """Compare the CPU times of all pairs of timed functions that do the same task."""
     rivals = [name for name in (*SEGMENTING_PEERS, *_others()) if name in samples]
     pairs = [(rival, ours) for ours in CONFIGS for rival in rivals]
     pairs += [(SALIENCY_PEER, SALIENCY), *((textbook_name(name), merging_name(name)) for name in MERGED)]
@@ -105,7 +113,10 @@ def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
 
 
 def everybody(frame: Frame, peers: Peers, key: str) -> dict[str, Run]:
-    """Return all contestants on one frame. The peers keep its colour image as `key`."""
+    """Return all functions to time on one frame.
+
+    The worker processes store the colour image of the frame under the name `key`.
+    """
     peers.load(key, frame.color)
     return {**segmenters(frame), **baselines(frame), **saliency(frame), **mergings(frame), **peers.contestants(key)}
 

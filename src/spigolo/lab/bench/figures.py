@@ -1,4 +1,4 @@
-"""Statistics of raw times: medians, paired ratios, exponents."""
+"""Statistics of measured times: medians, paired ratios, fitted exponents."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spigolo.lab.bench.timing import Sample
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Median and minimum time of a contestant's runs, ms."""
+    """Median and minimum time of several runs of one function, ms."""
 
     cpu_ms: float
     cpu_min_ms: float
@@ -22,27 +22,31 @@ class Summary:
 
 
 def summarise(samples: Sequence[Sample]) -> Summary:
-    """Return the medians and minima of at least one run."""
+    """Return the median and minimum times of one or more runs."""
     cpu, wall = [s.cpu_ms for s in samples], [s.wall_ms for s in samples]
     return Summary(statistics.median(cpu), min(cpu), statistics.median(wall), min(wall))
 
 
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
-    """Return the ratio of the peer's CPU time to ours: the median over rounds of the ratio within each round."""
+    """Return the CPU time in `peer` divided by the CPU time in `ours`, as the median over rounds.
+
+    The lists `peer` and `ours` have one sample per round.
+    """
     return statistics.median(p.cpu_ms / o.cpu_ms for p, o in zip(peer, ours, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
 class PowerLaw:
-    """Power law t = factor x^exponent. residual: root mean square deviation of the logarithms, 0.01 = 1 %."""
+    """Power law t = factor x^exponent."""
 
     factor: float
     exponent: float
     residual: float
+    """Root mean square deviation of ln(t) from the fit. A value of 0.01 means about 1 % of t."""
 
 
 def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
-    """Fit a power law by least squares to the logarithms of at least two different x > 0 and their t > 0."""
+    """Fit a power law t(x) by least squares in logarithms. Requires positive values and at least two different x."""
     log_x, log_t = np.log(x), np.log(t)
     spread = log_x - log_x.mean()
     exponent = float(spread @ (log_t - log_t.mean()) / (spread @ spread))
@@ -52,5 +56,5 @@ def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
 
 
 def percentile(values: Sequence[float], share: float) -> float:
-    """Return the smallest value that at least this share of the values does not exceed."""
+    """Return the percentile of the values as an element of the list, without interpolation. share: 0..1."""
     return float(np.quantile(values, share, method="inverted_cdf"))

@@ -1,5 +1,7 @@
-"""Peers: code of other libraries in a worker process. OpenCV's contrib package cannot be installed next to the plain
-package.
+"""Execution of functions of other libraries (peers) in a worker process.
+
+A separate Python environment is required, because opencv-contrib-python cannot be installed together with
+opencv-python.
 """
 
 from __future__ import annotations
@@ -26,11 +28,14 @@ PACKAGES = {
     "StaticSaliencyFineGrained": "opencv-contrib-python-headless",
     "felzenszwalb": "scikit-image",
 }
-"""Package of each peer."""
+"""Name of the PyPI package that provides each function of another library."""
 
 
 class Worker:
-    """Process of another interpreter that runs the peers it can import."""
+    """Worker process in another Python environment.
+
+    The worker process runs all functions in `PACKAGES` that this environment can import.
+    """
 
     def __init__(self, python: Path) -> None:
         self.python = python
@@ -53,19 +58,19 @@ class Worker:
         self.versions: dict[str, str] = greeting["versions"]
 
     def load(self, key: str, image: Color) -> None:
-        """Send an RGB image (H, W, 3), which is kept under a name."""
+        """Send an RGB image (H, W, 3) to the worker process, which stores the image under the name `key`."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "image.npy")
             np.save(path, image)
             self._ask({"load": key, "path": str(path)})
 
     def run(self, name: str, key: str) -> Sample:
-        """Run a peer once on a kept image."""
+        """Run a function once on the stored image `key`, and return its CPU and wall time."""
         answer = self._ask({"run": name, "image": key})
         return Sample(max(answer["cpu_ms"], LEAST_MS), max(answer["wall_ms"], LEAST_MS))
 
     def close(self) -> None:
-        """End the process."""
+        """End the worker process."""
         for stream in (self._process.stdin, self._process.stdout, self._errors):
             if stream is not None:
                 with suppress(OSError):
@@ -74,7 +79,7 @@ class Worker:
 
     def _ask(self, request: dict[str, str]) -> dict[str, Any]:
         assert self._process.stdin is not None
-        with suppress(BrokenPipeError):  # the worker has ended already
+        with suppress(BrokenPipeError):  # the worker process may have ended already
             self._process.stdin.write(json.dumps(request) + "\n")
             self._process.stdin.flush()
         answer = self._answer()
@@ -102,7 +107,7 @@ class Worker:
 
 
 class Peers:
-    """Peers of all workers, indexed by name."""
+    """Functions of other libraries (peers) that can run, with the worker process of each function."""
 
     def __init__(self, workers: list[Worker]) -> None:
         self._workers = workers
@@ -113,12 +118,12 @@ class Peers:
 
     @property
     def names(self) -> list[str]:
-        """Return the names of the peers that can run."""
+        """Return the names of the functions of other libraries that can run."""
         return [name for name in PACKAGES if name in self._home]
 
     @property
     def missing(self) -> list[str]:
-        """Return one sentence for each package that no interpreter has."""
+        """Return one message for each package that no worker process can import."""
         lacking: dict[str, list[str]] = {}
         for name, package in PACKAGES.items():
             if name not in self._home:
@@ -131,16 +136,16 @@ class Peers:
 
     @property
     def versions(self) -> dict[str, dict[str, str]]:
-        """Return modules and their versions, indexed by interpreter."""
+        """Return the version of each module, indexed by the path of the interpreter and the name of the module."""
         return {str(worker.python): worker.versions for worker in self._workers}
 
     def load(self, key: str, image: Color) -> None:
-        """Send an RGB image (H, W, 3) to all workers, under a name."""
+        """Send an RGB image (H, W, 3) to all worker processes, which store the image under the name `key`."""
         for worker in self._workers:
             worker.load(key, image)
 
     def contestants(self, key: str) -> Mapping[str, Run]:
-        """Return one run of each peer on the image of a name."""
+        """Return the functions of other libraries, to run and time on the stored image `key`."""
         return {name: _run(self._home[name], name, key) for name in self.names}
 
 
@@ -150,10 +155,16 @@ def _run(worker: Worker, name: str, key: str) -> Run:
 
 @contextmanager
 def open_peers(python: Path | None = None) -> Iterator[Peers]:
-    """Start the workers of `python`, or of .venv-oracle below the current folder. Missing peers run in this
-    interpreter.
+    """Start worker processes for functions of other libraries (peers).
 
-    Raises FileError if `python` is given and is not an interpreter.
+    Raises FileError if `python` cannot be run.
+
+    Parameters
+    ----------
+    python
+        Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Libraries that this
+        interpreter cannot import are searched in the environment of the current interpreter.
+
     """
     given = python if python is not None else DEFAULT_PYTHON if DEFAULT_PYTHON.is_file() else None
     with ExitStack() as stack:

@@ -1,9 +1,11 @@
-"""Worker that runs the peers in a separate interpreter: one line in, one run, one line out.
+"""Script of the worker process, which runs functions of other libraries (peers) in a separate Python environment.
 
-The module is started as a script and requires numpy. It uses OpenCV's contrib modules and scikit-image if installed.
-Every line is JSON. The first output line is {"contestants": [...], "versions": {...}}. The input {"load": NAME, "path":
-RGB.npy} keeps an image. The input {"run": CONTESTANT, "image": NAME} gives the output {"cpu_ms": ..., "wall_ms": ...}.
-A failure gives {"error": ...}.
+The script requires numpy. OpenCV's contrib modules and scikit-image are used if they are installed. The script reads
+one JSON request per line from standard input, and writes one JSON line per request to standard output.
+
+The first output line is {"contestants": [...], "versions": {...}}. The request {"load": NAME, "path": RGB.npy} stores
+an image. The request {"run": CONTESTANT, "image": NAME} is answered with {"cpu_ms": ..., "wall_ms": ...}. If a request
+fails, the output is {"error": ...}.
 """
 
 from __future__ import annotations
@@ -20,14 +22,14 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:] = [folder for folder in sys.path if os.path.abspath(folder or ".") != HERE]
 
 Image = dict[str, Any]
-"""Pixels of one image as `rgb` and as `bgr`, as the libraries expect them."""
+"""Pixels of one image in both channel orders: `rgb` for scikit-image and `bgr` for OpenCV."""
 Run = Callable[[Image], object]
 
 
 def main() -> None:
     """Answer requests until standard input ends."""
     answers = os.fdopen(os.dup(1), "w", buffering=1)
-    os.dup2(2, 1)  # keeps the output of libraries out of the answers
+    os.dup2(2, 1)  # sends text that libraries print to standard error
     contestants, versions = find_contestants()
     answers.write(json.dumps({"contestants": list(contestants), "versions": versions}) + "\n")
     images: dict[str, Image] = {}
@@ -41,7 +43,7 @@ def main() -> None:
 
 
 def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str, Image]) -> dict[str, float]:
-    """Keep an image, or run a contestant on a kept image."""
+    """Execute one request: store an image, or time a function on a stored image."""
     if "load" in request:
         rgb = importlib.import_module("numpy").load(request["path"])
         images[request["load"]] = {"rgb": rgb, "bgr": rgb[..., ::-1].copy()}
@@ -54,7 +56,7 @@ def obey(request: dict[str, str], contestants: dict[str, Run], images: dict[str,
 
 
 def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
-    """Return the contestants that can run here, indexed by name, and the versions of their modules."""
+    """Return the functions that this Python environment can run, indexed by name, and the versions of their modules."""
     found: dict[str, Run] = {}
     versions = {"python": sys.version.split()[0]}
     cv2, skimage = attempt("cv2"), attempt("skimage.segmentation")
@@ -74,7 +76,7 @@ def find_contestants() -> tuple[dict[str, Run], dict[str, str]]:
 
 
 def attempt(name: str) -> Any:
-    """Return a module, or None if it cannot be imported."""
+    """Import a module by name. Return None if the module is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:

@@ -1,4 +1,4 @@
-"""Report of all measurements."""
+"""Benchmark report with all time and memory measurements."""
 
 from __future__ import annotations
 
@@ -28,27 +28,28 @@ from spigolo.lab.bench.timing import Sample, Tell, run_rounds, silent
 from spigolo.lab.machine import Machine, this_machine
 
 MAIN = "OBJECTS 8c"
-"""Contestant for throughput and latency."""
+"""Name of the configuration used to measure throughput and latency."""
 STAGED = tuple(name for name in CONFIGS if name.endswith("8c"))
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Amounts of measurements.
-
-    rounds: number of rounds of contestants and stages. size_rounds: number of rounds for each of `sizes` (width,
-    height). Without sizes, that part is left out. repeats: number of repeats of throughput, with `frames` frames per
-    thread, and of start-up. latency: number of frames in a row, 0 for none. cold: True to also start once without
-    compiled kernels.
-    """
+    """Numbers of repetitions in a benchmark."""
 
     rounds: int = 15
+    """Number of timed runs per function and per stage of the segmentation."""
     size_rounds: int = 5
+    """Number of timed runs at each image size."""
     sizes: tuple[Size, ...] = SIZES
+    """Image sizes (width, height) at which the CPU time is measured."""
     frames: int = 60
+    """Number of frames per thread in each measurement of throughput."""
     repeats: int = 3
+    """Number of measurements of the throughput and of the start-up time."""
     latency: int = 0
+    """Number of frames in the measurement of latency, 0 = not measured."""
     cold: bool = False
+    """True to also measure the start-up time without compiled kernels."""
 
 
 QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
@@ -56,42 +57,47 @@ QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
 
 @dataclass(frozen=True, slots=True)
 class Contest:
-    """Rounds on one frame. samples: raw times, indexed by contestant and round."""
+    """Times of all timed functions on one frame."""
 
     frame: str
     width: int
     height: int
     comparisons: list[Comparison]
     samples: dict[str, list[Sample]]
+    """Measured times, indexed by the name of the timed function."""
 
     @property
     def summaries(self) -> dict[str, Summary]:
-        """Return medians and minima of each contestant."""
+        """Return the median and minimum time of each timed function."""
         return {name: summarise(taken) for name, taken in self.samples.items()}
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """All measurements. The parts from `sizes` on use the first frame.
+    """Results of a benchmark.
 
-    peers: versions of each interpreter. missing: one sentence for each package that no interpreter has. growth: indexed
-    by contestant. stages: raw times, indexed by configuration and stage. memory: indexed by configuration.
+    Only the field `contests` covers all frames. The other fields are measured on the first frame.
     """
 
     machine: Machine
     plan: Plan
     peers: dict[str, dict[str, str]]
+    """Versions of the modules in each Python environment, indexed by interpreter and module."""
     missing: list[str]
+    """One message for each package that no Python environment has."""
     contests: list[Contest]
     growth: dict[str, Growth]
+    """CPU times at several image sizes, indexed by the name of the timed function."""
     stages: dict[str, dict[str, list[Sample]]]
+    """Times of each stage of the segmentation, indexed by configuration and stage."""
     memory: dict[str, Memory]
+    """Memory use in bytes per pixel, indexed by configuration."""
     throughput: Throughput
     latency: Latency | None
     startup: Startup
 
     def to_json(self) -> dict[str, Any]:
-        """Return all measurements with raw rounds, ready for json.dumps. `summaries` has the medians of the rounds."""
+        """Return all measurements as a dictionary for `json.dumps`. The key `summaries` holds the medians."""
         values = asdict(self)
         for contest, out in zip(self.contests, values["contests"], strict=True):
             out["summaries"] = {name: asdict(summary) for name, summary in contest.summaries.items()}
@@ -101,9 +107,19 @@ class Report:
 def bench(
     frames: Mapping[str, Frame], plan: Plan | None = None, python: Path | None = None, tell: Tell = silent
 ) -> Report:
-    """Measure our code and the peers on at least one frame.
+    """Measure the time and memory of spigolo, and the time of other libraries, on one or more frames.
 
-    frames: indexed by name. python: interpreter of the peers, see `open_peers`. tell: called with the progress.
+    Parameters
+    ----------
+    frames
+        Frames to segment, indexed by name.
+    plan
+        Numbers of repetitions, see `Plan`.
+    python
+        Python interpreter of the environment with the other libraries, see `open_peers`.
+    tell
+        Progress callback, called with the current measurement and the finished share of the work.
+
     """
     plan = Plan() if plan is None else plan
     machine = this_machine(spigolo=__version__)

@@ -1,4 +1,4 @@
-"""Memory, throughput of threads, and time of many frames in a row."""
+"""Measurement of memory use, throughput with threads, and latency."""
 
 from __future__ import annotations
 
@@ -17,19 +17,18 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """Memory in bytes per pixel. workspace: kept between frames. frame: peak above workspace while a frame is
-    segmented.
-
-    answer: part of that peak that the result keeps.
-    """
+    """Memory use of a `Segmenter`, in bytes per pixel."""
 
     workspace: float
+    """Memory kept between frames, bytes per pixel."""
     frame: float
+    """Additional peak memory while a frame is segmented, bytes per pixel."""
     answer: float
+    """Memory that the result of one frame keeps, bytes per pixel."""
 
 
 def measure_memory(frame: Frame, config: Config) -> Memory:
-    """Measure the memory that numpy and Python allocate. Temporary memory inside OpenCV's functions is not included."""
+    """Measure the memory that a `Segmenter` uses. Memory that OpenCV allocates inside its functions is not included."""
     run = Segmenter(config)
     run(frame)
     tracemalloc.start()
@@ -45,16 +44,20 @@ def measure_memory(frame: Frame, config: Config) -> Memory:
 
 @dataclass(frozen=True, slots=True)
 class Throughput:
-    """Frames per second of each repeat, and the median ratio of two threads, with one Segmenter each, to one thread."""
+    """Throughput with one and with two threads."""
 
     frames: int
+    """Number of frames per thread and repeat."""
     one_thread: list[float]
+    """Frames per second with one thread, in each repeat."""
     two_threads: list[float]
+    """Frames per second with two threads, in each repeat."""
     ratio: float
+    """Throughput with two threads divided by the throughput with one thread, median over repeats."""
 
 
 def measure_throughput(frame: Frame, config: Config, frames: int, repeats: int, tell: Tell = silent) -> Throughput:
-    """Measure throughput: each thread segments `frames` frames. Runs with one and with two threads alternate."""
+    """Measure the throughput in frames per second. Each thread segments `frames` frames with its own `Segmenter`."""
     kept = [Segmenter(config), Segmenter(config)]
     rates: dict[int, list[float]] = {1: [], 2: []}
     with ThreadPoolExecutor(2) as pool:
@@ -76,17 +79,22 @@ def _many(run: Segmenter, frame: Frame, frames: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Wall time of frames in a row, ms. samples: raw times."""
+    """Wall time per frame, ms."""
 
     frames: int
+    """Number of measured frames."""
     median_ms: float
+    """Median wall time per frame, ms."""
     p99_ms: float
+    """99th percentile of the wall time per frame, ms."""
     worst_ms: float
+    """Maximum wall time per frame, ms."""
     samples: list[float]
+    """Wall time of each frame, ms."""
 
 
 def measure_latency(frame: Frame, config: Config, frames: int, tell: Tell = silent) -> Latency:
-    """Measure one thread with one Segmenter, after one frame that does not count."""
+    """Measure the wall time of each frame in one thread. One frame is segmented before the measurement to warm up."""
     run = Segmenter(config)
     run(frame)
     times: list[float] = []

@@ -1,4 +1,4 @@
-"""Growth of the time with the number of pixels."""
+"""Measurement of the CPU time as a function of the number of pixels."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ VGA, FULL_HD = (640, 480), (1920, 1080)
 
 @dataclass(frozen=True, slots=True)
 class Growth:
-    """Times of one contestant at all sizes.
-
-    cpu_ms: median of each size. pixels: t = c N^p. pixels_log: t = c (N log N)^p. Both are None for a single size.
-    hd_per_vga: CPU time per pixel at 1920x1080 relative to 640x480, None if one of them was not run. samples: raw times
-    of each size.
-    """
+    """CPU times of one function at several image sizes."""
 
     cpu_ms: list[float]
+    """Median CPU time at each image size, ms."""
     pixels: PowerLaw | None
+    """Fit of the CPU time t = c N^p for N pixels, None for a single image size."""
     pixels_log: PowerLaw | None
+    """Fit of the CPU time t = c (N log N)^p for N pixels, None for a single image size."""
     hd_per_vga: float | None
+    """CPU time per pixel at 1920x1080 divided by CPU time per pixel at 640x480, or None if not measured."""
     samples: list[list[Sample]]
+    """Measured times of all runs at each image size."""
 
 
 def rescaled(frame: Frame, size: Size) -> Frame:
-    """Return the frame at another size: colour averaged or interpolated, depth of the nearest pixel, camera scaled."""
+    """Resize a frame and its camera. Colour is averaged or interpolated, and depth is taken from the nearest pixel."""
     width, height = size
     shrinks = width * height < frame.depth.size
     color = cv2.resize(frame.color, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)
@@ -50,8 +50,9 @@ def rescaled(frame: Frame, size: Size) -> Frame:
 
 
 def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: Tell = silent) -> dict[str, Growth]:
-    """Time TABLE, SHELF and the first peer that segments, each at all sizes in each round. Without sizes, return
-    nothing.
+    """Time the presets TABLE and SHELF, and one segmentation function of another library, at each image size.
+
+    Return the times, indexed by the name of the timed function.
     """
     if not sizes:
         return {}
@@ -71,7 +72,7 @@ def study(frame: Frame, sizes: Sequence[Size], rounds: int, peers: Peers, tell: 
 
 
 def growth(sizes: Sequence[Size], samples: list[list[Sample]]) -> Growth:
-    """Return the statistics of one contestant from its raw samples of each size."""
+    """Fit the CPU time of a function to the number of pixels. samples: measured times at each image size."""
     cpu = [summarise(s).cpu_ms for s in samples]
     pixels = [float(width * height) for width, height in sizes]
     several = len(set(pixels)) > 1

@@ -1,4 +1,4 @@
-"""Times of each stage of our method, measured by the stopwatch of `spigolo.clock`."""
+"""Times of each stage of the segmentation, measured with `spigolo.clock.stopwatch`."""
 
 from __future__ import annotations
 
@@ -14,15 +14,18 @@ STAGES = (
     "support plane", "depth", "edges", "contours", "cues", "colour", "weights", "partition", "merging", "joining",
     "scene", "objects", "outlines",
 )  # fmt: skip
-"""Names of the stages of `pipeline.trace`, in order. A configuration without a stage has no time for it."""
+"""Names of the stages of `pipeline.trace`, in the order in which they run."""
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}
-"""Parts of stages, and the stage of each part."""
+"""Steps that are also timed separately, and the stage that contains each step."""
 
 
 def time_stages(
     frame: Frame, configs: Mapping[str, Config], rounds: int, tell: Tell = silent
 ) -> dict[str, dict[str, list[Sample]]]:
-    """Return one sample per round, indexed by configuration and stage, including PARTS. The first round warms up."""
+    """Measure the time of each stage in each round, after one warm-up round.
+
+    The result is indexed by configuration and stage.
+    """
     segmenters = {name: Segmenter(config) for name, config in configs.items()}
     samples: dict[str, dict[str, list[Sample]]] = {name: {} for name in configs}
     for k in range(rounds + 1):

@@ -1,4 +1,4 @@
-"""Time from the start of a process to its first labels."""
+"""Time from the start of a Python process to its first segmentation."""
 
 from __future__ import annotations
 
@@ -34,19 +34,20 @@ print(json.dumps([time.time(), cv2_s]))
 
 @dataclass(frozen=True, slots=True)
 class Startup:
-    """Wall time from the start of a process to its first labels and its part for `import cv2`, medians in s.
-
-    cold_s: the same time, measured once without compiled kernels. None if it was not measured.
-    """
+    """Start-up time: wall time from the start of a Python process to its first segmentation, s."""
 
     warm_s: float
+    """Median start-up time with compiled kernels in the cache, s."""
     opencv_s: float
+    """Median time of `import cv2`, s."""
     cold_s: float | None
+    """Start-up time without compiled kernels, s, or None if not measured."""
     samples: list[tuple[float, float]]
+    """Start-up time and time of `import cv2` in each repeat, s."""
 
 
 def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent) -> Startup:
-    """Measure new processes that segment a frame from .npy files with OBJECTS, with compiled kernels."""
+    """Measure the start-up time of new Python processes that load a frame and segment it with the preset `OBJECTS`."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         np.save(folder / "color.npy", frame.color)
@@ -65,7 +66,7 @@ def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent)
 
 
 def _start(words: list[str], cache: Path | None = None) -> tuple[float, float]:
-    """Return the seconds to the first labels, and the seconds of `import cv2`."""
+    """Start one Python process. Return its start-up time and its time of `import cv2`, both in seconds."""
     surroundings = dict(os.environ) if cache is None else os.environ | {"SPIGOLO_CACHE_DIR": str(cache)}
     start = time.time()
     done = subprocess.run(

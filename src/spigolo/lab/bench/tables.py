@@ -1,4 +1,4 @@
-"""Tables of a report."""
+"""Tables of a benchmark report."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PAIRED = "CPU time; median of the ratios within each round."
 
 
 def tables(report: Report) -> Iterator[Table]:
-    """Yield all tables of a report, the machine first."""
+    """Yield all tables of a benchmark report."""
     yield machine_table(report)
     for contest in report.contests:
         yield times_table(contest)
@@ -32,7 +32,7 @@ def tables(report: Report) -> Iterator[Table]:
 
 
 def machine_table(report: Report) -> Table:
-    """Return machine, versions, and missing packages."""
+    """Return the table of the machine, the package versions and the missing packages."""
     machine = report.machine
     rows = [
         ("processor", f"{machine.cpu}, {machine.cores} cores"),
@@ -45,7 +45,7 @@ def machine_table(report: Report) -> Table:
 
 
 def times_table(contest: Contest) -> Table:
-    """Return the times of every contestant."""
+    """Return the table with the CPU and wall times of every timed function, in milliseconds."""
     rows = [
         (name, _ms(s.cpu_ms), _ms(s.cpu_min_ms), _ms(s.wall_ms), _ms(s.wall_min_ms))
         for name, s in contest.summaries.items()
@@ -56,7 +56,7 @@ def times_table(contest: Contest) -> Table:
 
 
 def ratio_table(contest: Contest) -> Table:
-    """Return one row for each preset, and one column for each other method that segments."""
+    """Return the table of CPU time ratios, with one row per preset and one column per other segmentation method."""
     ratios = {(pair.ours, pair.peer): pair.ratio for pair in contest.comparisons if pair.ours in CONFIGS}
     peers = list(dict.fromkeys(peer for _, peer in ratios))
     rows = [(name, *(f"{ratios[name, peer]:.2f}" for peer in peers)) for name in CONFIGS]
@@ -64,7 +64,7 @@ def ratio_table(contest: Contest) -> Table:
 
 
 def overall_table(contests: Sequence[Contest]) -> Table:
-    """Return the ratios of several frames in one table."""
+    """Return the table of CPU time ratios over all frames: median, minimum and maximum."""
     ratios: dict[tuple[str, str], list[float]] = {}
     for pair in (pair for contest in contests for pair in contest.comparisons):
         ratios.setdefault((pair.ours, pair.peer), []).append(pair.ratio)
@@ -74,14 +74,14 @@ def overall_table(contests: Sequence[Contest]) -> Table:
 
 
 def parts_table(contest: Contest) -> Table:
-    """Return the parts of our method that other libraries have too."""
+    """Return the table that compares single steps, such as saliency, with the same steps of other libraries."""
     rows = [(pair.ours, pair.peer, f"{pair.ratio:.2f}") for pair in contest.comparisons if pair.ours not in CONFIGS]
     title = f"{_title(contest)}: parts"
     return _table(title, ("ours", "theirs", "how many times our time"), rows, PAIRED, text=2)
 
 
 def growth_table(report: Report) -> Table:
-    """Return CPU times of each size, and exponents."""
+    """Return the table of CPU times at each image size, with the fitted exponents."""
     sizes = [f"{width}x{height}" for width, height in report.plan.sizes]
     header = ("CPU ms", *sizes, "p of N^p", "p of (N log N)^p", "1080p : VGA")
     rows = [
@@ -102,7 +102,7 @@ def growth_table(report: Report) -> Table:
 
 
 def stage_table(report: Report) -> Table:
-    """Return CPU times of each stage, and of the parts of the cues."""
+    """Return the table of median CPU times of each stage, in milliseconds."""
     names = list(report.stages)
     rows = []
     for stage in (s for whole in STAGES for s in (whole, *(part for part, of in PARTS.items() if of == whole))):
@@ -114,7 +114,7 @@ def stage_table(report: Report) -> Table:
 
 
 def memory_table(report: Report) -> Table:
-    """Return the memory in bytes per pixel."""
+    """Return the table of memory use, in bytes per pixel."""
     rows = []
     for name in CONFIGS:
         m = report.memory[name]
@@ -125,7 +125,7 @@ def memory_table(report: Report) -> Table:
 
 
 def rest_table(report: Report) -> Table:
-    """Return throughput, latency, and start-up."""
+    """Return the table of throughput, latency and start-up time."""
     t, s = report.throughput, report.startup
     rows = [
         ("one thread", f"{median(t.one_thread):.1f} frames/s"),
@@ -142,7 +142,7 @@ def rest_table(report: Report) -> Table:
 
 
 def markdown(report: Report) -> str:
-    """Return all tables as Markdown."""
+    """Format a benchmark report as Markdown."""
     return to_markdown(Page("Benchmark", list(tables(report))))
 
 
@@ -163,7 +163,10 @@ def _ms(value: float) -> str:
 
 
 def _exponent(law: PowerLaw | None, sizes: int) -> str:
-    """Return the exponent with the residual of the fit. The residual is 0 for two points."""
+    """Format the fitted exponent with the residual of the fit.
+
+    The residual is left out for two image sizes, where it is 0.
+    """
     if law is None:
         return "-"
     return f"{law.exponent:.3f} ± {law.residual:.1%}" if sizes > 2 else f"{law.exponent:.3f}"

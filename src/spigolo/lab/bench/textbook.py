@@ -1,4 +1,7 @@
-"""Textbook merging: a stable sort of all edges, then union-find. `regions.partition` must give the same result."""
+"""Reference implementation of graph-based segmentation: a stable sort of all graph edges, then union-find.
+
+The function `regions.partition` must give the same regions.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,10 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 
 def sort_and_merge(graph: Graph, gamma: float) -> npt.NDArray[np.int32]:
-    """Return the regions (H, W) of eqs. 2, 3, numbered by first pixel, without joining small ones."""
+    """Segment a graph with equations 2 and 3 of the paper.
+
+    Return region labels (H, W), numbered from 0 by their first pixel.
+    """
     planes, height, width = graph.weights.shape
     flat = graph.weights.reshape(-1)
     order = np.argsort(flat, kind="stable")
@@ -32,7 +38,7 @@ def _find(parent: Any, node: int) -> Any:
 
 @numba.njit(nogil=True, error_model="numpy")  # type: ignore[untyped-decorator]
 def _merge(weights: Any, order: Any, steps: Any, gamma: float, labels: Any) -> None:
-    """Merge over the sorted edges. Edges of +inf come last and are ignored."""
+    """Merge pixels along the graph edges in the given order. Edges with an infinite weight are ignored."""
     pixels = labels.size
     parent, size = np.arange(pixels, dtype=np.int32), np.ones(pixels, np.int32)
     bound = np.full(pixels, gamma)

@@ -1,4 +1,7 @@
-"""Rounds of timing. Each contestant runs once per round, in random order, so that disturbances affect all."""
+"""Timing of several functions in rounds.
+
+Each function runs once per round, in random order, so that other load on the machine affects all functions equally.
+"""
 
 from __future__ import annotations
 
@@ -8,31 +11,39 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 Tell = Callable[[str, float], None]
-"""Function that is called with the current measurement and the share that is done, 0..1."""
+"""Progress callback.
+
+The arguments of the callback are the name of the current measurement and the finished share of the work, 0..1.
+"""
 
 
 LEAST_MS = 1e-3
-"""Minimum time in ms, as times are divisors and a coarse clock may give 0."""
+"""Minimum time of a sample, ms.
+
+Measured times below this value are set to this value, to avoid a division by zero.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """Times of one run. cpu_ms: CPU time of the whole process, including all threads. wall_ms: wall time."""
+    """Times of one run, ms."""
 
     cpu_ms: float
+    """CPU time of all threads of the process, ms."""
     wall_ms: float
+    """Wall time, ms."""
 
 
 Run = Callable[[], Sample]
-"""Function that runs a contestant once and returns its times."""
+"""Function that does one timed run and returns its CPU and wall time."""
 
 
 def silent(what: str, done: float) -> None:
-    """Report nothing."""
+    """Ignore the reported progress. This function is the default progress callback."""
 
 
 def timed(work: Callable[[], object]) -> Run:
-    """Return a contestant that runs work in this process."""
+    """Return a function that calls `work` once and returns its CPU and wall time."""
 
     def run() -> Sample:
         wall, cpu = time.perf_counter(), time.process_time()
@@ -46,7 +57,10 @@ def timed(work: Callable[[], object]) -> Run:
 def run_rounds(
     contestants: Mapping[str, Run], rounds: int, tell: Tell = silent, what: str = "", seed: int = 0
 ) -> dict[str, list[Sample]]:
-    """Return the samples of each contestant in all rounds, after one warm-up run."""
+    """Time several functions in rounds, after one warm-up run each.
+
+    Return the times of each function, with one sample per round.
+    """
     samples: dict[str, list[Sample]] = {name: [] for name in contestants}
     order, rng = list(contestants), random.Random(seed)
     for k in range(rounds + 1):

@@ -1,7 +1,11 @@
-"""Labelled frames as data sets keep them on disk: one small class a layout, its docstring is the format.
+"""Readers and writers of labelled RGB-D data sets, with one class per file layout.
 
-for entry in guess("rgbd-scenes"):
-    frame, truth = entry.read_both()
+The docstring of each class or of its module describes the layout.
+
+Read all frames of a data set with their ground truth::
+
+    for entry in guess("rgbd-scenes"):
+        frame, truth = entry.read_both()
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Data sets in the BOP format: ruapc, icmi, ycbv, hope, ..., see `docs/bop_datasets_format.md` of bop_toolkit.
+"""Reader of data sets in the BOP format, such as ruapc, icmi, ycbv and hope.
 
     DATASET/
       models/obj_000001.ply                       millimetres
@@ -9,9 +9,11 @@
         depth/000000.png (or .tif)                16 bits, 0 = missing
         mask_visib/000000_000000.png              image, then position in the list of scene_gt; 0 and 255
 
-Labels are positions in the list plus 1. Without mask_visib, masks are rendered from models and poses.
-Only some sets label every object. A set counts as `part` unless `full` names it. The frames of one scene are
-near-identical.
+The file `docs/bop_datasets_format.md` of bop_toolkit defines the format. Label k is the k-th object in the list of
+scene_gt.json. If the folder mask_visib is missing, masks are rendered from models and poses.
+
+Some objects are assumed to be unlabelled (`part`), unless a pattern in `full` matches the name of the data set. The
+frames of one scene form a group of near-identical frames.
 """
 
 from __future__ import annotations
@@ -36,36 +38,46 @@ from spigolo.lab.datasets.sample import Instance
 from spigolo.lab.datasets.visibility import visible_labels
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
-"""Folders of scenes, in order of preference. The first existing one is read."""
+"""Patterns of folders with scenes, in order of preference. Only the first matching folder that contains scenes is read.
+"""
 
 Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
-"""Pose as obj_id, cam_R_m2c, cam_t_m2c in millimetres."""
+"""Object pose as stored in BOP: obj_id, rotation matrix cam_R_m2c (9 numbers), translation cam_t_m2c (3 numbers, mm).
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class BopImage(Entry):
-    """Image of a scene. intrinsics: cam_K. depth_scale: metres per unit."""
+    """Image of a BOP scene."""
 
     scene: Path
     image: int
     intrinsics: tuple[float, ...]
+    """Camera matrix as 9 numbers, row by row."""
     depth_scale: float
+    """Metres per unit of the stored depth image."""
     poses: tuple[Pose, ...]
     color: Path
     depth: Path
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Paths of colour, depth, and masks or models."""
+        """Paths of the colour image, the depth image, and the masks or object models."""
         return self.color, self.depth, *(self._masks or (self._model(obj_id) for obj_id, _, _ in self.poses))
 
     def read(self) -> Frame:
-        """Return the frame. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
         depth = read_depth(self.depth)
         return Frame(read_color(self.color), depth, self.intrinsics, self.name, depth_scale=self.depth_scale)
 
     def read_truth(self) -> Truth | None:
-        """Return the visible masks, stored or rendered. Raises FileError or FrameError."""
+        """Return the ground truth from stored masks, or from masks rendered from models and poses.
+
+        Raises FileError or FrameError for missing or invalid files.
+        """
         if self.labelling == "none":
             return None
         instances = self.read_instances()
@@ -73,7 +85,7 @@ class BopImage(Entry):
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: i.model for i in instances})
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Return the objects with their poses."""
+        """Return the labelled objects with their poses."""
         return tuple(
             Instance(label, f"obj_{obj_id:06d}", _matrix(rotation, translation))
             for label, (obj_id, rotation, translation) in enumerate(self.poses, start=1)
@@ -81,7 +93,7 @@ class BopImage(Entry):
 
     @property
     def _masks(self) -> tuple[Path, ...]:
-        """Return the paths of the masks, () if the scene has none."""
+        """Return the paths of the stored masks, or an empty tuple if the scene has no masks."""
         folder = self.scene / "mask_visib"
         if not folder.is_dir():
             return ()
@@ -91,7 +103,10 @@ class BopImage(Entry):
         return self.scene.parents[1] / "models" / f"obj_{obj_id:06d}.ply"
 
     def _stored_labels(self) -> npt.NDArray[np.int32]:
-        """Return labels from stored masks. If masks overlap, the later object gets the pixels."""
+        """Return labels (H, W) from stored masks.
+
+        If masks overlap, the pixels get the label of the object that is later in scene_gt.json.
+        """
         labels = None
         for label, path in enumerate(self._masks, start=1):
             mask = read_labels(path)
@@ -110,7 +125,7 @@ class BopImage(Entry):
 
 
 class Bop(DataSet):
-    """Data set in BOP's layout. split: folder of scenes, such as "test"."""
+    """Data set in the BOP layout. split: name of the folder with the scenes, such as "test"."""
 
     layout = "scenes with scene_camera.json, rgb/ and depth/ (BOP: DATASET/test/000001/)"
 
@@ -120,7 +135,7 @@ class Bop(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if a folder of scenes has a scene_camera.json."""
+        """Return True if the folder is a BOP data set, which has files scene_camera.json."""
         return _split(folder, None) is not None
 
     def _find(self) -> Iterator[Entry]:

@@ -1,4 +1,4 @@
-"""Writer of the BOP layout for `spigolo.lab.datasets.bop`: models in millimetres, frames, poses, and masks."""
+"""Writer of data sets in the BOP layout, which `spigolo.lab.datasets.bop` reads."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ from spigolo.lab.datasets.sample import Instance, Model, Sample
 from spigolo.lab.datasets.visibility import render_depth
 
 FINE_MM, COARSE_MM = 0.1, 1.0
-"""Units of stored depth, mm. The finer one is used if 16 bits reach far enough."""
+"""Depth units of stored depth images, mm. The fine unit is used if the largest depth fits into 16 bits."""
 FULL = 65535
 
 
 def write_models(folder: Path, models: Sequence[Model]) -> None:
-    """Write obj_000001.ply and so on, and models_info.json with the sizes, in millimetres."""
+    """Write the object models as obj_000001.ply, obj_000002.ply, ..., and their sizes in millimetres as
+    models_info.json.
+    """
     sizes = {}
     for obj_id, model in enumerate(models, start=1):
         write_model(folder / f"obj_{obj_id:06d}.ply", model, MILLIMETRES)
@@ -34,14 +36,14 @@ def write_models(folder: Path, models: Sequence[Model]) -> None:
 
 
 def write_description(folder: Path, models: Sequence[Model], about: str) -> None:
-    """Write dataset_info.md with a description of the set and its numbered objects."""
+    """Write dataset_info.md with a description of the data set and a list of its objects."""
     objects = [f"- {obj_id}: {model.name}" for obj_id, model in enumerate(models, start=1)]
     lines = [f"# {folder.name}: rendered frames, no photographs", "", about, "", "Objects:", "", *objects, ""]
     write_bytes(folder / "dataset_info.md", "\n".join(lines).encode())
 
 
 class SceneFiles:
-    """Files of a scene. `close` writes the JSON files. Readers reject a scene without them."""
+    """Writer of one BOP scene. Call `close` after the last frame to write the JSON files, which readers require."""
 
     def __init__(self, folder: Path, models: Sequence[Model]) -> None:
         self._folder = folder
@@ -51,7 +53,10 @@ class SceneFiles:
         self._info: dict[str, Any] = {}
 
     def write(self, image: int, sample: Sample) -> None:
-        """Write the images of one sample. Raises FileError or FrameError."""
+        """Write the colour image, depth image and masks of one frame.
+
+        Raises FileError if a file cannot be written. Raises FrameError if a frame does not fit the file layout.
+        """
         frame, key = sample.frame, str(image)
         if frame.camera is None or key in self._cameras:
             raise FrameError(f"expected frame {frame.name} once in its scene and with a camera, got another")
@@ -79,7 +84,7 @@ class SceneFiles:
         }
 
     def _masks(self, image: int, number: int, instance: Instance, sample: Sample) -> dict[str, Any]:
-        """Write the full and the visible mask of an object. Return its boxes and pixel counts."""
+        """Write the full mask and the visible mask of an object. Return the boxes and pixel counts of both masks."""
         camera = sample.frame.camera
         assert camera is not None
         whole = render_depth(self._models[instance.model][1], instance.pose, camera) > 0
@@ -98,7 +103,10 @@ class SceneFiles:
 
 
 def _box(mask: Mask) -> list[int]:
-    """Return x, y, width, height of a mask. All are -1 for an empty mask, as in BOP."""
+    """Return the bounding box x, y, width, height of a mask in pixels.
+
+    All four values are -1 for an empty mask, as in BOP.
+    """
     y, x = np.nonzero(mask)
     if not x.size:
         return [-1, -1, -1, -1]
@@ -106,7 +114,7 @@ def _box(mask: Mask) -> list[int]:
 
 
 def _diameter(model: Model) -> float:
-    """Return the largest distance between two vertices."""
+    """Return the largest distance between two vertices of a model, metres."""
     points = np.unique(model.vertices_m, axis=0)
     blocks = (points[k : k + 256] for k in range(0, len(points), 256))
     return max(float(np.linalg.norm(block[:, None] - points, axis=2).max()) for block in blocks)

@@ -1,7 +1,8 @@
-"""Bounding boxes of UW RGB-D Scenes v1: MATLAB files (version 5) with a variable `bboxes`.
+"""Bounding boxes of the data set UW RGB-D Scenes v1, stored in MATLAB files (version 5).
 
-The variable is a 1 x N cell array with one cell per frame, from frame 1. A cell is empty or a struct array with the
-fields category (text), instance (number), top, bottom, left, right (pixels, counted from 1, inclusive).
+The variable `bboxes` in the file is a 1 x N cell array with one cell per frame. A cell is empty or a struct array with
+the fields category (text), instance (number), top, bottom, left and right. Box limits are in pixels, counted from 1,
+and inclusive.
 """
 
 from __future__ import annotations
@@ -24,10 +25,12 @@ FIELDS = ("category", "instance", "top", "bottom", "left", "right")
 
 @dataclass(frozen=True, slots=True)
 class ObjectBox:
-    """Box of an object: rows top..bottom - 1 and columns left..right - 1 from 0, so that image[top:bottom, ...]."""
+    """Bounding box of an object, the pixels image[top:bottom, left:right]."""
 
     category: str
+    """Class of the object, such as "soda_can"."""
     instance: int
+    """Number of the object in its class."""
     top: int
     bottom: int
     left: int
@@ -35,7 +38,10 @@ class ObjectBox:
 
 
 def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
-    """Return the boxes of frame `number`, from 1. Raises FileError."""
+    """Read the bounding boxes of one frame.
+
+    number: frame number, counted from 1. Raises FileError if the file cannot be read.
+    """
     frames = _read_all(path)
     if not 1 <= number <= len(frames):
         raise FileError(f"expected boxes of frame {number} in {path}, got those of {len(frames)} frames")
@@ -43,13 +49,16 @@ def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
 
 
 def box_of(category: str, instance: int, mask: Mask) -> ObjectBox:
-    """Return the smallest box around a mask (H, W) that is not empty."""
+    """Return the smallest bounding box around a mask (H, W). The mask must not be empty."""
     y, x = np.nonzero(mask)
     return ObjectBox(category, instance, int(y.min()), int(y.max()) + 1, int(x.min()), int(x.max()) + 1)
 
 
 def boxes_to_mat(frames: Mapping[int, Sequence[ObjectBox]]) -> bytes:
-    """Return the MATLAB file with the boxes of each frame, indexed by frame number from 1."""
+    """Return the content of a MATLAB file with the bounding boxes.
+
+    frames: boxes, indexed by frame number, counted from 1.
+    """
     cell = np.empty((1, max(frames, default=0)), object)
     for k in range(cell.shape[1]):
         boxes = frames.get(k + 1, ())

@@ -1,4 +1,4 @@
-"""Catalogue of published data sets that `spigolo.lab.datasets` reads: address, licence, size."""
+"""List of published data sets that `spigolo.lab.datasets` can read, with URL, licence and size."""
 
 from __future__ import annotations
 
@@ -12,30 +12,32 @@ BOP_HOME = "https://bop.felk.cvut.cz/media/data/bop_datasets"
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """Zip file of a data set. sha256: hash of the file. into: folder to unpack into, "" for the folder of the set."""
+    """Zip file of a data set."""
 
     url: str
     sha256: str
+    """SHA-256 hash of the zip file."""
     into: str
+    """Subfolder to extract the zip file into, empty for the download folder itself."""
 
     @property
     def file_name(self) -> str:
-        """Return the last part of the address."""
+        """Return the file name, which is the last part of the URL."""
         return self.url.rpartition("/")[2]
 
 
 @dataclass(frozen=True, slots=True)
 class KnownSet:
-    """Published data set. home: its address. archives: files that can be fetched and verified, () without known
-    hashes.
-    """
+    """Published data set."""
 
     name: str
     title: str
     licence: str
     size: str
     home: str
+    """Address of the data set's web page."""
     archives: tuple[Archive, ...] = ()
+    """Zip files to download, empty if their hashes are unknown."""
 
 
 KNOWN_SETS = (
@@ -122,7 +124,7 @@ KNOWN_SETS = (
 
 
 def known_set(name: str) -> KnownSet:
-    """Return the data set of a name. Raises ConfigError, which lists the names."""
+    """Return the published data set with this name. Raises ConfigError for an unknown name."""
     found = next((known for known in KNOWN_SETS if known.name == name.lower().replace("_", "-")), None)
     if found is None:
         raise ConfigError(f"expected one of {', '.join(known.name for known in KNOWN_SETS)}, got {name!r}")

@@ -1,6 +1,6 @@
-"""Interface of data sets: a sized sequence of entries. An entry is a frame before it is read, with its properties.
+"""Base classes of data set readers. A data set is a sequence of entries, and an entry refers to the files of one frame.
 
-Letters used in shapes: H, W = image.
+Letters in array shapes: H, W = image height and width.
 """
 
 from __future__ import annotations
@@ -24,52 +24,56 @@ from spigolo.frames.scale import check_scale
 from spigolo.lab.datasets.sample import Instance, Sample
 
 Labelling = Literal["full", "part", "none"]
-"""Extent of the labels in a frame: every object, some objects, or none."""
+"""Labelled objects in a frame: all objects (`full`), some objects (`part`) or no objects (`none`)."""
 
 FULL_SETS = ("osd-*", "hand-uoc")
-"""Patterns of data sets in which every object is labelled, for layouts that do not say it."""
+"""Name patterns of data sets in which every object is known to be labelled."""
 MILLIMETRES = 0.001
 RENDERED = "rendered.json"
-"""Name of the file that marks a set of rendered frames."""
+"""Name of the file that marks a data set of rendered frames."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """Ground truth. labels (H, W): 0 = background, other values = objects. ignore (H, W) bool: pixels not evaluated.
-
-    names: object names indexed by label, if the set has them.
-    """
+    """Ground truth of a frame."""
 
     labels: npt.NDArray[np.integer[Any]]
+    """Label image (H, W), 0 = background, other values = objects."""
     ignore: Mask
+    """Mask (H, W) of pixels to leave out of the evaluation."""
     names: Mapping[int, str] = field(default_factory=dict)
+    """Object names, indexed by label, empty if the data set has no names."""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry(ABC):
-    """Frame of a data set before it is read. An entry is small and can be sent to other processes.
-
-    data_set and name: unique together. group: name shared by near-identical frames, such as those of one video.
-    """
+    """Reference to one frame of a data set, without its images. Entries can be pickled and sent to other processes."""
 
     data_set: str
+    """Name of the data set."""
     name: str
+    """Name of the frame in its data set."""
     group: str
+    """Name shared by all frames of a group of near-identical frames, for example the frames of one video."""
     labelling: Labelling
+    """Labelled objects: all objects (`full`), some objects (`part`) or no objects (`none`)."""
 
     @property
     @abstractmethod
     def files(self) -> tuple[Path, ...]:
-        """Paths of all files that the entry needs, ground truth last."""
+        """Paths of all files of the frame. Files with ground truth are last."""
 
     @property
     def reading(self) -> str:
-        """Return the settings outside the files that affect the labels. "" for ordinary sets."""
+        """Return the reader's settings that change the labels, as text. The text is empty for default settings."""
         return ""
 
     @property
     def content(self) -> str:
-        """Return a checksum of the files and `reading`, eight hexadecimal digits. Raises FileError."""
+        """Return a checksum of the frame's files and of `reading`, as eight hexadecimal digits.
+
+        Raises FileError if a file cannot be read.
+        """
         value = zlib.crc32(self.reading.encode())
         for path in self.files:
             try:
@@ -80,18 +84,27 @@ class Entry(ABC):
 
     @abstractmethod
     def read(self) -> Frame:
-        """Return the frame. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
 
     @abstractmethod
     def read_truth(self) -> Truth | None:
-        """Return the labels. None without labels. Raises FileError or FrameError."""
+        """Read the ground truth.
+
+        Return None if the frame has no labels. Raises FileError or FrameError for missing or invalid files.
+        """
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Return the objects with their poses. () without poses. Raises FileError."""
+        """Read the labelled objects with their poses.
+
+        The result is empty if the data set has no poses. Raises FileError if a file cannot be read.
+        """
         return ()
 
     def read_both(self) -> tuple[Frame, Truth | None]:
-        """Return frame and labels. Raises FrameError also if their sizes differ."""
+        """Read the frame and its ground truth. Raises FrameError if the images have different sizes."""
         frame, truth = self.read(), self.read_truth()
         if truth is not None and truth.labels.shape != frame.shape:
             raise FrameError(
@@ -101,7 +114,10 @@ class Entry(ABC):
         return frame, truth
 
     def read_sample(self) -> Sample:
-        """Return frame, labels and poses. `labels` is 0 for a frame without labels, and for ignored pixels."""
+        """Read the frame with labels and object poses.
+
+        Labels are 0 at ignored pixels, and everywhere in frames without ground truth.
+        """
         frame, truth = self.read_both()
         labels = np.zeros(frame.shape, np.int32) if truth is None else truth.labels
         return Sample(frame, labels, self.read_instances())
@@ -109,40 +125,47 @@ class Entry(ABC):
 
 @dataclass(frozen=True, slots=True)
 class ImageEntry(Entry):
-    """Colour image with a depth image. depth_scale: metres per stored unit. Subclasses add labels."""
+    """Frame stored as a colour image and a depth image.
+
+    Subclasses add ground truth.
+    """
 
     color: Path
     depth: Path
     camera: Camera | None
     depth_scale: float
+    """Metres per unit of the stored depth image."""
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Paths of colour and depth."""
+        """Paths of the colour image and the depth image."""
         return self.color, self.depth
 
     def read(self) -> Frame:
-        """Return the frame. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
         return Frame(
             read_color(self.color), read_depth(self.depth), self.camera, self.name, depth_scale=self.depth_scale
         )
 
     def read_truth(self) -> Truth | None:
-        """Return None, as there are no labels."""
+        """Return None, because the frame has no labels."""
         return None
 
 
 class DataSet(ABC):
-    """Entries of a folder. Entries are found when the data set is opened, and frames are read on request.
+    """Sequence of the frames in a folder. The constructor searches for files, and images are read by `Entry.read`.
 
-    full: patterns such as "osd-*" of data sets in which every object is labelled, for layouts that do not say it.
-    Raises FileError if the folder does not match `layout`, or if an entry lacks a file.
+    full: name patterns, such as "osd-*", of data sets in which every object is labelled. Raises FileError if the folder
+    does not have this file layout, or if a file of a frame is missing.
     """
 
     layout: ClassVar[str]
-    """Description of the folder's content, for messages."""
+    """Description of the file layout, for error messages."""
     mend: ClassVar[str] = "fetch or unpack the set again"
-    """Advice if a file is missing."""
+    """Advice in the error message for a missing file."""
 
     def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS) -> None:
         self.folder = existing_folder(folder)
@@ -155,15 +178,15 @@ class DataSet(ABC):
     @classmethod
     @abstractmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder looks like this layout."""
+        """Return True if the folder seems to have this file layout."""
 
     @abstractmethod
     def _find(self) -> Iterable[Entry]:
-        """Yield the entries in their order."""
+        """Yield the frames of the folder in their order."""
 
     @property
     def rendered(self) -> bool:
-        """Return True if the frames are rendered stand-ins."""
+        """Return True if the frames are rendered."""
         return (self.folder / RENDERED).is_file()
 
     def __len__(self) -> int:
@@ -176,19 +199,29 @@ class DataSet(ABC):
         return self._entries[number]
 
     def _named(self, name: str) -> str:
-        """Return the name of the set. Stand-ins have a different name."""
+        """Return the name of the data set, with the suffix "-rendered" for rendered frames."""
         return f"{name}-rendered" if self.rendered else name
 
     def _labelled(self, data_set: str) -> Labelling:
-        """Return the extent of the labels, by the patterns in `full`."""
+        """Return "full" if a pattern in `full` matches the name of the data set, else "part"."""
         return "full" if any(fnmatch(data_set, pattern) for pattern in self._full) else "part"
 
     def _camera(self, usual: Camera, scale: float, folder: Path | None = None) -> tuple[Camera, float]:
-        """Return camera and depth_scale from camera.json in the set's folder, or else the known ones of the set.
+        """Return the camera and the depth scale (metres per unit) from camera.json, or the given defaults if the file
+        is missing.
 
-        folder: another folder that is searched first, such as that of a sequence. Raises CameraError for an impossible
-        scale. Raises FileError for distortion, because labels of a published set would not be undistorted with its
-        images.
+        Raises CameraError for an impossible scale. Raises FileError for a camera with distortion, because only images
+        would be undistorted, not labels.
+
+        Parameters
+        ----------
+        usual
+            Camera to return if there is no file camera.json.
+        scale
+            Depth scale to return if there is no file camera.json, metres per unit.
+        folder
+            Folder in which camera.json is searched first, before the folder of the data set.
+
         """
         places = [place / "camera.json" for place in (folder, self.folder) if place is not None]
         path = next((place for place in places if place.is_file()), None)
@@ -203,14 +236,14 @@ class DataSet(ABC):
 
 
 def existing_folder(folder: Path | str) -> Path:
-    """Return the absolute path of a folder. Raises FileError if it does not exist."""
+    """Return the absolute path of a folder. Raises FileError if the folder does not exist."""
     if not Path(folder).is_dir():
         raise FileError(f"expected a folder of frames, but there is no folder {folder}")
     return Path(folder).resolve()
 
 
 def _require_files(entries: Iterable[Entry], mend: str) -> None:
-    """Raise FileError for an incomplete download, before any frame is read."""
+    """Raise FileError if a file of a frame is missing, for example after an incomplete download."""
     lacking = [(entry, path) for entry in entries for path in entry.files if not path.is_file()]
     if lacking:
         entry, path = lacking[0]

@@ -1,6 +1,8 @@
-"""Download of data sets. An interrupted download continues, and each archive is verified by its hash and unpacked.
+"""Download of published data sets.
 
-The folder of the data set is created when the data set is complete.
+An interrupted download can be continued. Archives are verified by their SHA-256 hash.
+
+The folder of a data set is created only after all archives have been downloaded and extracted.
 """
 
 from __future__ import annotations
@@ -20,19 +22,23 @@ from spigolo.errors import FileError
 from spigolo.lab.datasets.catalogue import Archive, KnownSet
 
 Tell = Callable[[str, int, int | None], None]
-"""Function called with the archive's name, the bytes received, and the total bytes if the server reports them."""
+"""Progress callback.
+
+The arguments of the callback are the archive's name, the number of received bytes, and the total number of bytes or
+None.
+"""
 
 ATTEMPTS = 3
-"""Maximum number of attempts to continue a download after its connection is cut. The received part is kept."""
+"""Maximum number of attempts to download a file if the connection breaks."""
 BLOCK = 1 << 18
 TIMEOUT_S = 60
 
 
 def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
-    """Fetch a data set into the folder `to`, and return its folder.
+    """Download a data set into a new subfolder of `to`, and return the path of this subfolder.
 
-    Raises FileError if it cannot be fetched. The received part of an archive is kept for the next attempt, except an
-    archive with a wrong hash.
+    Raises FileError if the download fails. A partly downloaded archive is kept, and the next call continues the
+    download. An archive with a wrong hash is deleted.
     """
     target = to / known.name
     if target.exists():
@@ -55,7 +61,7 @@ def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
 
 
 def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
-    """Return the complete and verified archive. Pooch handles its hash and its name."""
+    """Download an archive and verify its hash with pooch. Return the path of the file."""
     pooch, partial = _pooch(), to / f"{archive.file_name}.part"
 
     def download(url: str, out: str, _: Any) -> None:
@@ -66,7 +72,7 @@ def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
         pooch.get_logger().setLevel("ERROR")
         known = f"sha256:{archive.sha256}"
         return Path(pooch.retrieve(archive.url, known, archive.file_name, to, downloader=download))
-    except ValueError:  # pooch raises this for a wrong hash
+    except ValueError:  # raised by pooch for a wrong hash
         raise FileError(
             f"expected a file with SHA-256 {archive.sha256} from {archive.url}, got another one: nothing of it is kept;"
             " it may have been changed there"
@@ -74,7 +80,7 @@ def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
 
 
 def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> None:
-    """Continue the download of `partial` from its end. Raises FileError."""
+    """Download a file, or continue the partial download in `partial`. Raises FileError if the download fails."""
     for attempt in range(1, ATTEMPTS + 1):
         try:
             if _append(url, partial, tell):
@@ -94,12 +100,12 @@ def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> bool:
-    """Request the remaining bytes. Return True if all arrived."""
+    """Request the missing bytes of a file, and append them. Return True if the file is complete."""
     start = partial.stat().st_size if partial.exists() else 0
     request = urllib.request.Request(url, headers={"Range": f"bytes={start}-"} if start else {})
     with urllib.request.urlopen(request, timeout=TIMEOUT_S) as answer:
         if answer.status != http.HTTPStatus.PARTIAL_CONTENT:
-            start = 0  # servers without range requests start again
+            start = 0  # the server does not support range requests
         length = answer.headers.get("Content-Length")
         total = None if length is None else start + int(length)
         done = start
@@ -113,7 +119,7 @@ def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _unpack(archives: list[tuple[Archive, Path]], to: Path, name: str) -> None:
-    """Unpack next to the final folder, and rename at the end."""
+    """Extract all archives into a temporary folder, and rename the folder at the end."""
     beside = to / f".{name}-unpacking"
     shutil.rmtree(beside, ignore_errors=True)
     try:

@@ -1,4 +1,5 @@
-"""Data sets with one folder per frame, the layout of `spigolo evaluate` for your own frames.
+"""Reader of data sets with one folder per frame. The layout with one folder per frame is recommended for your own
+frames.
 
     FOLDER/splits.json                  optional: {"near_duplicate_groups": [["SET/FRAME", ...], ...]}
     FOLDER/SET/FRAME/rgb.png            8 bits
@@ -7,7 +8,7 @@
     FOLDER/SET/FRAME/label.png          0 = background, 1..N = objects, 255 = ignore; absent where nothing is labelled
     FOLDER/SET/FRAME/info.json          optional: {"fully_labelled": true, "ignore_label": 255}, both optional too
 
-The path of a single SET or FRAME is accepted too.
+The path of a single folder SET or FRAME can be given, too.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class FrameFolder(Entry):
-    """Frame in its own folder. ignore_label: label of pixels that are not evaluated."""
+    """Frame stored in a folder of its own. ignore_label: label of pixels to leave out of the evaluation."""
 
     folder: Path
     ignore_label: int = IGNORE_LABEL
@@ -43,7 +44,7 @@ class FrameFolder(Entry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Paths of colour, depth, camera, labels."""
+        """Paths of the colour image, the depth image, the camera file and the label image."""
         labels = () if self.labelling == "none" else (self.folder / "label.png",)
         return self.folder / "rgb.png", self.folder / "depth.png", self._camera_file, *labels
 
@@ -53,15 +54,21 @@ class FrameFolder(Entry):
 
     @property
     def reading(self) -> str:
-        """Return the ignored label if it is not the default, as it changes scores."""
+        """Return "ignore LABEL" if the label of ignored pixels is not the default 255, else an empty text."""
         return "" if self.ignore_label == IGNORE_LABEL else f"ignore {self.ignore_label}"
 
     def read(self) -> Frame:
-        """Return the frame. Raises FileError, FrameError or CameraError."""
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
         return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file)
 
     def read_truth(self) -> Truth | None:
-        """Return the labels. None without labels. Raises FileError or FrameError."""
+        """Read the label image.
+
+        Return None if the frame has no labels. Raises FileError or FrameError for missing or invalid files.
+        """
         if self.labelling == "none":
             return None
         labels = read_labels(self.folder / "label.png")
@@ -74,14 +81,13 @@ class FrameFolder(Entry):
         camera = self._distorting_camera(labels.shape[1], labels.shape[0])
         if camera is not None and (camera.height, camera.width) == labels.shape:
             labels = camera.undistort(labels, nearest=True)
-            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # or outside the image
+            ignore = camera.undistort(1 - ignore.view(np.uint8), nearest=True) == 0  # ignored, or outside the image
         return Truth(np.where(ignore, 0, labels), ignore)
 
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
-        """Return the camera if it has distortion, else None. Labels refer to the stored image, but frames are
-        undistorted.
+        """Return the camera if its lens distortion must be removed from the label image, else None.
 
-        None also if the camera is unreadable, which `read` reports.
+        The result is also None if the camera file cannot be read. An unreadable camera file raises an error in `read`.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)
@@ -91,14 +97,14 @@ class FrameFolder(Entry):
 
 
 class Folders(DataSet):
-    """Data set of frames in one folder each."""
+    """Data set with one folder per frame."""
 
     layout = "SET/FRAME/ with rgb.png, depth.png and camera.json"
     mend = "put it there, or take the frame's folder away"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder, or a folder up to two levels below, has a rgb.png."""
+        """Return True if there is a file rgb.png in the folder or up to two levels below."""
         return next(_places(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -129,7 +135,12 @@ def _places(folder: Path) -> Iterator[Path]:
 
 
 def _groups(root: Path) -> Mapping[str, str]:
-    """Return the group of each near-identical frame: the name of the first one. Warns of names without a frame."""
+    """Read the groups of near-identical frames from splits.json.
+
+    Return the group of each near-identical frame, indexed by frame. A group is named after its first frame.
+
+    Warns if splits.json names a frame that does not exist.
+    """
     groups = _mapping(root / "splits.json").get("near_duplicate_groups", [])
     if not isinstance(groups, list) or not all(isinstance(g, list) and g for g in groups):
         raise FileError(f"expected lists of frames as near_duplicate_groups in {root / 'splits.json'}, got {groups!r}")
@@ -141,13 +152,16 @@ def _groups(root: Path) -> Mapping[str, str]:
 
 
 def _is_absent(root: Path, name: str) -> bool:
-    """Return True if no frame has this name, although its set exists."""
+    """Return True if the folder SET exists, but there is no frame with the name SET/FRAME."""
     data_set, slash, _ = name.partition("/")
     return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
 
 
 def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], default: T) -> T:
-    """Return a field of the JSON file at `path`. Raises FileError for a value of another type."""
+    """Return the value of a field, or the default if the field is missing.
+
+    path: JSON file, for the error message. Raises FileError if the value has the wrong type.
+    """
     value = told.get(name)
     if value is None:
         return default
@@ -158,5 +172,5 @@ def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], defaul
 
 
 def _mapping(path: Path) -> Mapping[str, Any]:
-    """Return the fields of a JSON file, none if it does not exist."""
+    """Read the fields of a JSON file. The result is empty if the file does not exist."""
     return read_mapping(path) if path.is_file() else {}

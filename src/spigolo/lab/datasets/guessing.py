@@ -1,4 +1,4 @@
-"""Detection of a folder's layout."""
+"""Detection of the file layout of a data set."""
 
 from __future__ import annotations
 
@@ -21,14 +21,23 @@ from spigolo.lab.datasets.uw_scenes_v2 import UwScenesV2
 READERS: tuple[type[DataSet], ...] = (
     Folders, Bop, UwScenes, UwScenesV2, Tejani, Rutgers, Osd, Mosd, Tum, Ocid,
 )  # fmt: skip
-"""Classes of layouts, in the order in which they are tried."""
+"""Reader classes, in the order in which they are tried."""
 
 
 def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
-    """Return the data set in a folder, or in its only subfolder with a known layout.
+    """Detect the file layout of a folder, and return its data set.
 
-    full: patterns such as "osd-*" of data sets in which every object is labelled, for layouts that do not say it.
-    Raises FileError if there is no data set, if there are several, or if files are missing.
+    If the folder itself has no known layout, its subfolders are searched.
+
+    Raises FileError if there is not exactly one data set, or if files are missing.
+
+    Parameters
+    ----------
+    path
+        Folder of the data set.
+    full
+        Name patterns, such as "osd-*", of data sets in which every object is labelled.
+
     """
     folder = existing_folder(path)
     reader = _reader(folder)
@@ -47,9 +56,17 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 
 
 def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SETS) -> list[Entry]:
-    """Return the frames in these folders, ordered by set and name. `guess` finds the layout of each folder.
+    """Return all frames in these folders, sorted by data set and name. `guess` detects the file layout of each folder.
 
-    Raises FileError if a folder has no frames, or if two frames share set and name.
+    Raises FileError if a folder has no frames, or if two frames have the same data set and name.
+
+    Parameters
+    ----------
+    folders
+        Folders of the data sets.
+    full
+        Name patterns of data sets in which every object is labelled.
+
     """
     found: dict[tuple[str, str], Entry] = {}
     for folder in folders:

@@ -1,4 +1,4 @@
-"""JSON files with an object at the top level."""
+"""Reader of JSON files that contain an object."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from spigolo.errors import FileError
 
 
 def read_mapping(path: Path) -> Mapping[str, Any]:
-    """Return the fields of a JSON file. Raises FileError."""
+    """Read a JSON file that contains an object, and return its fields. Raises FileError if the file cannot be read."""
     try:
         values = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError, RecursionError) as error:

@@ -1,4 +1,4 @@
-"""OSD and OCID: colour, depth and label images with equal names in three folders."""
+"""Readers of the data sets OSD and OCID, which store colour, depth and label images in three folders."""
 
 from __future__ import annotations
 
@@ -19,25 +19,28 @@ SURFACES = ("table", "floor")
 
 @dataclass(frozen=True, slots=True)
 class LabelledImages(ImageEntry):
-    """Frame with a label image. background: labels other than 0 that are not objects."""
+    """Frame with a label image. background: label values, in addition to 0, that are background."""
 
     labels: Path
     background: tuple[int, ...]
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Paths of colour, depth, labels."""
+        """Paths of the colour image, the depth image and the label image."""
         return self.color, self.depth, self.labels
 
     def read_truth(self) -> Truth | None:
-        """Return the labels. Raises FileError or FrameError."""
+        """Read the label image, with background labels set to 0.
+
+        Raises FileError or FrameError for missing or invalid files.
+        """
         stored = read_labels(self.labels)
         labels = np.where(np.isin(stored, self.background), 0, stored)
         return Truth(labels, np.zeros(labels.shape, np.bool_))
 
 
 class Osd(DataSet):
-    """Object Segmentation Database (Richtsfeld et al. 2012): table-tops, every object labelled by hand.
+    """Object Segmentation Database (Richtsfeld et al., 2012): scenes on tables, with every object labelled by hand.
 
     OSD/image_color/learn0.png            8 bits
     OSD/disparity/learn0.png              16 bits, depth in millimetres in spite of the name, 0 = missing
@@ -49,7 +52,7 @@ class Osd(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder has subfolders for colour and annotation."""
+        """Return True if the folder has the subfolders image_color and annotation."""
         return (folder / "image_color").is_dir() and (folder / "annotation").is_dir()
 
     def _find(self) -> Iterator[Entry]:
@@ -61,21 +64,24 @@ class Osd(DataSet):
 
 
 class Ocid(DataSet):
-    """Object Clutter Indoor Dataset (Suchi et al. 2019): scenes that grow object by object, every object labelled.
+    """Object Clutter Indoor Dataset (Suchi et al., 2019), with every object labelled.
+
+    In each sequence, objects are added to the scene one by one.
 
         OCID/ARID20/floor/bottom/seq01/rgb/NAME.png     8 bits; ARID10 and YCB10 have more folders on the way
         .../seq01/depth/NAME.png                        16 bits, millimetres, 0 = missing
         .../seq01/label/NAME.png                        0 and 1 = background, in table scenes 2 as well: the table
         OCID/camera.json                                optional, another camera than a nominal Xtion
 
-    The frames of a sequence are near-identical. Labels come from differences of depth: their boundaries are noisy.
+    The frames of a sequence form a group of near-identical frames. The labels were computed from depth differences, so
+    their outlines are noisy.
     """
 
     layout = "sequences with rgb/, depth/ and label/ of equally named images (OCID)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if a folder below is such a sequence."""
+        """Return True if the folder contains a sequence, which has the subfolders rgb and label."""
         return next(_sequences(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -90,10 +96,9 @@ class Ocid(DataSet):
 
 
 def _stands_on(sequence: Path, folder: Path) -> str:
-    """Return the surface of a sequence, "table" or "floor", from its path inside the set. "" if the path has neither.
+    """Infer the surface on which the objects stand from the path of a sequence. Return "table", "floor" or "".
 
-    Folders above the set do not count. If only a folder inside the set was opened, its path is read from the set's own
-    folder on.
+    Only folders inside the data set are searched for the words "table" and "floor".
     """
     parts = [part.lower() for part in sequence.parts]
     start = max((k for k, part in enumerate(parts) if part in SETS), default=len(folder.parts) - 1)

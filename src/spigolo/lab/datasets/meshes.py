@@ -1,4 +1,4 @@
-"""Models of objects in files: triangle meshes as .ply, .obj or .stl."""
+"""Reader and writer of object models: triangle meshes in .ply, .obj or .stl files."""
 
 from __future__ import annotations
 
@@ -18,7 +18,11 @@ MESHES = (".ply", ".obj", ".stl")
 
 @lru_cache(maxsize=64)
 def read_model(path: Path, unit_m: float = 1.0) -> Model:
-    """Return the mesh in a file, named after the file. unit_m: metres per stored unit. Raises FileError."""
+    """Read a triangle mesh.
+
+    The model is named after the file. unit_m: metres per unit of length in the file. Raises FileError if the file
+    cannot be read.
+    """
     trimesh = _trimesh(path)
     try:
         mesh = trimesh.load_mesh(str(path), process=False)
@@ -38,14 +42,21 @@ def read_model(path: Path, unit_m: float = 1.0) -> Model:
 
 
 def write_model(path: Path, model: Model, unit_m: float = 1.0) -> None:
-    """Write a model as binary .ply, in units of unit_m metres. Raises FileError."""
+    """Write a model as a binary .ply file.
+
+    unit_m: metres per unit of length in the file. Raises FileError if the file cannot be written.
+    """
     trimesh = _trimesh(path)
     mesh = trimesh.Trimesh(model.vertices_m / unit_m, model.triangles, vertex_colors=model.colors, process=False)
     write_bytes(path, trimesh.exchange.ply.export_ply(mesh, vertex_normal=False))
 
 
 def find_model(folder: Path, name: str) -> Path | None:
-    """Return the path of NAME.ply, .obj or .stl in the folder or in NAME/, in any case. None without such a file."""
+    """Find the file NAME.ply, NAME.obj or NAME.stl in the folder or in its subfolder NAME, ignoring upper and lower
+    case.
+
+    Return None if no file is found.
+    """
     if not folder.is_dir():
         return None
     wanted = name.lower()

@@ -1,10 +1,11 @@
-"""mOSD, the Object Segmentation Database with corrected labels near edges (Alexandrov), as labelled organised clouds.
+"""Reader of mOSD (Alexandrov): the Object Segmentation Database with corrected labels, stored as organised point
+clouds.
 
     mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label, 640 x 480
 
-Points that were not measured, or cropped with the floor and the walls, are NaN with label 0 and are ignored. Labels
-1..9 = the table, 20..29 = parts of the first object, 30..39 of the second, and so on. This reader sets the table to 0
-and joins parts to objects 1, 2, ... The camera is fitted to the cloud.
+Points without depth, and points on the floor and the walls, have label 0 and are ignored. Labels 1..9 are the table.
+Labels 20..29 are parts of the first object, 30..39 parts of the second object, and so on. The reader sets the label of
+the table to 0 and merges the parts of each object. The camera intrinsics are fitted to the points.
 """
 
 from __future__ import annotations
@@ -24,17 +25,20 @@ from spigolo.lab.datasets.pcd import camera_of, colors_of, read_pcd
 
 @dataclass(frozen=True, slots=True)
 class LabelledCloud(Entry):
-    """Frame that is stored as an organised cloud."""
+    """Frame stored as an organised point cloud."""
 
     cloud: Path
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Path of the cloud."""
+        """Path of the point cloud."""
         return (self.cloud,)
 
     def read(self) -> Frame:
-        """Return the frame. Raises FileError or CameraError."""
+        """Read the colour image and the depth map from the point cloud.
+
+        Raises FileError or CameraError for missing or invalid files.
+        """
         points = read_pcd(self.cloud)
         if missing := {"x", "y", "z"} - set(points.dtype.names or ()):
             raise FileError(f"expected fields x, y, z in {self.cloud}: {', '.join(sorted(missing))} not found")
@@ -43,7 +47,7 @@ class LabelledCloud(Entry):
         return Frame(colors_of(points), points["z"].astype(np.float32), camera_of(points), self.name)
 
     def read_truth(self) -> Truth | None:
-        """Return the labels of the objects. Raises FileError."""
+        """Read the object labels from the point cloud. Raises FileError if a file cannot be read."""
         points = read_pcd(self.cloud)
         if "label" not in (points.dtype.names or ()):
             raise FileError(f"expected a field label in {self.cloud}, got {', '.join(points.dtype.names or ())}")
@@ -52,13 +56,13 @@ class LabelledCloud(Entry):
 
 
 class Mosd(DataSet):
-    """Data set in the layout of mOSD."""
+    """Data set mOSD: the Object Segmentation Database as labelled point clouds."""
 
     layout = "learn/*.pcd and test/*.pcd with labelled points (mOSD)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder, or its subfolder learn or test, has clouds with labels."""
+        """Return True if the folder, or its subfolder learn or test, has point clouds with labels."""
         return any(b" label" in _beginning(path) for path in _clouds(folder)[:1])
 
     def _find(self) -> Iterator[Entry]:
@@ -72,6 +76,6 @@ def _clouds(folder: Path) -> list[Path]:
 
 
 def _beginning(path: Path) -> bytes:
-    """Return the first bytes of a file, enough for the header's fields."""
+    """Return the first 512 bytes of a file, which contain the field names of its header."""
     with path.open("rb") as file:
         return file.read(512)

@@ -1,6 +1,4 @@
-"""Files of the Point Cloud Library: a text header, then one record per point as text, binary, or compressed by
-field.
-"""
+"""Reader of .pcd files of the Point Cloud Library in the formats ascii, binary and binary_compressed."""
 
 from __future__ import annotations
 
@@ -18,15 +16,18 @@ from spigolo.kernels.lzf import unpack_lzf
 KINDS = {
     f"{kind}{size}": f"<{kind.lower()}{size}" for kind in "IUF" for size in (1, 2, 4, 8) if f"{kind}{size}" != "F1"
 }
-"""NumPy type of each type and size of a field."""
+"""NumPy type of a field, indexed by its TYPE and SIZE in the header."""
 STEEPEST = 1e6
-"""Maximum ratio of X or Y to Z of points in a pinhole camera."""
+"""Maximum ratio of X or Y to Z of a valid point."""
 MAX_MISFIT_PX = 0.5
-"""Maximum distance in pixels between the points of an organised cloud and the pinhole camera fitted to them."""
+"""Maximum distance in pixels between an image pixel and its point projected by the fitted camera."""
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:
-    """Return the points (H, W) of a cloud with named fields, H = 1 if it is not organised. Raises FileError."""
+    """Read the points (H, W) of a point cloud as a structured array.
+
+    H = 1 if the cloud is not organised. Raises FileError if the file cannot be read.
+    """
     try:
         header, body = _split(path.read_bytes())
         shape = int(header["HEIGHT"][0]), int(header["WIDTH"][0])
@@ -37,18 +38,18 @@ def read_pcd(path: Path) -> npt.NDArray[Any]:
 
 
 def colors_of(points: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
-    """Return RGB (H, W, 3) of the field rgb or rgba: 0xRRGGBB, even if it is stored as a float."""
+    """Return the colours (H, W, 3) of a point cloud as RGB, from its packed field rgb or rgba."""
     name = "rgb" if "rgb" in (points.dtype.names or ()) else "rgba"
     packed = np.ascontiguousarray(points[name]).view(np.uint32)
     return np.stack([packed >> 16 & 255, packed >> 8 & 255, packed & 255], axis=-1).astype(np.uint8)
 
 
 def camera_of(points: npt.NDArray[Any]) -> Camera:
-    """Return the pinhole camera fitted to an organised cloud (H, W). Raises CameraError."""
+    """Fit a pinhole camera to an organised point cloud (H, W). Raises CameraError if the fit is poor."""
     height, width = points.shape
     seen = np.isfinite(points["z"]) & (points["z"] > 0)
     y, x = np.nonzero(seen)
-    with np.errstate(all="ignore"):  # a damaged cloud may hold any number
+    with np.errstate(all="ignore"):  # a damaged cloud may contain any number
         z = points["z"][seen].astype(np.float64)
         fx, cx, x_off = _line(points["x"][seen] / z, x)
         fy, cy, y_off = _line(points["y"][seen] / z, y)
@@ -61,7 +62,10 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
 
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
-    """Fit f and c of pixels = f slopes + c. Return them and the largest residual, infinite without a fit."""
+    """Fit pixels = f * slopes + c.
+
+    Return f, c and the largest residual in pixels, which is infinite if no fit is possible.
+    """
     if not slopes.size or slopes.min() == slopes.max() or not np.abs(slopes).max() < STEEPEST:
         return 0.0, 0.0, np.inf
     f, c = np.polyfit(slopes, pixels, 1)
@@ -69,7 +73,7 @@ def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tup
 
 
 def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
-    """Return the header fields by name, and the bytes after the line DATA."""
+    """Split a file into the header fields, indexed by name, and the bytes after the header."""
     header: dict[str, list[str]] = {}
     while "DATA" not in header:
         line, newline, data = data.partition(b"\n")
@@ -101,7 +105,7 @@ def _records(header: dict[str, list[str]], body: bytes, count: int) -> npt.NDArr
 def _from_columns(record: np.dtype[Any], columns: list[npt.NDArray[np.float64]], count: int) -> npt.NDArray[Any]:
     out = np.zeros(count, record)
     rest = iter(columns)
-    with np.errstate(invalid="raise", over="raise"):  # numbers that their field cannot hold
+    with np.errstate(invalid="raise", over="raise"):  # numbers too large for their field
         for name in record.names or ():
             n = record[name].shape[0] if record[name].shape else 0
             out[name] = np.stack([next(rest) for _ in range(n)], axis=1) if n else next(rest)
@@ -109,7 +113,7 @@ def _from_columns(record: np.dtype[Any], columns: list[npt.NDArray[np.float64]],
 
 
 def _from_planes(record: np.dtype[Any], data: npt.NDArray[np.uint8], count: int) -> npt.NDArray[Any]:
-    """Return records of a compressed cloud, which stores all values of one field, then all values of the next."""
+    """Return the points of a compressed point cloud, in which the values are stored field by field."""
     out, start = np.zeros(count, record), 0
     for name in record.names or ():
         out[name] = np.frombuffer(data, record[name], count, start)

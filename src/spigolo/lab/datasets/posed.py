@@ -1,4 +1,4 @@
-"""Frames of data sets with poses and models but without masks. Masks are rendered on request."""
+"""Frames of data sets that have object poses and models but no masks. Masks are rendered when needed."""
 
 from __future__ import annotations
 
@@ -21,23 +21,26 @@ Pose = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class PosedImage(ImageEntry):
-    """Frame with a file of poses (4, 4) of one object. Both files are None without poses.
-
-    read_poses: module-level function that reads the file of poses.
-    """
+    """Frame with the poses of one object or of several instances of it."""
 
     object_name: str
     poses: Path | None
+    """File with the object poses (4, 4), or None if the frame has no poses."""
     model: Path | None
+    """File with the triangle mesh of the object, or None if the frame has no poses."""
     read_poses: Callable[[Path], Sequence[Pose]]
+    """Function that reads the poses (4, 4) from the file `poses`. The function must be picklable."""
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Paths of colour and depth, and of poses and model if there are any."""
+        """Paths of the colour image and the depth image, and of the poses and the model if they exist."""
         return tuple(path for path in (self.color, self.depth, self.poses, self.model) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Return the visible masks of the objects. None without poses or camera. Raises FileError."""
+        """Return the visible mask of each instance, rendered from its model and pose.
+
+        Return None if the frame has no poses or no camera. Raises FileError if a file cannot be read.
+        """
         if self.model is None or self.camera is None:
             return None
         instances = self.read_instances()
@@ -46,6 +49,6 @@ class PosedImage(ImageEntry):
         return Truth(labels, np.zeros(labels.shape, np.bool_), {i.label: self.object_name for i in instances})
 
     def read_instances(self) -> tuple[Instance, ...]:
-        """Return the objects with their poses. Raises FileError."""
+        """Read the instances of the object with their poses. Raises FileError if a file cannot be read."""
         poses = () if self.poses is None else self.read_poses(self.poses)
         return tuple(Instance(label, self.object_name, pose) for label, pose in enumerate(poses, start=1))

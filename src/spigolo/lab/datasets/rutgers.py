@@ -1,4 +1,4 @@
-"""Rutgers APC RGB-D (Rennie, Shome, Bekris, De Souza 2016), original file names.
+"""Reader of the Rutgers APC RGB-D data set (Rennie, Shome, Bekris, De Souza 2016) with its original file names.
 
     FOLDER/OBJECT-image-BIN-CLUTTER-POSITION-SHOT.png     8 bits; also in a folder OBJECT/
     FOLDER/OBJECT-depth-BIN-CLUTTER-POSITION-SHOT.png     16 bits, millimetres, 0 = missing
@@ -8,8 +8,9 @@
     FOLDER/models/OBJECT.ply (or .obj, .stl, or in OBJECT/), metres
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
-BIN is A..L. The four shots of one position are near-identical. Only OBJECT is labelled, as 1: its visible mask is
-rendered. Frames without a pose have no labels. The meaning of the three numbers is inferred from their counts.
+BIN is a letter from A to L. The four shots at one position form a group of near-identical frames. Only the object in
+the file name is labelled, with label 1. The visible mask of the labelled object is rendered from its model and pose.
+Frames without a pose have no labels.
 """
 
 from __future__ import annotations
@@ -29,19 +30,19 @@ from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
-"""Intrinsics that BOP gives for this set."""
+"""Camera intrinsics of this data set, as published by BOP."""
 NAME = re.compile(r"(?P<object>.+)-image-(?P<bin>[A-L])-(?P<rest>\d+-\d+)-(?P<shot>\d+)\.png")
 ROTATION, TRANSLATION = "object_rotation_wrt_camera", "object_translation_wrt_camera"
 
 
 class Rutgers(DataSet):
-    """Data set in the original layout of Rutgers APC."""
+    """Data set Rutgers APC RGB-D with its original file names."""
 
     layout = "files OBJECT-image-BIN-CLUTTER-POSITION-SHOT.png (Rutgers APC)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder has a file with such a name."""
+        """Return True if the folder has a file named OBJECT-image-BIN-CLUTTER-POSITION-SHOT.png."""
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -66,7 +67,7 @@ class Rutgers(DataSet):
             )
 
     def _model(self, name: str) -> Path:
-        """Return the path of an object's model, or the path where it is expected."""
+        """Return the path of an object's model. If the file is missing, return its expected path."""
         return find_model(self.folder / "models", name) or self.folder / "models" / f"{name}.ply"
 
 
@@ -79,7 +80,7 @@ def _colors(folder: Path) -> Iterator[tuple[Path, re.Match[str]]]:
 
 
 def read_pose(path: Path) -> list[Pose]:
-    """Return the pose (4, 4) of the object in the camera's frame, metres. Raises FileError."""
+    """Read the pose (4, 4) of the object in the camera frame, metres. Raises FileError if the file cannot be read."""
     pose = np.eye(4)
     try:
         values = parse_yaml(path.read_text(encoding="utf-8"))
@@ -95,7 +96,7 @@ def read_pose(path: Path) -> list[Pose]:
 
 
 def pose_to_yaml(pose: Pose) -> str:
-    """Return a pose as text that `read_pose` reads."""
+    """Format a pose (4, 4) as YAML text for `read_pose`."""
     translation, rotation = (", ".join(f"{v:.17g}" for v in part.ravel()) for part in (pose[:3, 3], pose[:3, :3]))
     return (
         f"%YAML:1.0\n{TRANSLATION}: [ {translation} ]\n"

@@ -1,4 +1,4 @@
-"""Tejani et al. 2014, several instances of one object among clutter (Imperial ICVL), original tree.
+"""Reader of the data set by Tejani et al., 2014, with several instances of one object among clutter.
 
     FOLDER/test/scene_01/RGB/img_000.png                  8 bits; also scene_01/ right in FOLDER, or the object's name
     FOLDER/test/scene_01/Depth/img_000.png                16 bits, millimetres, 0 = missing
@@ -7,9 +7,9 @@
     FOLDER/models/obj_01.ply                              metres; also by name, as Coffee_Cup.ply
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
-Scene N shows object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk, the order of their publication.
-Images without a file of poses have no labels (the new annotation has repaired poses where the original ones are poor).
-Labels are positions in the file of poses plus 1. Visible masks are rendered. The frames of a scene are near-identical.
+Scene N shows instances of object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk. Label k is the k-th
+instance in the file of poses. Visible masks are rendered from model and pose. Images without a file of poses have no
+labels. The frames of a scene form a group of near-identical frames.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
-"""Intrinsics that BOP gives for this set."""
+"""Camera intrinsics of this data set, as published by BOP."""
 OBJECTS = ("Coffee_Cup", "Shampoo", "Joystick", "Camera", "Juice", "Milk")
 ANNOTATION, MODELS = "annotation_new_models", ("models", "new_models")
 
 
 class Tejani(DataSet):
-    """Data set in the original layout of Tejani et al."""
+    """Data set by Tejani et al. with its original file names."""
 
     layout = "test/scene_XX/RGB/img_NNN.png and Depth/ (Tejani et al.)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if a scene has a folder RGB with such images."""
+        """Return True if the folder of a scene has images RGB/img_NNN.png."""
         return bool(_scenes(folder))
 
     def _find(self) -> Iterator[Entry]:
@@ -69,14 +69,14 @@ class Tejani(DataSet):
         return next((path for path in places if path.is_file()), None)
 
     def _model(self, number: int, name: str) -> Path:
-        """Return the path of the model, or the path where it is expected."""
+        """Return the path of the object's model. If the file is missing, return its expected path."""
         stems = (f"obj_{number:02d}", name)
         found = (find_model(self.folder / folder, stem) for folder in MODELS for stem in stems)
         return next((path for path in found if path), self.folder / MODELS[0] / f"obj_{number:02d}.ply")
 
 
 def read_poses(path: Path) -> list[Pose]:
-    """Return the poses (4, 4) of the instances. Raises FileError."""
+    """Read the poses (4, 4) of all instances in the camera frame. Raises FileError if the file cannot be read."""
     try:
         count, *numbers = path.read_text(encoding="utf-8").replace(",", " ").split()
         poses = np.array(numbers, np.float64).reshape(int(count), 4, 4)
@@ -88,7 +88,7 @@ def read_poses(path: Path) -> list[Pose]:
 
 
 def poses_to_text(poses: Sequence[Pose]) -> str:
-    """Return poses as text that `read_poses` reads."""
+    """Format poses (4, 4) as text for `read_poses`."""
     rows = [",".join(f"{value:.17g}" for value in row) for pose in poses for row in pose]
     return "\n".join([str(len(poses)), *rows, ""])
 
@@ -102,7 +102,10 @@ def _is_scene(colors: Path) -> bool:
 
 
 def _object(scene: str) -> tuple[int, str]:
-    """Return the number (from 1) and the name of the object in a scene's folder, 0 if the name has no number."""
+    """Return the number and the name of the object in a scene.
+
+    scene: folder name, such as scene_01. The number of an unknown scene is 0.
+    """
     known = [name.lower() for name in OBJECTS]
     digits = scene.removeprefix("scene_")
     number = int(digits) if digits.isdigit() else known.index(scene.lower()) + 1 if scene.lower() in known else 0

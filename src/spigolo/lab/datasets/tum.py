@@ -1,12 +1,13 @@
-"""TUM RGB-D benchmark (Sturm et al. 2012), and other data with the same kind of lists.
+"""Reader of the TUM RGB-D benchmark (Sturm et al., 2012), and of other sequences with the same file layout.
 
     SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
     SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
-Times may also be milliseconds, microseconds or nanoseconds, as their size shows. Each colour image is paired with the
-depth image nearest in time, within 20 ms, or else left out. There are no labels. The frames of a sequence are
-near-identical. A folder of sequences is accepted too.
+Timestamps may also be in milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from their
+values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image within 20
+ms are left out. The frames have no labels. The frames of a sequence form a group of near-identical frames. A folder
+that contains several sequences can be given, too.
 """
 
 from __future__ import annotations
@@ -26,26 +27,26 @@ from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 DEPTH_SCALE = 1 / 5000
 MAX_APART_S = 0.02
 UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
-"""Minimum value of a time since 1970, and the unit that it then has, s."""
+"""Minimum value of timestamps since 1970, and the unit (in seconds) of timestamps of at least this value."""
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
-"""Minimum gap between frames of a clock that starts at 0, and the unit that it then has, s.
+"""Minimum time difference between frames, and the unit (in seconds) of timestamps with at least this difference.
 
-Larger units would give days between frames.
+The unit of clocks that start at 0 is inferred from differences, because their values are small.
 """
 MANY_ALONE = 0.5
-"""Minimum share of colour images without depth that is reported."""
+"""Share of colour images without a depth image above which a warning is given."""
 
 Stamped = list[tuple[float, Path]]
 
 
 class Tum(DataSet):
-    """Sequences of the TUM RGB-D benchmark."""
+    """Data set with one or several sequences of the TUM RGB-D benchmark."""
 
     layout = "rgb.txt and depth.txt with lines `time file` (TUM)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder, or a folder in it, has both lists."""
+        """Return True if the folder, or one of its subfolders, has the files rgb.txt and depth.txt."""
         return bool(_sequences(folder))
 
     def _find(self) -> Iterator[Entry]:
@@ -62,7 +63,11 @@ def _sequences(folder: Path) -> list[Path]:
 
 
 def _listed(path: Path) -> Stamped:
-    """Return the time in seconds and the file of each line, sorted by time. Raises FileError."""
+    """Read a list such as rgb.txt.
+
+    Return the time in seconds and the image file of each line, sorted by time. Raises FileError if the file cannot be
+    read.
+    """
     found = []
     for number, line in enumerate(_text(path).splitlines(), start=1):
         if line.strip() and not line.lstrip().startswith("#"):
@@ -82,13 +87,13 @@ def _listed(path: Path) -> Stamped:
 
 
 def _stays_inside(file: str) -> bool:
-    """Return True if a path is relative and does not lead out of the folder that it begins in."""
+    """Return True if a path is relative and stays inside its folder."""
     inside = posixpath.normpath(file)
     return not (inside == ".." or inside.startswith(("../", "/")) or PureWindowsPath(inside).drive)
 
 
 def _text(path: Path) -> str:
-    """Return the text of a list in UTF-8, or in UTF-16 as written by some editors. Raises FileError."""
+    """Read a text file in UTF-8 or UTF-16 encoding. Raises FileError if the file cannot be read."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -101,7 +106,7 @@ def _text(path: Path) -> str:
 
 
 def _unit_s(times: np.ndarray) -> float:
-    """Return the unit of times in seconds, from their size or from the gaps between them."""
+    """Infer the unit of timestamps from their values or differences. Return the unit of the timestamps in seconds."""
     if not times.size:
         return 1.0
     absolute = next((unit for least, unit in UNITS_S if np.median(times) >= least), None)
@@ -112,7 +117,10 @@ def _unit_s(times: np.ndarray) -> float:
 
 
 def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield colour and depth of each pair. Raises FileError without pairs, and warns if most images have no partner."""
+    """Yield pairs of colour image and depth image with similar times.
+
+    Raises FileError if there are no pairs. Warns if most colour images have no depth image.
+    """
     colors, depths = _listed(sequence / "rgb.txt"), _listed(sequence / "depth.txt")
     times = np.array([time for time, _ in depths])
     pairs, apart_s = [], []

@@ -1,4 +1,4 @@
-"""UW RGB-D Scenes v1 (Lai, Bo, Ren, Fox 2011), with QuickFind's hand-traced masks (Zhong, Kanhere, Chou 2016).
+"""Reader of UW RGB-D Scenes v1 (Lai, Bo, Ren, Fox 2011) with the masks of QuickFind (Zhong, Kanhere, Chou 2016).
 
     rgbd-scenes/SCENE/SCENE_K/SCENE_K_N.png               8 bits, 640 x 480; N from 1, without leading zeros
     rgbd-scenes/SCENE/SCENE_K/SCENE_K_N_depth.png         16 bits, millimetres, 0 = missing
@@ -6,8 +6,9 @@
     rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
     quickfind_mask_data/SCENE_K_N_mask.png                optional, next to rgbd-scenes or in it: a colour per object
 
-Labels are positions in `MASK_COLORS` plus 1. Other colours are ignored. Frames without a mask have no labels. Objects
-other than those 22 are not labelled (`part`). The frames of one sequence SCENE_K are near-identical.
+QuickFind's masks were drawn by hand and label 22 objects. Label k is the k-th object in `MASK_COLORS`. Mask pixels of
+other colours are ignored. Frames without a mask have no labels. The frames of one sequence SCENE_K form a group of
+near-identical frames.
 """
 
 from __future__ import annotations
@@ -37,12 +38,12 @@ MASK_COLORS = {
     "flashlight_5": (0, 64, 64), "soda_can_1": (0, 0, 192), "soda_can_3": (192, 0, 192), "soda_can_4": (64, 64, 64),
     "soda_can_5": (192, 192, 192), "soda_can_6": (128, 128, 128),
 }  # fmt: skip
-"""RGB colour of each object."""
+"""RGB colour of each object in QuickFind's masks."""
 
 
 @dataclass(frozen=True, slots=True)
 class UwFrame(ImageEntry):
-    """Frame of a sequence. mask, boxes: None if the sequence has no such file."""
+    """Frame of UW RGB-D Scenes v1. mask, boxes: files with the mask and the bounding boxes, None if missing."""
 
     number: int
     mask: Path | None
@@ -50,20 +51,29 @@ class UwFrame(ImageEntry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Paths of colour and depth, and of boxes and mask if there are any."""
+        """Paths of the colour image and the depth image, and of the bounding boxes and the mask if they exist."""
         return tuple(path for path in (self.color, self.depth, self.boxes, self.mask) if path is not None)
 
     def read_truth(self) -> Truth | None:
-        """Return the hand-traced mask, or None if the frame has no mask. Raises FileError."""
+        """Read the labels from QuickFind's mask.
+
+        Return None if the frame has no mask. Raises FileError if a file cannot be read.
+        """
         return None if self.mask is None else labels_of(read_color(self.mask))
 
     def read_boxes(self) -> tuple[ObjectBox, ...]:
-        """Return the boxes of the objects as stored in the set. () without boxes. Raises FileError."""
+        """Read the bounding boxes of the objects.
+
+        The result is empty if the data set has no boxes. Raises FileError if the file cannot be read.
+        """
         return () if self.boxes is None else read_boxes(self.boxes, self.number)
 
 
 class UwScenes(DataSet):
-    """Data set in the layout of UW RGB-D Scenes v1. masks: folder of QuickFind's masks. None: search for it."""
+    """Data set UW RGB-D Scenes v1.
+
+    masks: folder of QuickFind's masks, by default quickfind_mask_data in or next to the data set.
+    """
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
 
@@ -73,7 +83,7 @@ class UwScenes(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if a folder has frames of a sequence with its name."""
+        """Return True if the folder has images SCENE/SCENE_K/SCENE_K_N.png."""
         return next(_colors(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -102,7 +112,7 @@ class UwScenes(DataSet):
 
 
 def labels_of(picture: Color) -> Truth:
-    """Return the labels of a mask image (H, W, 3)."""
+    """Convert the colours of a mask image (H, W, 3) to labels."""
     colors = {color: label for label, color in enumerate(MASK_COLORS.values(), start=1)}
     labels = np.zeros(picture.shape[:2], np.int32)
     ignore = np.zeros(picture.shape[:2], np.bool_)
@@ -117,13 +127,16 @@ def labels_of(picture: Color) -> Truth:
 
 
 def category_of(name: str) -> tuple[str, int]:
-    """Return category and number of an object as written in its box: cereal_2 is a cereal_box."""
+    """Return the category and the number of an object as written in the files of bounding boxes.
+
+    "cereal_2" becomes ("cereal_box", 2).
+    """
     kind, _, number = name.rpartition("_")
     return ("cereal_box" if kind == "cereal" else kind), int(number)
 
 
 def _colors(folder: Path) -> Iterator[tuple[str, int, Path]]:
-    """Yield sequence, number and colour image of each frame."""
+    """Yield the name of the sequence, the frame number and the path of the colour image of each frame."""
     for path in listed(folder, "*/*/*.png"):
         found = NAME.fullmatch(path.name)
         if found and path.parent.name == found["sequence"]:

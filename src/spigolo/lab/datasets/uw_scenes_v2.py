@@ -1,10 +1,11 @@
-"""UW RGB-D Scenes v2 (Lai, Bo, Fox 2014): videos of furniture and table-tops.
+"""Reader of UW RGB-D Scenes v2 (Lai, Bo, Fox 2014): videos of furniture and tables.
 
     rgbd-scenes-v2/imgs/scene_01/00000-color.png          8 bits, 640 x 480
     rgbd-scenes-v2/imgs/scene_01/00000-depth.png          16 bits, tenths of a millimetre, 0 = missing
     rgbd-scenes-v2/camera.json                            optional, another camera than that of v1
 
-Its labels belong to points of a cloud, not to pixels, so frames have no labels. Frames of a scene are near-identical.
+The frames have no labels, because the data set labels the points of a point cloud. The frames of a scene form a group
+of near-identical frames.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ DEPTH_SCALE = 0.0001
 
 
 class UwScenesV2(DataSet):
-    """Data set in the layout of UW RGB-D Scenes v2."""
+    """Data set UW RGB-D Scenes v2."""
 
     layout = "imgs/scene_XX/NNNNN-color.png and NNNNN-depth.png (UW RGB-D Scenes v2)"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if a scene has such images."""
+        """Return True if the folder has images imgs/scene_XX/NNNNN-color.png."""
         return any(folder.glob("imgs/scene_*/*-color.png"))
 
     def _find(self) -> Iterator[Entry]:

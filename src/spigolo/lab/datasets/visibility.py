@@ -1,8 +1,8 @@
-"""Visible masks of objects with known models and poses, as in BOP (bop_toolkit, visibility).
+"""Visible masks of objects with known models and poses, computed as in BOP (module visibility of bop_toolkit).
 
-A pixel belongs to an object if its model is rendered there and is at most 15 mm behind the measured surface. Both are
-distances from the camera's centre. Pixels without depth count as visible. Letters used in shapes: H, W = image, N =
-objects.
+A pixel belongs to an object if the rendered model is at most 15 mm behind the measured surface. Distances are measured
+along the ray from the camera centre. Pixels without measured depth count as visible. Letters in array shapes: H, W =
+image height and width.
 """
 
 from __future__ import annotations
@@ -19,25 +19,39 @@ from spigolo.kernels.registration import FARTHEST_PX, NEAREST_M
 from spigolo.lab.datasets.sample import Instance, Model
 
 TOLERANCE_M = 0.015
-"""Maximum distance of a model behind the measured surface, metres: bop_toolkit's delta."""
+"""Maximum distance of a visible model behind the measured surface, metres. bop_toolkit calls the value delta."""
 
 
 def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
-    """Return the depth (H, W) in metres of a model at a pose (4, 4), model to camera. 0 outside the model. No
-    distortion.
+    """Render the depth map (H, W) of a model, metres. Pixels outside the model are 0.
+
+    pose: transform (4, 4) from the model's frame to the camera frame. Lens distortion is not rendered.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         x, y, z = (model.vertices_m @ pose[:3, :3].T + pose[:3, 3]).T
         inverse = np.divide(1.0, z, out=np.zeros_like(z), where=z >= NEAREST_M)
         points = np.stack([camera.fx * x * inverse + camera.cx, camera.fy * y * inverse + camera.cy, inverse], axis=1)
-    points[~(np.abs(points) < FARTHEST_PX).all(axis=1)] = 0  # left out like points that are too near
+    points[~(np.abs(points) < FARTHEST_PX).all(axis=1)] = 0  # points far outside the image are left out
     out = np.zeros((camera.height, camera.width), np.float32)
     draw_mesh(np.ascontiguousarray(points), np.ascontiguousarray(model.triangles, np.int32), out)
     return out
 
 
 def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_m: float = TOLERANCE_M) -> Mask:
-    """Return the pixels (H, W) in which a rendered model is visible in the measured depth."""
+    """Return the mask (H, W) of the pixels in which a rendered model is visible.
+
+    Parameters
+    ----------
+    drawn
+        Depth map (H, W) rendered from the model, metres.
+    measured
+        Measured depth map (H, W), metres.
+    camera
+        Camera intrinsics of both depth maps.
+    tolerance_m
+        Maximum distance of a visible model behind the measured surface, metres.
+
+    """
     behind = (drawn - measured) * ray_lengths(camera)
     return np.asarray((drawn > 0) & ((measured == 0) | (behind <= tolerance_m)))
 
@@ -49,7 +63,24 @@ def visible_labels(
     camera: Camera,
     tolerance_m: float = TOLERANCE_M,
 ) -> npt.NDArray[np.int32]:
-    """Return labels (H, W) of the instances. models[n] is the model of instances[n]. The nearest visible one counts."""
+    """Return the label image (H, W) of the visible instances.
+
+    Each pixel gets the label of the nearest visible instance.
+
+    Parameters
+    ----------
+    instances
+        Labelled objects with their poses.
+    models
+        Model of each instance, in the order of `instances`.
+    measured
+        Measured depth map (H, W), metres.
+    camera
+        Camera intrinsics of the measured depth map.
+    tolerance_m
+        Maximum distance of a visible model behind the measured surface, metres.
+
+    """
     labels = np.zeros(measured.shape, np.int32)
     nearest = np.full(measured.shape, np.inf, np.float32)
     for instance, model in zip(instances, models, strict=True):
@@ -60,7 +91,7 @@ def visible_labels(
 
 
 def ray_lengths(camera: Camera) -> DepthMap:
-    """Return the distance (H, W) from the camera's centre of points at depth 1."""
+    """Return, for each pixel (H, W), the distance from the camera centre to its point at depth Z = 1."""
     x = (np.arange(camera.width) - camera.cx) / camera.fx
     y = (np.arange(camera.height) - camera.cy) / camera.fy
     return np.sqrt(1 + x[None] ** 2 + y[:, None] ** 2).astype(np.float32)

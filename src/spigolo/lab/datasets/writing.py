@@ -1,8 +1,8 @@
-"""Writers of rendered stand-ins in the layouts of real data sets. `spigolo.lab.datasets` reads them like the originals.
+"""Writers of rendered frames in the file layouts of published data sets. `spigolo.lab.datasets` reads these files.
 
-Each image is written at once, and the description of a scene after its frames. `rendered.json` in the folder marks the
-frames as rendered. `camera.json` next to it holds the camera if the layout has no place for it. The name of a sample's
-frame determines its file name. `rutgers_name`, `uw_scenes_name` and `tejani_name` make such names.
+The file rendered.json marks the frames as rendered. The file camera.json holds the camera if the layout has no other
+file for the intrinsics. The name of a frame determines its file name. Use `rutgers_name`, `uw_scenes_name` and
+`tejani_name` to create frame names.
 """
 
 from __future__ import annotations
@@ -31,18 +31,51 @@ from spigolo.lab.datasets.uw_scenes import MASK_COLORS, MASK_FOLDER, category_of
 
 
 def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int, shot: int) -> str:
-    """Return the name of a frame from object, bin A..L, degree of clutter 0..2, camera position 0..2 and shot 0..3."""
+    """Return the frame name for `write_rutgers`.
+
+    Parameters
+    ----------
+    object_name
+        Name of the labelled object.
+    bin_letter
+        Letter of the shelf bin, A..L.
+    clutter
+        Degree of clutter in the bin, 0..2.
+    position
+        Number of the camera position, 0..2.
+    shot
+        Number of the frame at the camera position, 0..3.
+
+    """
     return f"{object_name}-{bin_letter}-{clutter}-{position}-{shot}"
 
 
 def uw_scenes_name(sequence: str, number: int) -> str:
-    """Return the name of a frame from a sequence, such as table_1 or kitchen_small_1, and a number from 1."""
+    """Return the frame name for `write_uw_scenes`.
+
+    Parameters
+    ----------
+    sequence
+        Name of the sequence, such as table_1 or kitchen_small_1.
+    number
+        Number of the frame in the sequence, counted from 1.
+
+    """
     return f"{sequence}_{number}"
 
 
 def tejani_name(object_name: str, number: int) -> str:
-    """Return the name of a frame from Coffee_Cup, Shampoo, Joystick, Camera, Juice or Milk, and a number from 0. Raises
-    FrameError.
+    """Return the frame name for `write_tejani`.
+
+    Raises FrameError for another object.
+
+    Parameters
+    ----------
+    object_name
+        Name of the scene's object: Coffee_Cup, Shampoo, Joystick, Camera, Juice or Milk.
+    number
+        Number of the frame in the scene, counted from 0.
+
     """
     if object_name not in TEJANI_OBJECTS:
         raise FrameError(f"expected one of {', '.join(TEJANI_OBJECTS)}, got {object_name}")
@@ -50,9 +83,22 @@ def tejani_name(object_name: str, number: int) -> str:
 
 
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write the layout of `Rutgers`: for each frame, only the object in the frame's name, with its pose.
+    """Write frames in the file layout of the reader `Rutgers`. The pose of the object in each frame's name is written.
 
-    about: description of the rendering, in a sentence. Returns the number of frames. Raises FileError or FrameError.
+    Returns the number of frames. Raises FileError if a file cannot be written. Raises FrameError if a frame does not
+    fit the file layout.
+
+    Parameters
+    ----------
+    folder
+        Folder to write to.
+    samples
+        Frames with ground truth.
+    models
+        Models of all objects.
+    about
+        One-sentence description of the rendering.
+
     """
     images = _Images(folder, about)
     for model in models:
@@ -68,10 +114,11 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
 
 
 def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
-    """Write the layout of `UwScenes` with QuickFind's masks: for each frame, the objects that have a colour there.
+    """Write frames in the file layout of the reader `UwScenes`, with masks and bounding boxes of the objects in
+    `MASK_COLORS`.
 
-    Each sequence gets its boxes after all frames are written. Returns the number of frames. Raises FileError or
-    FrameError.
+    about: one-sentence description of the rendering. Returns the number of frames. Raises FileError if a file cannot be
+    written. Raises FrameError if a frame does not fit the file layout.
     """
     images = _Images(folder, about)
     boxes: dict[str, dict[int, list[ObjectBox]]] = defaultdict(dict)
@@ -88,9 +135,10 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
 
 
 def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write the layout of `Tejani`: for each frame, the instances of its scene's object, with their poses.
+    """Write frames in the file layout of the reader `Tejani`, with the poses of all instances of the scene's object.
 
-    Returns the number of frames. Raises FileError or FrameError.
+    Returns the number of frames. Raises FileError if a file cannot be written. Raises FrameError if a frame does not
+    fit the file layout.
     """
     images = _Images(folder, about)
     for model in models:
@@ -106,10 +154,11 @@ def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model
 
 
 def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write the layout of `Bop`, with full and visible masks. Models are numbered from 1 in their order.
+    """Write frames in the file layout of the reader `Bop`, with full and visible masks. Models are numbered from 1.
 
-    A frame named "SCENE/IMAGE", both numbers, is written there. Other frames get the next number in scene 1. Labels
-    without an instance are left out. Returns the number of frames. Raises FileError or FrameError.
+    A frame named "SCENE/IMAGE", with two numbers, becomes that image of that scene. Frames with other names are
+    numbered and written to scene 1. about: one-sentence description of the rendering. Returns the number of frames.
+    Raises FileError if a file cannot be written. Raises FrameError if a frame does not fit the file layout.
     """
     write_json(folder / RENDERED, {"about": about})
     write_description(folder, models, about)
@@ -127,7 +176,7 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
 
 
 class _Images:
-    """Colour and depth images of samples that share a camera."""
+    """Writer of colour and depth images that were taken with the same camera."""
 
     def __init__(self, folder: Path, about: str) -> None:
         self.count = 0
@@ -136,7 +185,7 @@ class _Images:
         write_json(folder / RENDERED, {"about": about})
 
     def write(self, sample: Sample, color: str, depth: str) -> None:
-        """Write both images, and camera.json before the first ones."""
+        """Write the colour image and the depth image of a frame. The first call of `write` also writes camera.json."""
         camera = sample.frame.camera
         if camera is None or camera not in (self._camera, camera if self._camera is None else None):
             raise FrameError(f"expected one camera in all frames, got {camera} in {sample.frame.name}")
@@ -166,7 +215,7 @@ def _poses_of(sample: Sample, name: str, models: Sequence[Model]) -> list[Pose]:
 
 
 def _shown(sample: Sample) -> list[Instance]:
-    """Return the instances that have a colour in QuickFind's masks and at least one pixel in this frame."""
+    """Return the objects that have a colour in QuickFind's masks and at least one pixel in this frame."""
     present = set(np.unique(sample.labels).tolist())
     shown = [i for i in sample.instances if i.model in MASK_COLORS and i.label in present]
     names = [instance.model for instance in shown]

@@ -1,17 +1,19 @@
-"""Scores of a segmentation, computed from two label images.
+"""Comparison of predicted segmentations with ground truth.
 
-A label image is a 2-D array of integers: 0 is background, every other value is one instance. In use::
+A label image is a 2-D array of integers: 0 is background, and every other value is one object.
+
+Score frames and average the scores::
 
     score = score_frame(truth, prediction, ignore=unsure)   # one frame
     total = summarise([score, ...])                         # a data set
     print(total.overlap_f, total.found_iou_70)
 
-Rows are the scores of many methods on many frames, in a file (`Row`, `RowFile`, `read_rows`). `pool` combines the rows
-of one method, and `compare` compares two methods. `folds` and `leave_one_set_out` split frames into those for choosing
-and those for scoring.
+A `Row` holds the scores of one method on one frame. `RowFile` and `read_rows` store rows in a file and read them.
+`pool` averages the rows of one method, and `compare` compares two methods. `folds` and `leave_one_set_out` split frames
+for cross-validation.
 
-Letters used in shapes: H, W = image, N = true objects, S = predicted segments. Needs the extra ``evaluation`` (scipy):
-``pip install "spigolo[evaluation]"``.
+Letters in array shapes: H, W = image height and width, N = number of true objects, S = number of predicted segments.
+The evaluation requires scipy: ``pip install "spigolo[evaluation]"``.
 """
 
 from __future__ import annotations

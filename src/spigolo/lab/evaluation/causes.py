@@ -1,4 +1,4 @@
-"""Causes of lost objects: the region was rejected, merged, flooded, split, or has a wrong outline."""
+"""Classification of the reasons why labelled objects are not found."""
 
 from __future__ import annotations
 
@@ -15,45 +15,56 @@ Labels = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 
 OTHER_SHARE = 0.2
-"""Minimum share of a region on other objects at which the region counts as merged with them."""
+"""Minimum share of a region's pixels on other objects for the cause `MERGED`."""
 
 
 class Cause(str, Enum):
-    """Cause of a lost object, in the order in which causes are tested."""
+    """Reason why a labelled object was not found. Reasons are tested in the order of their definition."""
 
     FOUND = "found"
-    """A returned object has an IoU above 0.7 with the labelled object."""
+    """A predicted object has an IoU above 0.7 with the labelled object, so the object is not lost."""
     REJECTED = "rejected"
     """A rejected region has an IoU above 0.7 with the labelled object."""
     MERGED = "merged"
-    """The object's region also covers other objects."""
+    """The region that covers most of the object also covers other objects."""
     FLOODED = "flooded"
-    """The object's region also covers background."""
+    """The region that covers most of the object also covers background."""
     SPLIT = "split"
-    """The object's largest region covers only a part of it."""
+    """No region covers more than 70 % of the object."""
     OUTLINE = "outline off"
-    """The object's region covers most of it and little else, but its IoU is at most 0.7."""
+    """A region covers most of the object and little else, but the IoU is at most 0.7."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """Outcome of one labelled object."""
+    """Reason why one labelled object was not found, with the region of the object."""
 
     label: int
     """Label of the object in the ground truth."""
     cause: Cause
-    """Cause of the loss, or FOUND."""
+    """Reason why the object was not found, or `FOUND`."""
     region: int
-    """Region with the largest IoU. For merged, flooded and split objects, the region that covers most of the object."""
+    """Number of the region used to determine the cause: the region with the largest IoU, or the region that covers most
+    of the object.
+    """
     iou: float
-    """IoU of the region with the object."""
+    """Intersection over union of the object and `region`."""
 
 
 def find_fates(truth: Labels, labels: Labels, regions: Labels, ignore: Mask | None = None) -> list[Fate]:
-    """Return the outcome of every labelled object.
+    """Determine for every labelled object why the object was not found.
 
-    truth, labels: (H, W), 0 = background. regions: (H, W), every region of the frame from 0. ignore: (H, W) bool,
-    pixels that do not count.
+    Parameters
+    ----------
+    truth
+        True labels (H, W), 0 = background.
+    labels
+        Predicted labels (H, W), 0 = background.
+    regions
+        Region numbers (H, W) from 0, including rejected regions.
+    ignore
+        Mask (H, W) of pixels to leave out.
+
     """
     counted = np.ones(truth.shape, bool) if ignore is None else ~ignore
     true, found, region = truth[counted], labels[counted], regions[counted]

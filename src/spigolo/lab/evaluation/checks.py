@@ -1,6 +1,6 @@
-"""Validation of the arguments of the measures.
+"""Validation of label images and parameters before scoring.
 
-Letters used in shapes: H, W = image.
+Letters in array shapes: H, W = image height and width.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from spigolo.lab.evaluation.matching import Labels
 
 
 def checked_pair(truth: ArrayLike, prediction: ArrayLike, ignore: ArrayLike | None) -> tuple[Labels, Labels]:
-    """Return both validated label images (H, W), with ignored pixels set to background."""
+    """Validate two label images (H, W), and set ignored pixels to 0 in both. Raises ValueError for invalid images."""
     true, pred = _checked_labels(truth, "truth"), _checked_labels(prediction, "prediction")
     if true.shape != pred.shape:
         raise ValueError(
@@ -53,7 +53,7 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
 
 
 def checked_radius(radius_px: float) -> float:
-    """Return the radius as a float. Raises ValueError if it is negative or NaN."""
+    """Return the radius as a float. Raises ValueError if the radius is negative or NaN."""
     if not radius_px >= 0:
         raise ValueError(f"expected radius_px to be 0 or more, got {radius_px}: leave it out for the default")
     return float(radius_px)

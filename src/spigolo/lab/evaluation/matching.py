@@ -1,7 +1,7 @@
-"""Overlap and pairing of objects and segments, and matching of boundary pixels.
+"""Matching of true objects with predicted segments, and of their boundary pixels.
 
-All functions expect validated label images (`spigolo.lab.evaluation.score_frame` validates them). Letters used in
-shapes: H, W = image, N = true objects, S = predicted segments.
+Label images must be valid. `spigolo.lab.evaluation.score_frame` validates them. Letters in array shapes: H, W = image
+height and width, N = number of true objects, S = number of predicted segments.
 """
 
 from __future__ import annotations
@@ -20,20 +20,23 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 RADIUS_PER_DIAGONAL = 0.003
-"""Radius of the boundary matching as a share of the image diagonal."""
+"""Default distance within which boundary pixels match, as a share of the image diagonal."""
 
 DENSE = 4096
-"""Maximum label that is counted in an array indexed by label. Larger labels are ranked first."""
+"""Maximum label value for counting pixels in an array indexed by label.
+
+Label images with larger values are first converted to consecutive labels.
+"""
 
 LARGE_PX = 16
-"""Minimum radius at which a distance transform is faster than a disk."""
+"""Radius in pixels above which matching uses a distance transform instead of dilation, because it is faster."""
 
 NEEDS_SCIPY = 'the measures need scipy, which is not installed: pip install "spigolo[evaluation]"'
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OverlapTable:
-    """Pixel counts of every pair of true object and predicted segment, without background."""
+    """Numbers of pixels that each true object shares with each predicted segment."""
 
     object_ids: NDArray[np.integer[Any]]
     """Labels (N,) of the true objects, ascending."""
@@ -42,28 +45,28 @@ class OverlapTable:
     """Labels (S,) of the predicted segments, ascending."""
 
     shared_px: Ints
-    """Number of pixels (N, S) with both labels."""
+    """Number of pixels (N, S) that object and segment share."""
 
     object_px: Ints
-    """Area (N,) of each true object in pixels, including uncovered pixels."""
+    """Area (N,) of each true object, in pixels."""
 
     segment_px: Ints
-    """Area (S,) of each segment in pixels, including pixels on no object."""
+    """Area (S,) of each predicted segment, in pixels."""
 
     def recall(self) -> Floats:
-        """Share (N, S) of the object that the segment covers."""
+        """Return the share (N, S) of each object's pixels that each segment covers."""
         return self.shared_px / self.object_px[:, np.newaxis]
 
     def precision(self) -> Floats:
-        """Share (N, S) of the segment that lies on the object."""
+        """Return the share (N, S) of each segment's pixels that lie on each object."""
         return self.shared_px / self.segment_px[np.newaxis, :]
 
     def f(self) -> Floats:
-        """Harmonic mean (N, S) of recall and precision: twice the shared area over the sum of both areas."""
+        """Return the F measure (N, S), the harmonic mean of precision and recall of each pair."""
         return 2 * self.shared_px / np.add.outer(self.object_px, self.segment_px)
 
     def iou(self) -> Floats:
-        """Intersection over union (N, S): shared area over the area of the union."""
+        """Return the intersection over union (N, S) of each object and segment."""
         return self.shared_px / (np.add.outer(self.object_px, self.segment_px) - self.shared_px)
 
 
@@ -80,7 +83,7 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
     pred_values, pred_rank = _ranked(prediction)
     size = (len(true_values), len(pred_values))
     couple = np.multiply(true_rank, size[1], dtype=np.intp)
-    np.add(couple, pred_rank, out=couple, dtype=np.intp)  # in place: allocation takes longer than the sums
+    np.add(couple, pred_rank, out=couple, dtype=np.intp)  # in place, because allocating an array takes longer
     counts = np.bincount(couple, minlength=math.prod(size)).reshape(size)
     object_px, segment_px = counts.sum(axis=1), counts.sum(axis=0)
     is_object, is_segment = (true_values != 0) & (object_px > 0), (pred_values != 0) & (segment_px > 0)
@@ -94,9 +97,9 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
 
 
 def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
-    """Return ascending values that include all labels, and the index of each pixel's label among them (H * W,).
+    """Return ascending label values, and for each pixel the index (H * W,) of its label in these values.
 
-    Small labels are their own indices. Sorting the pixels would take most of the time of a score.
+    If all labels are small, label k has index k, which avoids sorting the pixels.
     """
     highest = int(labels.max(initial=0))
     if highest <= DENSE:
@@ -105,13 +108,13 @@ def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.intege
 
 
 def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Pair objects and segments one to one so that the sum of the pairs' F is maximal.
+    """Pair objects and segments one to one so that the sum of their F measures is maximal.
 
     Returns
     -------
     objects, segments
-        (min(N, S),) row and column numbers of the table. If several pairings reach the same sum, the pairing and all
-        measures from it depend on the order of the labels.
+        Row and column numbers (min(N, S),) of the pairs in the table. If several pairings reach the same sum, the
+        result depends on the order of the labels.
 
     """
     try:
@@ -123,8 +126,8 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def default_radius_px(shape: tuple[int, ...]) -> int:
-    """Return the radius of the boundary matching in pixels: 0.003 of the image diagonal, rounded up (3 at 640 x
-    480).
+    """Return the default distance within which boundary pixels match: 0.3 % of the image diagonal, rounded up to
+    pixels.
     """
     return math.ceil(RADIUS_PER_DIAGONAL * math.hypot(*shape))
 
@@ -138,20 +141,20 @@ def boundary_map(labels: Labels) -> Mask:
 
 
 def boundary_hits(boundary: Mask, other: Mask, radius_px: float) -> int:
-    """Count the pixels of `boundary` that have a pixel of `other` at most `radius_px` away (Euclidean).
+    """Count the pixels of the mask `boundary` that are at most `radius_px` from a pixel of the mask `other`.
 
-    A pixel of `other` may match any number of pixels of `boundary`.
+    One pixel of `other` may match several pixels of `boundary`.
     """
     return int(np.count_nonzero(boundary & _within(other, radius_px)))
 
 
 def _within(mask: Mask, radius_px: float) -> Mask:
-    """Return the pixels (H, W) that are at most `radius_px` from the mask."""
+    """Return a mask (H, W) of the pixels that are at most `radius_px` from the given mask."""
     if radius_px > LARGE_PX:
         if not mask.any():
             return mask
         nearest_px = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        return np.asarray(np.sqrt(np.rint(nearest_px.astype(np.float64) ** 2)) <= radius_px)  # integer squares
+        return np.asarray(np.sqrt(np.rint(nearest_px.astype(np.float64) ** 2)) <= radius_px)  # squares are integers
     reach = np.arange(-int(radius_px), int(radius_px) + 1)
     disk = np.hypot(reach[:, np.newaxis], reach) <= radius_px
     return np.asarray(cv2.dilate(mask.astype(np.uint8), disk.astype(np.uint8)) > 0)

@@ -1,6 +1,6 @@
-"""Measures of one frame.
+"""Accuracy measures of one frame.
 
-Letters used in shapes: H, W = image, N = true objects, S = predicted segments.
+Letters in array shapes: H, W = image height and width, N = number of true objects, S = number of predicted segments.
 """
 
 from __future__ import annotations
@@ -25,21 +25,23 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""Share above which an object counts as found. Equal is not enough."""
+"""Overlap above which an object counts as found. An object with an overlap equal to this value is not found."""
 
 GOOD_F = 0.75
-"""F above which a pair counts in F@.75. Equal is not enough."""
+"""F measure above which a pair of object and segment counts in the measure F@.75."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measures:
-    """Main measures of a frame, a row or a data set."""
+    """Main accuracy measures of a frame or a data set."""
 
     overlap_precision: float
-    """Pixels shared within the pairs, divided by all predicted pixels."""
+    """Number of pixels that paired objects and segments share, divided by the number of pixels in all predicted
+    segments.
+    """
 
     overlap_recall: float
-    """Pixels shared within the pairs, divided by all true pixels."""
+    """Number of pixels that paired objects and segments share, divided by the number of pixels in all true objects."""
 
     overlap_f: float
     """Harmonic mean of `overlap_precision` and `overlap_recall`."""
@@ -54,7 +56,7 @@ class Measures:
     """Harmonic mean of `boundary_precision` and `boundary_recall`."""
 
     f75: float
-    """Share of true objects whose paired segment has F > 0.75. Without objects: 1, or 0 if segments exist."""
+    """Share of true objects with an F measure above 0.75 with their paired segment."""
 
 
 MEASURES = tuple(Measures.__dataclass_fields__)
@@ -62,39 +64,35 @@ MEASURES = tuple(Measures.__dataclass_fields__)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameScore(Measures):
-    """Measures of one frame.
+    """Accuracy measures of one frame.
 
-    Precision, recall and F are 1 if both images have no objects, and 0 if only one image has none. The pairing is one
-    to one with the largest sum of F (`spigolo.lab.evaluation.matching.pair_by_f`).
+    Precision, recall and F are 1 if both images have no objects, and 0 if only one image has objects. True objects and
+    predicted segments are paired by `spigolo.lab.evaluation.matching.pair_by_f`.
     """
 
     object_ids: NDArray[np.integer[Any]]
-    """Labels (N,) of the true objects, ascending. The arrays below have the same order."""
+    """Labels (N,) of the true objects, ascending. All other arrays (N,) have the order of `object_ids`."""
 
     n_segments: int
     """Number S of predicted segments."""
 
     paired_f: Floats
-    """F (N,) of each object with its paired segment, 0 without a segment."""
+    """F measure (N,) of each object with its paired segment, 0 for an object without a segment."""
 
     found_70_recall: Mask
-    """True (N,) if one segment covers more than 70 % of the object. A single segment over the whole image finds all
-    objects.
-    """
+    """True (N,) for objects of which one segment covers more than 70 %. The segment may also cover other pixels."""
 
     found_70_both: Mask
-    """True (N,) if one segment covers more than 70 % of the object, and more than 70 % of the segment lies on the
-    object.
-    """
+    """True (N,) for objects with a segment whose precision and recall on the object are both above 0.7."""
 
     found_iou_70: Mask
-    """True (N,) if one segment has an IoU > 0.7 with the object."""
+    """True (N,) for objects that have an IoU above 0.7 with a segment."""
 
     best_iou: Floats
-    """Largest IoU (N,) of the object with any segment, 0 without segments."""
+    """Maximum IoU (N,) of each object over all segments, 0 without segments."""
 
     covered: Floats
-    """Largest share (N,) of the object that one segment covers, 0 without segments."""
+    """Maximum share (N,) of each object's pixels that one segment covers, 0 without segments."""
 
     @property
     def n_objects(self) -> int:
@@ -105,21 +103,23 @@ class FrameScore(Measures):
 def score_frame(
     truth: ArrayLike, prediction: ArrayLike, ignore: ArrayLike | None = None, radius_px: float | None = None
 ) -> FrameScore:
-    """Compare a predicted label image with the true one.
+    """Compute accuracy measures of a predicted label image.
 
     Parameters
     ----------
     truth, prediction
-        (H, W) integers, 0 = background, every other value one instance. The values need not agree.
+        Label images (H, W) of integers: 0 = background, every other value = one object. An object may have different
+        labels in the two images.
     ignore
-        (H, W) boolean. Pixels with True become background in both images before anything is counted.
+        Mask (H, W) of pixels that are set to background in both images.
     radius_px
-        Reach of the boundary matching [px]. By default 0.003 of the image diagonal, rounded up.
+        Maximum distance between matching boundary pixels, in pixels. By default 0.3 % of the image diagonal, rounded
+        up.
 
     Raises
     ------
     ValueError
-        For images of different shapes, not 2-D or not labels, a wrong `ignore`, or a negative radius.
+        If an image is not a 2-D label image, if the shapes differ, or if the radius is negative.
 
     """
     true, pred = checked_pair(truth, prediction, ignore)
@@ -147,12 +147,15 @@ def score_frame(
 
 
 def _by_any_segment(holds: Mask) -> Mask:
-    """Reduce (N, S) to (N,): True if any segment is True. False without segments."""
+    """Reduce a boolean array (N, S) to (N,): True for objects with at least one True."""
     return np.asarray(holds.any(axis=1), np.bool_)
 
 
 def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
-    """Return precision, recall and F of counts. All three are 1 if both sides are empty, and 0 if one side is empty."""
+    """Return precision, recall and F from counts of matched and of all pixels.
+
+    Precision, recall and F are 1 if both totals are 0, and 0 if only one total is 0.
+    """
     if all_pred == 0 and all_true == 0:
         return 1.0, 1.0, 1.0
     precision = hits_pred / all_pred if all_pred else 0.0

@@ -1,7 +1,7 @@
-"""Pooled measures of a method on many frames, and differences between two methods.
+"""Mean measures of a method over many frames, and differences between two methods.
 
-Near-identical frames count once. A frame has the weight 1 / (number of frames in its group), so that every group has
-the same weight in a mean. The objects of a group count once among all objects.
+Near-identical frames, such as the frames of one video, form a group. Every group of near-identical frames has the same
+weight in a mean. In a group of n near-identical frames, each frame and each object has the weight 1 / n.
 """
 
 from __future__ import annotations
@@ -24,65 +24,71 @@ Figure = Callable[[RowScore], float]
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """Measures of one method on many frames. NaN if undefined.
+    """Measures of one method on many frames. Undefined measures are NaN.
 
-    Precision, F and false positives require that every object is labelled. These measures are NaN if any frame is not
-    fully labelled.
+    Precision, F and false positives are NaN if any frame has unlabelled objects.
     """
 
     n_frames: int
     n_groups: int
-    """Number of groups of near-identical frames. A frame unlike all others is a group."""
+    """Number of groups of near-identical frames. A frame without near-identical frames counts as one group."""
 
     n_failed: int
-    """Number of frames with an error. Such frames are scored as if nothing was found."""
+    """Number of frames for which the method raised an error.
+
+    A frame with an error is scored like a prediction without objects.
+    """
 
     n_predicted: float
-    """Mean number of predicted objects."""
+    """Mean number of predicted objects per frame."""
 
     n_objects: float
-    """Number of labelled objects. The number is a fraction if frames of a group have different numbers of objects."""
+    """Number of labelled objects, averaged within groups of near-identical frames and summed over the groups.
+
+    The number of objects can be a fraction.
+    """
 
     overlap_precision: float
     overlap_recall: float
     overlap_f: Estimate
-    """Mean overlap F over the groups, with a bootstrap interval over the groups."""
+    """Mean overlap F over the groups of near-identical frames, with a bootstrap confidence interval."""
 
     boundary_precision: float
     boundary_recall: float
     boundary_f: float
     f75: float
     true_positives: float
-    """Number of labelled objects with IoU > 0.7."""
+    """Number of labelled objects that have an IoU above 0.7 with a predicted object."""
 
     false_positives: float
     found: Estimate
-    """Share of labelled objects with IoU > 0.7, with a Wilson interval."""
+    """Share of labelled objects that have an IoU above 0.7 with a predicted object, with a Wilson interval."""
 
     found_in_regions: float
-    """Share of labelled objects with IoU > 0.7 among all regions, including rejected ones."""
+    """Share of labelled objects that have an IoU above 0.7 with any region, including rejected regions."""
 
     best_iou: float
-    """Mean over the labelled objects of the largest IoU with a predicted object."""
+    """Maximum IoU of a labelled object over all predicted objects, averaged over the labelled objects."""
 
     best_iou_of_regions: float
-    """Mean over the labelled objects of the largest IoU with any region, including rejected ones."""
+    """Maximum IoU of a labelled object over all regions, including rejected regions, averaged over the labelled
+    objects.
+    """
 
     found_70_recall: float
-    """Share of labelled objects that one predicted object covers by more than 70 %, even if it covers other
-    pixels too.
+    """Share of labelled objects of which one predicted object covers more than 70 %.
+
+    The predicted object may also cover other pixels.
     """
 
     found_70_both: float
-    """Share of labelled objects that one predicted object covers by more than 70 %, if more than 70 % of the predicted
-    object lies on the labelled object.
-    """
+    """Share of labelled objects that have a predicted object with precision and recall both above 0.7."""
 
     pieces: float
-    """Number of regions with at least 5 % of an object, per labelled object."""
+    """Number of regions that cover at least 5 % of an object, averaged over the labelled objects."""
 
     leaks: float
-    """Under-segmentation error of the regions, mean over the labelled objects."""
+    """Under-segmentation error of the regions, averaged over the labelled objects."""
 
     cpu_median_s: float
     cpu_mean_s: float
@@ -90,9 +96,9 @@ class Pooled:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Differences between the measures of two methods, on the frames that both have.
+    """Differences between the measures of two methods, on the frames that both methods segmented.
 
-    Intervals: paired bootstrap over the groups. cpu_ratio: median over the frames of the ratio of CPU times.
+    The intervals are from a paired bootstrap over groups of near-identical frames.
     """
 
     n_frames: int
@@ -102,12 +108,13 @@ class Difference:
     f75: Estimate
     found: Estimate
     cpu_ratio: float
+    """CPU time of the second method divided by the CPU time of the first method, median over the frames."""
 
 
 def pool(rows: Sequence[Row]) -> Pooled:
-    """Return the pooled measures of one method on the frames of these rows.
+    """Return the mean measures of one method over all frames. rows: evaluation results, one per frame.
 
-    Raises ValueError without rows, or if two rows belong to one frame.
+    Raises ValueError if `rows` is empty, or if two results belong to the same frame.
     """
     _check(rows)
     scored = [row for row in rows if row.score is not None]
@@ -147,7 +154,10 @@ def pool(rows: Sequence[Row]) -> Pooled:
 
 
 def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
-    """Compare two methods: the measures of `after` minus those of `before`. Raises ValueError as `pool` does."""
+    """Return the measures of `after` minus the measures of `before`, on the frames in both lists.
+
+    Raises ValueError if a list is empty, or if two results in a list belong to the same frame.
+    """
     _check(before)
     _check(after)
     old = {(row.data_set, row.frame): row for row in before}
@@ -191,8 +201,9 @@ def _weights(rows: Sequence[Row]) -> Floats:
 
 
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
-    """Return the mean (G,) of a measure in each group, in the order of their first frames. `of` determines the
-    groups.
+    """Return the mean (G,) of a measure in each group of near-identical frames.
+
+    The results in `of`, by default `rows`, define the groups of near-identical frames.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):
@@ -210,6 +221,6 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 
 
 def _share(rows: Sequence[Row], count: Figure) -> float:
-    """Return the count as a share of the labelled objects."""
+    """Return the sum of a count over all frames, divided by the number of labelled objects."""
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

@@ -1,6 +1,6 @@
-"""Confidence intervals by resampling, and splits that keep near-identical frames on one side.
+"""Confidence intervals by resampling, and splits of frames for cross-validation.
 
-Letters used in shapes: G = groups of near-identical frames, K = frames.
+Letters in array shapes: G = number of groups of near-identical frames, K = number of frames.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ LEVEL = 0.95
 
 
 class Estimate(NamedTuple):
-    """Value with its 95 % interval. NaN if not known."""
+    """Value with the lower and upper limit of its 95 % confidence interval. Unknown values are NaN."""
 
     value: float
     low: float
@@ -33,22 +33,35 @@ UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
-    """Indices of frames. inside: frames for choosing. outside: frames for scoring, which have no similar frame
-    inside.
-    """
+    """Split of frames for cross-validation."""
 
     name: str
     inside: Indices
+    """Indices of the frames used to choose parameters."""
     outside: Indices
+    """Indices of the held-out frames. No frame of `inside` is near-identical to a held-out frame."""
 
 
 def bootstrap(
     values: ArrayLike, weights: ArrayLike | None = None, *, draws: int = DRAWS, seed: int = SEED, level: float = LEVEL
 ) -> Estimate:
-    """Return the weighted mean of one value per group, with its percentile interval over groups drawn with replacement.
+    """Return the weighted mean of the values, with its bootstrap confidence interval.
 
-    values, weights: (G,), weights 1 by default. For a paired comparison, pass the differences. The interval is NaN with
-    fewer than two groups. The same seed gives the same interval.
+    The limits of the confidence interval are NaN for fewer than two values.
+
+    Parameters
+    ----------
+    values
+        Values (G,), one per group of near-identical frames. For a paired comparison, pass the differences.
+    weights
+        Weight of each value (G,), by default 1.
+    draws
+        Number of bootstrap samples.
+    seed
+        Random seed. The same seed always gives the same interval.
+    level
+        Confidence level of the interval, 0..1.
+
     """
     x = np.asarray(values, np.float64)
     w = np.ones_like(x) if weights is None else np.asarray(weights, np.float64)
@@ -70,17 +83,19 @@ def bootstrap(
 
 
 def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Split]:
-    """Split K frames into `k` folds of about equal size. Each fold is the outside of one split. A group is never
-    divided.
+    """Split K frames into `k` folds of about equal size for cross-validation.
 
-    groups: (K,) group of each frame. Raises ValueError if there are fewer groups than folds.
+    Near-identical frames are always in the same fold.
+
+    groups: name of the group of near-identical frames that contains each frame (K,). Raises ValueError if there are
+    fewer groups than folds.
     """
     frames_of = _frames_of(groups)
     if not 2 <= k <= len(frames_of):
         raise ValueError(f"expected 2 to {len(frames_of)} folds of {len(frames_of)} groups, got {k}: choose another k")
     order = np.random.default_rng(seed).permutation(len(frames_of))
     lists = list(frames_of.values())
-    # large groups first, so that the folds get similar sizes
+    # distribute large groups first, so that the folds get similar sizes
     shuffled = sorted((lists[i] for i in order), key=len, reverse=True)
     held: list[list[int]] = [[] for _ in range(k)]
     for members in shuffled:
@@ -89,10 +104,19 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
 
 
 def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = None) -> list[Split]:
-    """Return one split per data set, with that set outside, in the order of their names.
+    """Return one split per data set, which holds out all frames of this data set. Splits are ordered by name.
 
-    sets: (K,) data set of each frame. groups: (K,) group of each frame. Frames of other sets that are similar to one
-    outside are on neither side. Raises ValueError with fewer than two sets.
+    Frames of other data sets that are near-identical to a held-out frame are not used.
+
+    Raises ValueError if there are fewer than two data sets.
+
+    Parameters
+    ----------
+    sets
+        Data set of each frame (K,).
+    groups
+        Group of near-identical frames that contains each frame (K,).
+
     """
     names = sorted(set(sets))
     if len(names) < 2:
@@ -117,11 +141,12 @@ def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hasha
 
 
 def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
-    """Return Wilson's score interval of a share: `hits` out of `n`, at `z` standard deviations (1.96 = 95 %).
+    """Return the Wilson score interval of the share hits / n.
 
-    The interval is valid for few trials and for shares near 0 or 1. Without trials it is (0, 1). Counts need not be
-    integers, as near-identical trials may have lower weights. Trials are assumed to be independent, which objects of
-    one frame are only approximately.
+    z: half width in standard deviations, 1.96 = 95 % confidence.
+
+    The interval is (0, 1) for n = 0. Counts may be fractions, for example if near-identical frames have lower weights.
+    The formula assumes independent trials. Objects in the same frame are only approximately independent.
     """
     if not 0 <= hits <= n or not z >= 0:
         raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}: check the counts")

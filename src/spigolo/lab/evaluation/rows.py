@@ -1,6 +1,6 @@
-"""Rows: the scores of one method on one frame as a line of JSON, in a file to which an evaluation can append.
+"""Files of evaluation results. Each line is a JSON object (row) with the scores of one method on one frame.
 
-Letters used in shapes: H, W = image, N = true objects.
+Letters in array shapes: H, W = image height and width, N = number of true objects.
 """
 
 from __future__ import annotations
@@ -23,14 +23,20 @@ from spigolo.lab.evaluation.matching import OverlapTable, overlap_table
 from spigolo.lab.evaluation.measures import MEASURES, Measures, score_frame
 
 PIECE = 0.05
-"""Minimum share of an object in a region for the region to count as a piece of it."""
+"""Minimum share of an object's pixels in a region for the region to count as a piece of the object."""
 
 Labelling = Literal["full", "part", "none"]
-"""Extent of the labels in a frame: every object, some objects, or none. Precision is meaningful only with `full`."""
+"""Labelled objects in a frame: all objects (`full`), some objects (`part`) or no objects (`none`).
+
+Precision is meaningful only if all objects are labelled.
+"""
 
 
 class Key(NamedTuple):
-    """Key of a row. Two rows with one key are the same evaluation, so nothing is evaluated twice."""
+    """Identification of an evaluation result: data set, frame, method and digest (hash) of its parameters.
+
+    Two results with equal keys are from the same evaluation.
+    """
 
     data_set: str
     frame: str
@@ -40,108 +46,112 @@ class Key(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RowScore(Measures):
-    """Measures of one frame as in `FrameScore`, and counts that can be summed."""
+    """Accuracy measures of one method on one frame. `FrameScore` defines most measures."""
 
     n_objects: int
     """Number N of labelled objects."""
 
     n_segments: int
-    """Number of predicted objects outside the ignored pixels."""
+    """Number of predicted objects, without objects that have only ignored pixels."""
 
     best_iou: tuple[float, ...]
-    """Largest IoU (N,) of each labelled object with a predicted one."""
+    """Maximum IoU (N,) of each labelled object over all predicted objects."""
 
     best_iou_of_regions: tuple[float, ...]
-    """Largest IoU (N,) of each labelled object with any region, including rejected ones."""
+    """Maximum IoU (N,) of each labelled object over all regions, including rejected regions."""
 
     true_positives: int
-    """Number of labelled objects with IoU > 0.7. Each is matched by exactly one predicted object."""
+    """Number of labelled objects that have an IoU above 0.7 with a predicted object."""
 
     false_positives: int
-    """Number of predicted objects without a match at IoU > 0.7. Such objects are errors only if every object is
-    labelled.
+    """Number of predicted objects that have no IoU above 0.7 with any labelled object.
+
+    The number of false positives is meaningful only if all objects are labelled.
     """
 
     false_negatives: int
-    """Number of labelled objects without a match."""
+    """Number of labelled objects that have no IoU above 0.7 with any predicted object."""
 
     found_70_recall: int
-    """Number of labelled objects that one predicted object covers by more than 70 %, even if it covers other pixels
-    too.
+    """Number of labelled objects of which one predicted object covers more than 70 %.
+
+    The predicted object may also cover other pixels.
     """
 
     found_70_both: int
-    """Number of labelled objects in `found_70_recall` whose predicted object lies on them with more than 70 % of its
-    area.
-    """
+    """Number of labelled objects that have a predicted object with precision and recall both above 0.7."""
 
     pieces: int
-    """Number of regions with at least 5 % of a labelled object, summed over the objects."""
+    """Number of regions that cover at least 5 % of a labelled object, summed over the objects."""
 
     leaks: float
-    """Under-segmentation error (Neubert & Protzel 2012), summed over the objects.
+    """Under-segmentation error (Neubert & Protzel 2012), summed over the labelled objects.
 
-    For each region that meets an object, it is the smaller of the region's area outside and inside the object, as a
-    share of the object.
+    A region that overlaps an object adds the smaller of its areas inside and outside the object, divided by the area of
+    the object.
     """
 
     covered: tuple[float, ...] = ()
-    """Largest share (N,) of each labelled object that one predicted object covers. () in older rows."""
+    """Maximum share (N,) of each labelled object that one predicted object covers, empty in files of earlier versions.
+    """
 
     covered_by_regions: tuple[float, ...] = ()
-    """Largest share (N,) of each labelled object that any region covers, including rejected ones."""
+    """Maximum share (N,) of each labelled object that one region covers, including rejected regions."""
 
     names: tuple[str, ...] = ()
-    """Names (N,) of the labelled objects. () if the data set has no names."""
+    """Names (N,) of the labelled objects, empty if the data set has no names."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """Result of one method on one frame."""
+    """Evaluation result of one method on one frame."""
 
     data_set: str
     frame: str
 
     group: str
-    """Name shared by near-identical frames."""
+    """Name of the group of near-identical frames that contains this frame."""
 
     labelling: Labelling
     method: str
 
     preset: str
-    """Name of the preset. Presets of one name are distinguished by `digest`."""
+    """Name of the preset. Presets with the same name but different values have different digests."""
 
     digest: str
     parameters: dict[str, Any]
 
     version: str
-    """Version of spigolo."""
+    """Version of spigolo that segmented the frame."""
 
     machine: str
 
     cpu_s: float | None
-    """CPU time of the run. None after an error."""
+    """CPU time of the segmentation, s, or None after an error."""
 
     wall_s: float | None
 
     n_predicted: int
-    """Number of predicted objects, including those on ignored pixels."""
+    """Number of predicted objects, including objects on ignored pixels."""
 
     rejected: dict[str, int]
-    """Number of rejected regions, indexed by reason."""
+    """Number of rejected regions, indexed by the reason of rejection."""
 
     score: RowScore | None
-    """Score of the frame. None without labels. A method that failed is scored as if it found nothing."""
+    """Accuracy measures, or None if the frame has no labels.
+
+    An error of the method is scored like a prediction without objects.
+    """
 
     error: str | None = None
-    """One-line error message. None after success."""
+    """One-line message of the error that the method raised, or None if the method succeeded."""
 
     content: str = ""
-    """Checksum of the frame's files, which distinguishes frames with the same name. "" if unknown."""
+    """Checksum of the frame's files, to distinguish frames with the same name, empty if unknown."""
 
     @property
     def key(self) -> Key:
-        """Return data set, frame, method and digest."""
+        """Return the identification of this evaluation: data set, frame, method and digest."""
         return Key(self.data_set, self.frame, self.method, self.digest)
 
 
@@ -152,10 +162,22 @@ def score_row(
     ignore: ArrayLike | None = None,
     names: Mapping[int, str] | None = None,
 ) -> RowScore:
-    """Return the score of a row from label images (H, W), 0 = background. See `score_frame`.
+    """Score a predicted label image (H, W) against the true label image (H, W). `score_frame` defines the measures.
 
-    regions: partition from which the objects were chosen, as a label image without background. By default the
-    prediction itself. names: names of the true objects, indexed by label.
+    Parameters
+    ----------
+    truth
+        True label image (H, W), 0 = background.
+    prediction
+        Predicted label image (H, W), 0 = background.
+    regions
+        All regions of the segmentation, including rejected regions, as a label image (H, W) without 0. By default
+        `prediction`.
+    ignore
+        Mask (H, W) of pixels to leave out.
+    names
+        Names of the true objects, indexed by label.
+
     """
     score = score_frame(truth, prediction, ignore)
     table = overlap_table(*checked_pair(truth, prediction if regions is None else regions, ignore))
@@ -190,14 +212,14 @@ def _adapter() -> TypeAdapter[Row]:
 
 
 def row_to_json(row: Row) -> str:
-    """Return a row as one line of JSON, without line end."""
+    """Convert an evaluation result to one line of JSON, without a newline."""
     return _adapter().dump_json(row).decode()
 
 
 def read_rows(path: Path | str) -> list[Row]:
-    """Return the rows of a file. An incomplete last line, left by a crash, is dropped.
+    """Read a file of evaluation results. An incomplete last line, for example after a crash, is ignored.
 
-    Raises FileError if the file cannot be read or a line is not a row.
+    Raises FileError if the file cannot be read, or if a line is not a valid result.
     """
     try:
         data = Path(path).read_bytes()
@@ -223,27 +245,27 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
 
 
 class RowFile:
-    """File of rows, open for appending. `rows` holds its rows. Each new row is written to disk at once.
+    """File of evaluation results, open for appending. Each new result is written to disk immediately.
 
-    An incomplete last line is removed when the file is opened. Raises FileError if it cannot be opened or is not a file
-    of rows.
+    The attribute `rows` holds all results in the file. An incomplete last line is removed from the file on opening.
+    Raises FileError if the file cannot be opened, or if a line is not a valid result.
     """
 
     rows: list[Row]
 
     def __init__(self, path: Path | str) -> None:
         self.path = Path(path)
-        self.rows = read_rows(self.path) if self.path.exists() else []  # before the file is changed
+        self.rows = read_rows(self.path) if self.path.exists() else []  # read before the file is changed
         self._file = append_lines(self.path)
 
     def append(self, row: Row) -> None:
-        """Write a row and keep it in `rows`."""
+        """Append an evaluation result to the file and to `rows`."""
         self._file.write(row_to_json(row).encode() + b"\n")
         self._file.flush()
         self.rows.append(row)
 
     def rewrite(self, rows: Sequence[Row]) -> None:
-        """Replace all rows of the file in one step."""
+        """Replace all evaluation results in the file at once. The old file stays intact if writing fails."""
         self._file.close()
         write_bytes(self.path.resolve(), b"".join(row_to_json(row).encode() + b"\n" for row in rows))
         self.rows, self._file = list(rows), append_lines(self.path)

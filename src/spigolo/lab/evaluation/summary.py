@@ -1,4 +1,4 @@
-"""Measures of many frames together."""
+"""Mean accuracy measures over the frames of a data set."""
 
 from __future__ import annotations
 
@@ -15,27 +15,28 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 
 @dataclass(frozen=True, slots=True)
 class DatasetScore(Measures):
-    """Measures of many frames: means over the frames, or shares of the objects of all frames.
+    """Mean accuracy measures over many frames.
 
-    The mean F over frames is not the harmonic mean of the mean precision and recall.
+    Each F is averaged over the frames, so it differs from the harmonic mean of the averaged precision and recall.
     """
 
     found_70_recall: float
-    """Share of all objects, NaN without objects. Merging regions raises it, so read it together with
-    `overlap_precision`.
+    """Share of true objects of which one segment covers more than 70 %, NaN without objects.
+
+    Large segments that cover several objects raise this value, so compare `overlap_precision` too.
     """
 
     found_70_both: float
-    """Share of all objects, NaN without objects."""
+    """Share of true objects that have a segment with precision and recall both above 0.7, NaN without objects."""
 
     found_iou_70: float
-    """Share of all objects, NaN without objects."""
+    """Share of true objects that have an IoU above 0.7 with a segment, NaN without objects."""
 
     best_iou: float
-    """Mean over all objects of their largest IoU, NaN without objects."""
+    """Maximum IoU of a true object over all segments, averaged over all true objects, NaN without objects."""
 
     segments_per_object: float
-    """Number of predicted segments divided by the number of objects (by 1 without objects), over all frames."""
+    """Number of predicted segments in all frames, divided by the number of true objects."""
 
     n_frames: int
     """Number of scored frames."""
@@ -45,12 +46,12 @@ class DatasetScore(Measures):
 
 
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
-    """Combine the scores of many frames. Every frame, or every object, has the same weight.
+    """Average the scores of many frames. All frames have the same weight, and all objects have the same weight.
 
     Raises
     ------
     ValueError
-        If there are no frames.
+        If `scores` is empty.
 
     """
     scores = list(scores)

@@ -1,8 +1,12 @@
-"""Evaluation of methods on labelled frames in two steps: `evaluate` writes rows, `write_report` makes a page of them.
+"""Evaluation of segmentation methods on labelled frames.
 
-frames = find_labelled_frames([Path("frames")])
-evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))
-write_report(read_contenders([Path("rows.jsonl")]), Path("report"), frames)
+`evaluate` writes scores to a file, and `write_report` creates a report.
+
+Evaluate two presets on labelled frames and write a report::
+
+    frames = find_labelled_frames([Path("frames")])
+    evaluate(frames, make_methods(["toscana2016"], [sp.OBJECTS, sp.TABLE]), Path("rows.jsonl"))
+    write_report(read_contenders([Path("rows.jsonl")]), Path("report"), frames)
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Contenders: rows of one method with one set of parameters, under a unique name."""
+"""Scores of one method with one set of parameters (contender), under a name that is unique in a comparison."""
 
 from __future__ import annotations
 
@@ -12,29 +12,33 @@ from spigolo.lab.evaluation.rows import Row, read_rows
 from spigolo.settings.presets import PRESETS
 
 Part = tuple[str, str, str]
-"""Method, digest, and file if several files hold the same frames."""
+"""Method, digest (hash) of its parameters, and name of the file with the scores.
+
+The file name is used only if several files hold the same frames.
+"""
 
 Place = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Contender:
-    """Rows of one method. label: name on the page. file: origin, if several files hold the same frames. rows: one per
-    frame.
-    """
+    """Scores of one method with one set of parameters."""
 
     label: str
+    """Name of the method and its parameters in the report, unique in a comparison."""
     file: str
+    """File of the scores, empty unless several files hold the same frames."""
     rows: tuple[Row, ...]
+    """Scores of the method, one result per frame."""
 
     @property
     def which(self) -> tuple[str, str]:
-        """Return method and digest."""
+        """Return the name of the method and the digest of its parameters."""
         return self.rows[0].method, self.rows[0].digest
 
 
 def read_contenders(paths: Sequence[Path]) -> list[Contender]:
-    """Return the contenders of files of rows, in the order of their first rows."""
+    """Read files of evaluation results. Return one `Contender` per method and set of parameters."""
     files = {path: read_rows(path) for path in paths}
     rows = gather({str(path): held for path, held in files.items()})
     if not rows:
@@ -43,10 +47,10 @@ def read_contenders(paths: Sequence[Path]) -> list[Contender]:
 
 
 def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
-    """Return the contenders of rows, indexed by the file of the rows.
+    """Group evaluation results by method and parameters. files: evaluation results, indexed by file name.
 
-    Files with different frames of one method are combined. Files with the same frames give separate contenders, for
-    example before and after a change of the code.
+    If files hold different frames of one method, the results are combined. If two files hold the same frames, for
+    example before and after a change of the code, each file gives its own `Contender`.
     """
     held = {file: _by_method(rows) for file, rows in files.items()}
     parts: dict[Part, dict[Place, Row]] = {}
@@ -60,14 +64,19 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
 
 
 def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
-    """Return the contenders with which others are compared, by label, digest, preset, method or file.
+    """Return the reference methods, with which all other methods are compared.
 
-    Without a name, the first contender is returned, or those of the first file if files hold the same frames. Raises
-    ConfigError if the name matches none, or several that are not one file.
+    name: label, digest, preset, method or file name of the reference.
+
+    Without a name, the first element of `contenders` is the reference. If no name is given and several files hold the
+    same frames, all methods in the first file are references. Raises ConfigError if no method, or more than one,
+    matches the name.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]
-    alias = PRESETS[name.upper()].digest if name.upper() in PRESETS else name  # OBJECTS means the newest version
+    alias = (
+        PRESETS[name.upper()].digest if name.upper() in PRESETS else name
+    )  # a preset name stands for its current parameters
     exact = [c for c in contenders if name == c.label]
     files = {c.file for c in contenders if c.file and name in (c.file, Path(c.file).name, Path(c.file).stem)}
     found = exact or [c for file in files for c in _of_file(contenders, file)]
@@ -84,7 +93,11 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 
 
 def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
-    """Return each other contender with the reference of its method and digest, or else with the first reference."""
+    """Pair each evaluated method with its reference.
+
+    A reference with the same method and parameters is preferred. If no reference has the same method and parameters,
+    the first element of `references` is used. References are not paired with themselves.
+    """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]
 
@@ -105,7 +118,10 @@ def _by_method(rows: Sequence[Row]) -> dict[tuple[str, str], dict[Place, Row]]:
 
 
 def _labels(firsts: Mapping[Part, Row]) -> dict[Part, str]:
-    """Return the shortest labels that are unique: preset, method and preset, digest, file."""
+    """Return a short unique label for each method and set of parameters.
+
+    A label consists of preset or method, followed by digest and file name if necessary.
+    """
     one_method = len({method for method, _, _ in firsts}) == 1
     labels = {part: _short(row, one_method) for part, row in firsts.items()}
     labels = _refine(labels, lambda part: part[1] if _digests(labels, labels[part]) > 1 else "")
@@ -124,6 +140,6 @@ def _digests(labels: Mapping[Part, str], label: str) -> int:
 
 
 def _refine(labels: Mapping[Part, str], more: Callable[[Part], str]) -> dict[Part, str]:
-    """Return the labels, with an addition to those that are not unique."""
+    """Append more text to labels that are not unique. more: function that returns the additional text."""
     count = Counter(labels.values())
     return {part: f"{label} {more(part)}".rstrip() if count[label] > 1 else label for part, label in labels.items()}

@@ -1,4 +1,4 @@
-"""Limitations of a report, as sentences derived from its rows."""
+"""Limitations of an evaluation, as sentences for the report."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.experiments.tables import FEW_GROUPS
 
 MOST = 0.5
-"""Share of the groups above which one data set dominates the pooled measures."""
+"""Share of all frames in one data set above which the report warns that this data set dominates the mean."""
 
 
 def limitations(contenders: Sequence[Contender]) -> list[str]:
-    """Return the limitations, the most important first."""
+    """Return sentences about the limitations of these results, most important first."""
     rows = [row for contender in contenders for row in contender.rows]
     groups = {row.group: row.data_set for row in rows if row.score is not None}
     methods = sorted({row.method for row in rows})

@@ -1,4 +1,4 @@
-"""Lost objects on labelled frames, grouped by cause."""
+"""Labelled objects that a method did not find, grouped by cause."""
 
 from __future__ import annotations
 
@@ -16,20 +16,23 @@ from spigolo.methods import Method
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Labelled object and its outcome."""
+    """Labelled object, with the cause if it was not found."""
 
     data_set: str
     """Name of the data set."""
     frame: str
     """Name of the frame."""
     fate: Fate
-    """Outcome of the object."""
+    """Reason why the object was not found, with the region and IoU of the object."""
     why: str
-    """Rule that rejected the object's region. Empty for a returned region."""
+    """Rule that rejected the region of the object, empty if the region was not rejected."""
 
 
 def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], None] | None = None) -> list[Loss]:
-    """Return the outcomes of all labelled objects of some frames with one method."""
+    """Segment frames, and determine for every labelled object why the object was not found.
+
+    tell: progress callback with the number of finished frames.
+    """
     losses: list[Loss] = []
     for done, entry in enumerate(entries, start=1):
         frame, truth = entry.read_both()
@@ -44,7 +47,7 @@ def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], 
 
 
 def loss_table(losses: Sequence[Loss]) -> Table:
-    """Return the number of objects for each data set and cause."""
+    """Return a table with the number of objects per data set and cause."""
     counts: dict[str, Counter[Cause]] = defaultdict(Counter)
     for loss in losses:
         counts[loss.data_set][loss.fate.cause] += 1
@@ -58,7 +61,9 @@ def loss_table(losses: Sequence[Loss]) -> Table:
 
 
 def lost_objects(losses: Sequence[Loss]) -> Table:
-    """Return one row for each lost object: its cause, the IoU of its region, and the rule that rejected the region."""
+    """Return a table of all objects that were not found, with the cause, the IoU of the region, and the rule that
+    rejected the region.
+    """
     lost = [loss for loss in losses if loss.fate.cause is not Cause.FOUND]
     rows = [
         (f"{x.data_set}/{x.frame}", str(x.fate.label), x.fate.cause.value, f"{x.fate.iou:.2f}", x.why) for x in lost
@@ -67,5 +72,5 @@ def lost_objects(losses: Sequence[Loss]) -> Table:
 
 
 def share_found(losses: Sequence[Loss]) -> float:
-    """Return the share of objects that were found."""
+    """Return the share of labelled objects that were found."""
     return float(np.mean([loss.fate.cause is Cause.FOUND for loss in losses])) if losses else 0.0

@@ -1,4 +1,4 @@
-"""Methods to evaluate, by name. Ours appears once for each preset."""
+"""Creation of segmentation methods from their names and parameters."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from spigolo.settings.config import Config
 
 
 def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method]:
-    """Return the methods of some names: `toscana2016` once per configuration, any other once. Duplicates are dropped.
+    """Create segmentation methods from their names. The method `toscana2016` is created once per configuration.
 
-    Raises ConfigError for an unknown name.
+    Duplicates are left out. Raises ConfigError for an unknown name.
     """
     methods: dict[tuple[str, str], Method] = {}
     for name in names:
@@ -26,7 +26,10 @@ def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method
 
 
 def remake(row: Row) -> Method | None:
-    """Return the method of a row with the row's parameters. None if it no longer exists with these parameters."""
+    """Create the method that gave this evaluation result.
+
+    Return None if this version of spigolo no longer has the method or its parameters.
+    """
     if row.method not in METHODS:
         return None
     try:

@@ -1,6 +1,6 @@
-"""Tables I to III of the paper with printed values next to measured ones.
+"""Tables I to III of the paper (Toscana & Rosa 2016), with printed and measured values.
 
-The paper counts an object as found if one segment covers more than 70 % of its pixels.
+In the paper's tables, an object is found if one segment covers more than 70 % of its pixels.
 """
 
 from __future__ import annotations
@@ -21,60 +21,63 @@ from spigolo.settings.presets import PRESETS
 RENDERED = "-rendered"
 """Suffix of the names of rendered data sets."""
 NOT_DONE = "-"
-"""Sign that the paper prints in omitted cells."""
+"""Text of empty cells in the paper's tables."""
 
 
 @dataclass(frozen=True, slots=True)
 class Tally:
-    """Number of objects in one cell, number found, and number that would be found if no region were rejected."""
+    """Numbers of objects for one table cell."""
 
     objects: int = 0
     found: int = 0
+    """Number of objects of which one predicted object covers more than 70 %."""
     in_regions: int = 0
+    """Number of objects of which one region, including rejected regions, covers more than 70 %."""
 
     def __add__(self, other: Tally) -> Tally:
         return Tally(self.objects + other.objects, self.found + other.found, self.in_regions + other.in_regions)
 
     @property
     def share(self) -> str:
-        """Return the share of found objects, per cent."""
+        """Return the share of found objects as text, in per cent."""
         return _percent(self.found, self.objects)
 
     @property
     def share_in_regions(self) -> str:
-        """Return the share of objects that any region covers, per cent."""
+        """Return the share of objects that any region covers, including rejected regions, as text in per cent."""
         return _percent(self.in_regions, self.objects)
 
     def among(self, other: Tally) -> str:
-        """Return the number of objects as text if it differs from that of the other tally."""
+        """Return "of N" for N objects if `other` has a different number of objects, else an empty text."""
         return "" if self.objects == other.objects else f"of {self.objects}"
 
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """Table of the paper on one data set. tallies: indexed by contender, in their order, and cell.
-
-    The first contender is the preset that the paper uses. beside: method whose values are in parentheses, or None.
-    """
+    """Measured values of one table of the paper, on one data set."""
 
     printed: Printed
     rendered: bool
+    """True if the frames are rendered."""
     n_frames: int
     tallies: Mapping[str, Mapping[Place, Tally]]
+    """Numbers of objects, indexed by method and table cell. The first method uses the paper's preset."""
     beside: str | None
+    """Name of the method whose values are printed in parentheses, or None."""
 
     @property
     def title(self) -> str:
-        """Return the title, which marks rendered frames."""
+        """Return the title of the table. Rendered frames are marked in the title."""
         on = f"rendered stand-in for {self.printed.about}" if self.rendered else self.printed.about
         return f"Table {self.printed.number}: {on}"
 
 
 def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple[str, Table]]:
-    """Write index.html and report.md into the folder `out`. Return titles and tables of the data sets in the rows.
+    """Write a report with the paper's tables as index.html and report.md into the folder `out`.
 
-    Raises FileError if the rows hold none of the paper's data sets, lack the preset that the paper uses on one of them,
-    or are of an older version. Raises FileError also if a file cannot be written.
+    Return the titles and tables.
+
+    Raises FileError if a file cannot be written, or if results for the paper's data sets and presets are missing.
     """
     measured = measure(contenders)
     tables = [(one.title, paper_table(one)) for one in measured]
@@ -88,7 +91,10 @@ def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple
 
 
 def measure(contenders: Sequence[Contender]) -> list[Measured]:
-    """Measure each of the paper's data sets in the rows. Raises FileError as `write_paper_tables` does."""
+    """Compute the values of the paper's tables from evaluation results.
+
+    Raises FileError if results for the paper's data sets and presets are missing.
+    """
     sets = [(printed, rendered) for printed in TABLES for rendered in (False, True)]
     measured = [one for pair in sets if (one := _measure(contenders, *pair)) is not None]
     if not measured:
@@ -101,7 +107,7 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
 
 
 def paper_table(measured: Measured) -> Table:
-    """Return printed and measured values next to each other, in rows for a single column and in columns for several."""
+    """Return a table with the printed and the measured values."""
     return _wide(measured) if len(measured.printed.columns) > 1 else _narrow(measured)
 
 
@@ -132,7 +138,10 @@ def _tally(rows: Sequence[Row], printed: Printed) -> dict[Place, Tally]:
 
 
 def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
-    """Yield the objects of a row that belong in the table."""
+    """Yield the table cell and the counts of each object in a frame.
+
+    Objects without a table cell are left out.
+    """
     score = row.score
     assert score is not None
     if not len(score.names) == len(score.covered) == score.n_objects:
@@ -163,7 +172,10 @@ def _narrow(measured: Measured) -> Table:
 
 
 def _wide(measured: Measured) -> Table:
-    """Return for each line the printed values, the measured presets, and the number of objects."""
+    """Return a table that has one column per class of objects, with printed and measured values.
+
+    Each line of the paper's table becomes several rows: printed values, measured values, and numbers of objects.
+    """
     printed = measured.printed
     first, *others = [label for label in measured.tallies if label != measured.beside]
     name = f"{first} ({measured.beside})" if measured.beside else first
@@ -185,7 +197,9 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """Yield the values of the preset, with those of the second method in parentheses."""
+    """Yield the cells of one line for the method `label`, with the values of the method `measured.beside` in
+    parentheses.
+    """
     tallies = _tallies(measured, line, label)
     besides = _tallies(measured, line, measured.beside) if measured.beside else [None] * len(tallies)
     for tally, other in zip(tallies, besides, strict=True):
@@ -193,7 +207,7 @@ def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
 
 
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
-    """Return the tallies of a line. None for cells that the paper omits."""
+    """Return the numbers of objects in each cell of a table line. Cells that are empty in the paper give None."""
     places = [(line, column) for column in measured.printed.columns]
     return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]
 

@@ -1,4 +1,4 @@
-"""Pictures of the worst frames: prediction next to ground truth."""
+"""Pictures of the frames with the lowest scores: prediction and ground truth side by side."""
 
 from __future__ import annotations
 
@@ -26,19 +26,22 @@ WORST = 10
 PICTURE_WIDTH_PX = 640
 JPEG_QUALITY = 85
 SAME_F = 1e-6
-"""Difference of overlap F below which two frames count as equal."""
+"""Difference of overlap F below which two results of a frame count as equal."""
 
 Tell = Callable[[int, int], None]
 
 
 def goodness(row: Row) -> float:
-    """Return the measure that ranks frames: overlap F if every object is labelled, overlap recall if some are."""
+    """Return the measure by which frames are sorted: overlap F for fully labelled frames, overlap recall for others."""
     assert row.score is not None
     return row.score.overlap_f if row.labelling == "full" else row.score.overlap_recall
 
 
 def worst_rows(rows: Sequence[Row]) -> list[Row]:
-    """Return the labelled frames, the worst first. Near-identical and failed frames are left out."""
+    """Return the evaluation results of the ten labelled frames with the lowest scores.
+
+    Only one frame per group of near-identical frames is returned. Frames with an error are left out.
+    """
     scored = (row for row in rows if row.score is not None and row.error is None)
     chosen: dict[str, Row] = {}
     for row in sorted(scored, key=lambda row: (goodness(row), row.key)):
@@ -49,10 +52,21 @@ def worst_rows(rows: Sequence[Row]) -> list[Row]:
 def draw_worst(
     contender: Contender, folders: Mapping[tuple[str, str], Entry], out: Path, tell: Tell | None = None
 ) -> list[Picture]:
-    """Draw the worst frames of a contender into `out`/pictures, after running the method with the parameters of the
-    rows.
+    """Segment the frames with the lowest scores again, and write pictures of the results into the folder
+    `out`/pictures.
 
-    Frames that are not in `folders` are left out. If the method cannot be made again, no frame is drawn.
+    Parameters
+    ----------
+    contender
+        Scores of the method.
+    folders
+        Frames, indexed by data set and name. Frames that are not in `folders` are left out. No pictures are drawn if
+        this version of spigolo cannot create the method.
+    out
+        Folder of the report.
+    tell
+        Progress callback. The arguments of the callback are the number of finished pictures and the total number.
+
     """
     rows = [row for row in worst_rows(contender.rows) if (row.data_set, row.frame) in folders]
     method = remake(rows[0]) if rows else None
@@ -70,7 +84,7 @@ def _draw(number: int, row: Row, method: Method, folder: Entry, label: str, out:
     try:
         frame, truth = folder.read_both()
         result = method(frame)
-    except SpigoloError:  # no picture if files are unreadable
+    except SpigoloError:  # unreadable files give no picture
         return []
     if truth is None or row.score is None:
         return []

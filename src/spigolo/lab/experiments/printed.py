@@ -1,4 +1,4 @@
-"""Printed values of the paper's Tables I to III, and the cell of each object of each frame."""
+"""Values printed in Tables I to III of the paper, and the assignment of objects to table cells."""
 
 from __future__ import annotations
 
@@ -7,44 +7,49 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 Place = tuple[str, str]
-"""Line and column of a cell."""
+"""Table cell as line name and column name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """Printed cell in per cent. beside: value in parentheses. objects: number of objects, if printed."""
+    """Value in a cell of the paper's table."""
 
     found: str
+    """Printed share of found objects, per cent."""
     beside: str = ""
+    """Value that is printed in parentheses, empty for none."""
     objects: int = 0
+    """Printed number of objects, 0 if not printed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """Table of the paper.
-
-    data_set: name of its reader's frames. preset: preset with the parameters of its section. beside: method whose
-    values are in parentheses, "" for none. figures: printed values, without an entry for "-". place: function that
-    returns the cell of an object from the names of frame and object, even if the table has no such cell.
-    """
+    """Table of the paper."""
 
     number: str
+    """Number of the table, such as "II"."""
     about: str
+    """Title of the data set in the table."""
     data_set: str
+    """Name of the data set in `spigolo.lab.datasets`."""
     preset: str
+    """Name of the preset with the paper's parameters for this table."""
     figures: Mapping[Place, Figure]
+    """Printed values, indexed by line and column. Empty cells are left out."""
     place: Callable[[str, str], Place]
+    """Function that returns the table cell of an object from the names of its frame and of the object."""
     beside: str = ""
+    """Name of the method whose values are printed in parentheses, empty for none."""
     note: str = ""
 
     @property
     def lines(self) -> Sequence[str]:
-        """Names of the lines in their order."""
+        """Names of the table's lines, from top to bottom."""
         return list(dict.fromkeys(line for line, _ in self.figures))
 
     @property
     def columns(self) -> Sequence[str]:
-        """Names of the columns in their order."""
+        """Names of the table's columns, from left to right."""
         return list(dict.fromkeys(column for _, column in self.figures))
 
 
@@ -56,15 +61,19 @@ CATEGORIES = {
 
 
 def _run(frame: str, name: str) -> Place:
-    """Return the cell of a Rutgers APC frame. Names are OBJECT-BIN-CLUTTER-POSITION-SHOT, with more clutter in later
-    runs.
+    """Return the cell of Table I for an object of a Rutgers APC frame.
+
+    Frames are named OBJECT-BIN-CLUTTER-POSITION-SHOT. The value of CLUTTER determines the run.
     """
     found = re.fullmatch(r".+-[A-L]-(\d+)-\d+-\d+", frame)
     return (f"Run_{int(found[1]) + 1}" if found else ""), ALL
 
 
 def _scene(frame: str, name: str) -> Place:
-    """Return the cell of an object in RGB-D Scenes. Frames are named SCENE_K_N, and objects by category and number."""
+    """Return the cell of Table II for an object in UW RGB-D Scenes.
+
+    Frames are named SCENE_K_N, and objects CATEGORY_NUMBER.
+    """
     return frame.rpartition("_")[0].capitalize(), CATEGORIES.get(name.rpartition("_")[0], "")
 
 

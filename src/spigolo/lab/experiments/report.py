@@ -1,4 +1,4 @@
-"""Report on accuracy and time of methods, made from their rows."""
+"""Report on the accuracy and CPU time of segmentation methods."""
 
 from __future__ import annotations
 
@@ -26,11 +26,25 @@ def write_report(
     against: str | None = None,
     tell: Tell | None = None,
 ) -> None:
-    """Write index.html and report.md into the folder `out`, and pictures of the worst of `frames` next to them.
+    """Write a report as index.html and report.md into the folder `out`, with pictures of the frames with the lowest
+    scores.
 
-    against: reference of the differences, as in `find_references`. tell: called with the number of pictures drawn and
-    the total, separately for each contender. Raises ConfigError for an unknown name. Raises FileError if a file cannot
-    be written.
+    Raises ConfigError if no method matches `against`. Raises FileError if a file cannot be written.
+
+    Parameters
+    ----------
+    contenders
+        Scores of the methods to compare.
+    out
+        Folder to write to.
+    frames
+        Frames for the pictures. Without frames, no pictures are drawn.
+    against
+        Name of the reference method, see `find_references`.
+    tell
+        Progress callback. The arguments of the callback are the number of finished pictures and the total number for
+        one method.
+
     """
     references = find_references(contenders, against)
     rows = [row for contender in contenders for row in contender.rows]

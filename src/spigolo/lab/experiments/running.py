@@ -1,4 +1,4 @@
-"""Evaluation of methods on frames, one row each, in this process or in several."""
+"""Evaluation of segmentation methods on labelled frames, in one or several processes."""
 
 from __future__ import annotations
 
@@ -24,12 +24,15 @@ from spigolo.methods import Method
 from spigolo.objects.segmentation import Segmentation
 
 Tell = Callable[[int, int, Row | None], None]
-"""Function that is called with the number of rows done, the total, and the latest row."""
+"""Progress callback.
+
+The arguments of the callback are the number of finished evaluations, the total number, and the latest result or None.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """One method on one frame."""
+    """Evaluation task: one method on one frame. digest: digest of the method's parameters."""
 
     frame: Entry
     method: str
@@ -37,13 +40,13 @@ class Task:
 
     @property
     def key(self) -> Key:
-        """Return the key of the row that the task will give."""
+        """Return the identification of the task's result: data set, frame, method and digest of the parameters."""
         return Key(self.frame.data_set, self.frame.name, self.method, self.digest)
 
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """Result and times of a method."""
+    """Segmentation of one frame, with CPU time and wall time in seconds."""
 
     result: Segmentation
     cpu_s: float
@@ -51,14 +54,20 @@ class Run:
 
 
 class Worker:
-    """Function that runs tasks. The first frame of a method is run once before it is timed."""
+    """Callable that executes evaluation tasks.
+
+    A method segments its first frame once before time is measured, so that compilation is not included in the CPU time.
+    """
 
     def __init__(self, methods: Sequence[Method]) -> None:
         self._methods = {(method.name, method.digest): method for method in methods}
         self._warm: set[tuple[str, str]] = set()
 
     def __call__(self, task: Task) -> Row:
-        """Return the row of a task. An error that spigolo raises on purpose gives a row too."""
+        """Segment the frame of a task, and return the scores.
+
+        If a `SpigoloError` is raised, the result holds its message.
+        """
         method = self._methods[task.method, task.digest]
         content, truth = "", None
         try:
@@ -71,8 +80,9 @@ class Worker:
         return _row(task.frame, content, method, run, None if truth is None else _score(truth, run.result))
 
     def lost(self, task: Task, reason: str) -> Row:
-        """Return the row of a task whose workers died. The row has no content checksum, so that a later run repeats the
-        task.
+        """Return the result for a task whose worker process died.
+
+        The result has no checksum of the frame's files, so that the next evaluation repeats the task.
         """
         method = self._methods[task.method, task.digest]
         return _row(task.frame, "", method, None, _score_of_nothing(_readable_truth(task.frame)), reason)
@@ -97,13 +107,31 @@ def evaluate(
     tell: Tell | None = None,
     engine: Engine | None = None,
 ) -> list[Row]:
-    """Run every method on every frame and append one row each to the file `out`. Existing rows are kept.
+    """Evaluate every method on every frame, and append the results to the file `out`.
 
-    Groups and labelling of existing rows are updated from the frames. Frames that were repaired after an error are run
-    again, and so are tasks whose worker died. One run at a time owns the file.
+    Return the results of all methods on all frames.
 
-    jobs: worker processes. engine: used instead of worker processes. Returns the rows of these methods on these frames,
-    old and new. Raises SpigoloError if the measures cannot run, FileError for a file with another content.
+    Evaluations that the file already has are not repeated. An evaluation is repeated if its worker process died, or if
+    its frame failed and has been changed since. Only one process may use the file at a time.
+
+    Raises SpigoloError if scipy is not installed. Raises FileError if the file is invalid, or has results of other
+    frames with the same names.
+
+    Parameters
+    ----------
+    frames
+        Labelled frames to segment.
+    methods
+        Segmentation methods to evaluate.
+    out
+        File of results, to which new results are appended.
+    jobs
+        Number of worker processes.
+    tell
+        Progress callback.
+    engine
+        Executor of the tasks, instead of `jobs` worker processes.
+
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError(NEEDS_SCIPY)
@@ -127,9 +155,10 @@ def evaluate(
 
 
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
-    """Return the rows of a file with the current groups and labelling of the frames, which require no new run.
+    """Return the existing results that are still valid, with the current data of their frames.
 
-    Errors of repaired frames are dropped. Raises FileError if rows belong to other frames with the same names.
+    A result with an error is left out if the files of its frame have changed. Raises FileError if a frame of another
+    content has the same name.
     """
     entries = {(frame.data_set, frame.name): frame for frame in frames}
     failed = _places(row for row in file.rows if row.error is not None)
@@ -156,7 +185,7 @@ def _places(rows: Iterable[Row]) -> set[tuple[str, str]]:
 
 
 def _readable_content(frame: Entry) -> str:
-    """Return the content checksum of a frame as in its row. Empty if a file is unreadable."""
+    """Return the checksum of a frame's files, or an empty text if a file cannot be read."""
     try:
         return frame.content
     except FileError:
@@ -164,7 +193,10 @@ def _readable_content(frame: Entry) -> str:
 
 
 def _as_described(row: Row, frame: Entry | None) -> Row:
-    """Return a row with the group and labelling of its frame. A row that was scored without labels stays unlabelled."""
+    """Update the fields `group` and `labelling` of an evaluation result from its frame.
+
+    Results that were scored without labels stay unlabelled.
+    """
     if frame is None:
         return row
     unscored = "none" in (row.labelling, frame.labelling)
@@ -172,7 +204,7 @@ def _as_described(row: Row, frame: Entry | None) -> Row:
 
 
 def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -> Generator[Row]:
-    """Yield the rows in the order of the tasks."""
+    """Execute the tasks, and yield the results in the order of the tasks."""
     work = Worker(methods)
     with closing(in_order(engine, work, tasks)) as outcomes:
         for task, outcome in zip(tasks, outcomes, strict=True):
@@ -180,7 +212,10 @@ def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -
 
 
 def engine_of(jobs: int) -> Engine:
-    """Return the engine for a number of jobs: this process for one, else worker processes. Raises SpigoloError."""
+    """Return an executor with `jobs` worker processes.
+
+    A single job runs in the current process. Raises SpigoloError if `jobs` is less than 1.
+    """
     if jobs < 1:
         raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
     return here if jobs == 1 else local(jobs)
@@ -191,7 +226,7 @@ def _score(truth: Truth, result: Segmentation) -> RowScore:
 
 
 def _readable_truth(frame: Entry) -> Truth | None:
-    """Return the labels of a frame with an unreadable file. None if the labels are unreadable."""
+    """Read the ground truth of a frame. Return None if the files cannot be read."""
     try:
         return frame.read_truth()
     except SpigoloError:
@@ -199,8 +234,9 @@ def _readable_truth(frame: Entry) -> Truth | None:
 
 
 def _score_of_nothing(truth: Truth | None) -> RowScore | None:
-    """Return the score of an empty prediction. None for an empty scene, as a failed method did not detect that it is
-    empty.
+    """Return the score of a prediction without objects.
+
+    Return None if the frame has no labelled objects, because a failed method must not get a perfect score.
     """
     if truth is None or not truth.labels.any():
         return None

@@ -1,4 +1,4 @@
-"""Tables of the report: accuracy and time, differences, reasons of rejection."""
+"""Tables of the evaluation report: accuracy, CPU time, differences and reasons of rejection."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.page import Cell, Table
 
 Scope = tuple[str, Callable[[Row], bool]]
-"""Name of a scope, and the function that selects its rows."""
+"""Subset of the frames: name of the subset, and function that returns True for results in the subset."""
 
 EVERY_OBJECT = "every object labelled"
 ALL_LABELLED = "all labelled frames"
@@ -21,7 +21,7 @@ FOUND = "found (IoU\N{NO-BREAK SPACE}>\N{NO-BREAK SPACE}0.7)"
 NONE = "–"
 MINUS = "−"
 FEW_GROUPS = 10
-"""Number of groups below which an interval by resampling is too narrow."""
+"""Minimum number of groups of near-identical frames for a reliable bootstrap interval."""
 
 
 FIGURES = (
@@ -29,16 +29,16 @@ FIGURES = (
     "in the regions", "false", "predicted per frame", "CPU time",
 )  # fmt: skip
 BRIEF = ("frames", "overlap F", "boundary F", "F@.75", FOUND, "CPU time")
-"""Columns that fit a terminal."""
+"""Columns of the short table for a terminal."""
 
 
 def pooled_table(contenders: Sequence[Contender]) -> Table:
-    """Return accuracy and time over all data sets together."""
+    """Return a table of accuracy and CPU time over all data sets together."""
     return _accuracy("sets together", contenders, pooled_scopes(contenders))
 
 
 def brief_table(contenders: Sequence[Contender]) -> Table:
-    """Return the pooled table for a terminal: fewer columns, with intervals and counts of the main ones."""
+    """Return a table of accuracy and CPU time over all data sets together, with fewer columns for a terminal."""
     table = pooled_table(contenders)
     columns = [k for k, title in enumerate(table.head) if k < table.names or title in BRIEF]
     noted = [table.head.index("overlap F"), table.head.index(FOUND)]
@@ -47,12 +47,14 @@ def brief_table(contenders: Sequence[Contender]) -> Table:
 
 
 def set_table(contenders: Sequence[Contender]) -> Table:
-    """Return accuracy and time for each data set."""
+    """Return a table of accuracy and CPU time per data set."""
     return _accuracy("data set", contenders, set_scopes(contenders))
 
 
 def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
-    """Return the differences of each pair, second minus first, over all data sets together and for each one."""
+    """Return a table of the differences between pairs of methods, second minus first, per data set and over all data
+    sets.
+    """
     every = [c for pair in pairs for c in pair]
     several = len({first.label for first, _ in pairs}) > 1
     rows = []
@@ -66,7 +68,7 @@ def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
 
 
 def rejection_table(contenders: Sequence[Contender]) -> Table:
-    """Return the reasons of rejection, as regions per frame."""
+    """Return a table with the number of rejected regions per frame, with one column per reason of rejection."""
     totals = {c.label: sum((Counter(row.rejected) for row in c.rows), Counter[str]()) for c in contenders}
     reasons = sorted(set().union(*totals.values()), key=lambda r: -max(t[r] for t in totals.values()))
     rows = [
@@ -77,7 +79,7 @@ def rejection_table(contenders: Sequence[Contender]) -> Table:
 
 
 def pooled_scopes(contenders: Iterable[Contender]) -> list[Scope]:
-    """Return the fully labelled frames, and all labelled frames if there are more."""
+    """Return the subsets of frames over all data sets: fully labelled frames, and all labelled frames."""
     kinds = {row.labelling for c in contenders for row in c.rows}
     scopes: list[Scope] = [(EVERY_OBJECT, lambda row: row.labelling == "full")] if "full" in kinds else []
     if "part" in kinds:
@@ -86,7 +88,7 @@ def pooled_scopes(contenders: Iterable[Contender]) -> list[Scope]:
 
 
 def set_scopes(contenders: Iterable[Contender]) -> list[Scope]:
-    """Return one scope for each data set, indexed by name."""
+    """Return one subset of frames per data set, sorted by name."""
     names = sorted({row.data_set for c in contenders for row in c.rows})
     return [(name, lambda row, name=name: row.data_set == name) for name in names]  # type: ignore[misc]
 
@@ -134,7 +136,11 @@ def _change_cells(d: Difference) -> list[Cell]:
 
 
 def _change(estimate: Estimate, form: str, many: bool) -> Cell:
-    """Return a cell, strong if there are many groups and the interval excludes zero."""
+    """Format a difference with its interval as a table cell.
+
+    many: True if there are at least `FEW_GROUPS` groups of near-identical frames. The cell is bold if `many` is True
+    and the interval does not include zero.
+    """
     value, low, high = estimate
     if math.isnan(value):
         return Cell(NONE)
@@ -175,5 +181,5 @@ def _milliseconds(value: float) -> str:
 
 
 def _number(value: float) -> str:
-    """Return a number as text, without decimals if it is an integer."""
+    """Format a number with one decimal, or without decimals if it is an integer. NaN becomes a dash."""
     return NONE if math.isnan(value) else f"{value:.1f}".removesuffix(".0")

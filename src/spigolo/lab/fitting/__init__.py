@@ -1,9 +1,11 @@
-"""Fitting of parameters to labelled frames: random settings are tried, and the best one is scored on held-out frames.
+"""Fitting of parameters to labelled frames by random search, with cross-validation.
 
-frames = find_labelled_frames([Path("frames")])
-tried = search(frames, Toscana2016(sp.TABLE), Path("fit/trials.jsonl"))
-best = best_trial(tried.trials)
-print(pool(hold_out(tried).rows).overlap_f)
+Fit the preset TABLE, and print its overlap F on held-out frames::
+
+    frames = find_labelled_frames([Path("frames")])
+    tried = search(frames, Toscana2016(sp.TABLE), Path("fit/trials.jsonl"))
+    best = best_trial(tried.trials)
+    print(pool(hold_out(tried).rows).overlap_f)
 """
 
 from __future__ import annotations

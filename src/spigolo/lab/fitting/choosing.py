@@ -1,4 +1,4 @@
-"""Choice of the best trial, and its score on held-out frames."""
+"""Choice of the best parameter values of a random search, and scoring on held-out frames."""
 
 from __future__ import annotations
 
@@ -14,17 +14,19 @@ from spigolo.lab.fitting.trials import Search, Trial
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """Rows of every frame with a trial chosen without its fold or set. chosen: trial of each fold or set."""
+    """Result of a cross-validation."""
 
     rows: tuple[Row, ...]
+    """Score of every frame with the parameter values chosen on the other folds or data sets."""
     chosen: tuple[Trial, ...]
+    """Trial (set of parameter values) chosen for each held-out fold or data set."""
 
 
 def goodness(rows: Sequence[Row]) -> float:
-    """Return the goal of fitting: the share of labelled objects with IoU > 0.7, plus mean overlap F on fully labelled
-    frames.
+    """Return the value that fitting maximises: the share of objects with IoU above 0.7, plus the mean overlap F.
 
-    Near-identical frames count once together.
+    The overlap F is averaged over fully labelled frames only. Each group of near-identical frames has the weight of one
+    frame.
     """
     size = Counter(row.group for row in rows)
     found = objects = overlap = whole = 0.0
@@ -41,12 +43,18 @@ def goodness(rows: Sequence[Row]) -> float:
 
 
 def best_trial(trials: Sequence[Trial], frames: Sequence[int] | None = None) -> Trial:
-    """Return the best trial on all rows, or on the rows with these indices. Among equal trials it is the first."""
+    """Return the trial (set of parameter values) with the highest `goodness`.
+
+    frames: indices of the frames to score, by default all.
+    """
     return max(trials, key=lambda trial: goodness(trial.rows if frames is None else [trial.rows[i] for i in frames]))
 
 
 def check_folds(groups: Sequence[str], count: int) -> None:
-    """Raise SpigoloError if there are fewer groups of labelled frames than folds."""
+    """Raise SpigoloError if there are fewer groups of near-identical frames than folds.
+
+    count: number of folds, at least 2.
+    """
     distinct = len(set(groups))
     if not 2 <= count <= distinct:
         raise SpigoloError(
@@ -56,10 +64,24 @@ def check_folds(groups: Sequence[str], count: int) -> None:
 
 
 def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
-    """Score every frame with the trial that is best on the other folds. Near-identical frames share a fold.
+    """Score every frame by cross-validation, with the parameter values that are best on the other folds.
 
-    with_start: True if the start may be chosen too, which is valid only for a start that was not made on these frames.
-    Raises SpigoloError if there are fewer distinct frames than folds.
+    Near-identical frames are in the same fold.
+
+    Raises SpigoloError if there are fewer groups of near-identical frames than folds.
+
+    Parameters
+    ----------
+    search
+        Parameter search with the scores of all tested parameter values.
+    count
+        Number of folds.
+    seed
+        Random seed of the split into folds.
+    with_start
+        True if the initial parameter values may be chosen too. Use False if the initial values were fitted to these
+        frames.
+
     """
     groups = [place.group for place in search.subject.places]
     check_folds(groups, count)
@@ -67,9 +89,12 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 
 
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
-    """Score every data set with the trial that is best on the other sets, to estimate the result with another camera.
+    """Score every data set with the parameter values that are best on the other data sets.
 
-    The sets are in the order of their names. Raises SpigoloError if `set_splits` returns None.
+    The scores estimate the accuracy with another camera or place.
+
+    The result is ordered by the name of the data set. Raises SpigoloError if there are not at least two different data
+    sets.
     """
     splits = set_splits(search)
     if not splits:
@@ -81,7 +106,10 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
 
 
 def set_splits(search: Search) -> list[Split]:
-    """Return one split for each data set. None if there is only one set, or if other sets have only similar frames."""
+    """Return one cross-validation split per data set.
+
+    The list is empty for a single data set, or if a split would have no frames for choosing parameters.
+    """
     places = search.subject.places
     if len({place.data_set for place in places}) < 2:
         return []

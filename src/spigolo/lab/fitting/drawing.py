@@ -1,7 +1,7 @@
-"""Random settings from a search space, drawn by optuna.
+"""Random parameter values from a search space, drawn by optuna.
 
-All settings are drawn before anything is scored. Every fold chooses among the same settings, and its held-out frames
-have no influence on them.
+All settings (sets of parameter values) are drawn before any frame is scored. Held-out frames therefore have no
+influence on the settings.
 """
 
 from __future__ import annotations
@@ -19,8 +19,9 @@ DIGITS = 4
 
 
 def draw(space: Space, count: int, seed: int) -> list[Setting]:
-    """Return `count` random settings. The same seed begins with the same settings. Raises SpigoloError if optuna is not
-    installed.
+    """Draw `count` random settings (sets of parameter values).
+
+    The first settings depend only on the seed, not on `count`. Raises SpigoloError if optuna is not installed.
     """
     try:
         import optuna
@@ -50,5 +51,5 @@ def _distribution(way: Range | Choice | Switch) -> BaseDistribution:
 
 
 def _short(value: object) -> object:
-    """Return numbers rounded to significant digits."""
+    """Round a float to `DIGITS` significant digits. Values that are not floats are returned unchanged."""
     return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value

@@ -1,4 +1,4 @@
-"""Results of a search: the report, and the fitted preset as TOML."""
+"""Report of a parameter search, and the fitted parameters as a TOML file."""
 
 from __future__ import annotations
 
@@ -17,23 +17,22 @@ from spigolo.methods import Method, Toscana2016
 
 
 def fitted(search: Search, start: Method) -> Method:
-    """Return the method with the best setting over all frames. A preset is named after its start."""
+    """Return the method with the parameter values that are best over all frames. start: method with initial values."""
     method = apply(best_trial(search.trials).setting, start)
     return method.replace(name=f"{start.preset}_FITTED") if isinstance(method, Toscana2016) else method
 
 
 def score_table(search: Search, held: HeldOut) -> Table:
-    """Return the scores of the start and of the fitted parameters, on the same frames, held-out frames and held-out
-    sets.
-    """
+    """Return a table of the scores with initial and fitted parameters, on all frames and on held-out frames."""
     return brief_table([contender for contender, _ in _lines(search, held)])
 
 
 def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
-    """Write the parameters as TOML and report.md, and return their paths. Raises FileError on failure.
+    """Write the fitted parameters as a TOML file, and the report as report.md. Return the paths of both files.
 
-    The TOML of `toscana2016` is a preset that every command takes. For other methods, the TOML holds the fields of the
-    method.
+    Raises FileError if a file cannot be written.
+
+    For the method `toscana2016`, the TOML file is a preset. For other methods, the TOML file holds their parameters.
     """
     method = fitted(search, start)
     preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"
@@ -44,7 +43,7 @@ def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tup
 
 
 def make_page(search: Search, held: HeldOut, start: Method) -> Page:
-    """Return the report."""
+    """Return the report of a parameter search as a page."""
     lines = _lines(search, held)
     first, last = lines[0][0], lines[2][0]
     return Page(

@@ -1,4 +1,4 @@
-"""Search: random settings, each tried on all labelled frames."""
+"""Random search: random parameter values are scored on all labelled frames."""
 
 from __future__ import annotations
 
@@ -19,12 +19,15 @@ from spigolo.lab.machine import this_machine
 from spigolo.methods import Method
 
 Tell = Callable[[int, int, Trial | None], None]
-"""Function that is called with the number of trials done, the total, and the latest trial."""
+"""Progress callback.
+
+The arguments of the callback are the number of finished trials, the total number of trials, and the latest trial.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """Method with a setting, to be run on the frames."""
+    """Task of a worker process: run a method with one set of parameter values on all frames."""
 
     number: int
     setting: Setting
@@ -32,7 +35,7 @@ class Attempt:
     frames: tuple[Entry, ...]
 
     def __call__(self) -> Trial:
-        """Run the method on all frames."""
+        """Run the method on all frames, and return the scores."""
         work = Worker([self.method])
         tasks = (Task(frame, self.method.name, self.method.digest) for frame in self.frames)
         return Trial(self.number, self.setting, tuple(work(task) for task in tasks))
@@ -48,11 +51,33 @@ def search(
     tell: Tell | None = None,
     engine: Engine | None = None,
 ) -> Search:
-    """Try the start and `trials` random settings. Append the missing trials to the file `out`.
+    """Score the initial and `trials` random sets of parameter values.
 
-    frames: frames without labels are left out. jobs: worker processes. engine: used instead of worker processes. Raises
-    SpigoloError if optuna or scipy is missing or a trial kills its workers. Raises FileError without labelled frames,
-    or if the file has other trials.
+    Parameter values that the file `out` already has scores for are not scored again.
+
+    Raises SpigoloError if optuna or scipy is not installed, or if a worker process dies. Raises FileError if no frame
+    has labels, or if the file belongs to another search.
+
+    Parameters
+    ----------
+    frames
+        Frames to score. Frames without labels are left out.
+    start
+        Method with its initial parameter values.
+    out
+        File of trials, to which new trials are appended.
+    trials
+        Number of random sets of parameter values.
+    seed
+        Random seed of the parameter values.
+    jobs
+        Number of worker processes.
+    tell
+        Progress callback. The arguments of the callback are the number of finished trials, the total number, and the
+        latest trial.
+    engine
+        Executor of the trials, instead of `jobs` worker processes.
+
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError('fitting needs scipy, which is not installed: pip install "spigolo[fit]"')
@@ -92,9 +117,9 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 
 
 def _check(trial: Trial) -> None:
-    """Raise an error for a trial without a score of every frame, as it cannot be compared.
+    """Raise FileError if a trial (set of parameter values) has no score for a frame.
 
-    If a frame fails with the start, the error names the frame.
+    A frame that fails with the initial parameter values also raises FileError.
     """
     at_start = trial.number == 0
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)

@@ -1,7 +1,7 @@
-"""Search spaces: the parameters of a method that are fitted, and their ranges.
+"""Search spaces: the parameters of a method to fit, with their ranges.
 
-A space maps dotted names of parameters to ranges, choices and switches. A switch turns on a stage that is off in the
-preset. While it is off, the settings drawn for that stage are ignored.
+A search space maps dotted parameter names to ranges, choices and switches. A switch turns an optional stage on or off.
+If a switch turns a stage off, the parameters of this stage are ignored.
 """
 
 from __future__ import annotations
@@ -17,31 +17,37 @@ from spigolo.settings.config import Config
 from spigolo.settings.paper import BoundaryCost, SaliencyCost
 
 Setting = dict[str, Any]
-"""Dotted names and values, as a method's `replace` takes them."""
+"""Parameter values, indexed by dotted parameter name, as accepted by `Method.replace`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """Number from low to high, an integer if both are integers. log: uniform in the logarithm."""
+    """Range of a number from `low` to `high`.
+
+    If both limits are integers, only integers are drawn.
+    """
 
     low: float
     high: float
     log: bool = False
+    """True to draw the number from a log-uniform distribution."""
 
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """Choice of one of several values."""
+    """Choice of one value from several options."""
 
     options: tuple[Any, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """Switch of a stage with these fields. needs: another switch, without which the stage stays off."""
+    """Switch of an optional stage."""
 
     on: Mapping[str, Any] = field(default_factory=dict)
+    """Parameter values of the optional stage if it is switched on."""
     needs: str = ""
+    """Name of another switch that must be on too, empty for none."""
 
 
 Space = Mapping[str, Range | Choice | Switch]
@@ -53,7 +59,7 @@ REJECTED: Space = {
     "additions.support.stacked_share": Range(0.3, 0.8),
     "rejection.max_eccentricity": Range(0.975, 0.99),
 }
-"""Rules that reject regions, the same for every method."""
+"""Parameters of the rules that reject regions. All methods share the rules that reject regions."""
 
 OPTIONAL: Mapping[str, Space] = {
     "additions.merging": {"additions.merging.max_mean": Range(0.2, 0.6)},
@@ -68,7 +74,10 @@ OPTIONAL: Mapping[str, Space] = {
     },
     "additions.rules.ledge": {"additions.rules.ledge.min_share": Range(0.35, 0.7)},
 }
-"""Parameters of additions that a preset may have. Without the addition, its parameters are not drawn."""
+"""Parameters of optional stages, indexed by the stage's name.
+
+Parameters of a stage are fitted only if the preset has this stage.
+"""
 
 IN_PIXELS: Space = {
     "rejection.max_lambda1_px2": Range(3000.0, 12000.0, log=True),
@@ -78,14 +87,17 @@ IN_METRES: Space = {
     "additions.rules.max_length_m": Range(0.3, 0.6),
     "additions.rules.max_width_m": Range(0.18, 0.4),
 }
-"""Size limits in metres. If the start has no limits in metres, limits in pixels are drawn instead."""
+"""Parameters that limit the size of objects in metres.
+
+For presets without limits in metres, `IN_PIXELS` is used instead.
+"""
 
 ADDED: Space = {
     SUPPORT: Switch(),
     CONTOURS: Switch(),
     JOINING: Switch({"vessel": {}, "cap": {}, "smooth": {}, "enclosed": 0.85}, needs=SUPPORT),
 }
-"""Additions that are switched on at random if the preset does not have them."""
+"""Optional stages that are switched on or off at random if the preset does not have them."""
 
 DEPTH: Space = {
     "depth.smoothing.max_radius_px": Range(4, 8),
@@ -152,9 +164,10 @@ OTHERS: Mapping[str, Space] = {
 
 
 def space_of(method: Method) -> Space:
-    """Return the search space of a method, around its current parameters.
+    """Return the search space of a method.
 
-    Raises ConfigError for a configuration with two cost functions, and for an unknown method.
+    Raises ConfigError for a method without a search space, and for a preset that chooses its cost function
+    automatically.
     """
     if isinstance(method, Toscana2016):
         return _ours(method.config)
@@ -174,7 +187,7 @@ def _ours(config: Config) -> Space:
     space: Space = {**added, **DEPTH, **JOINED, **REJECTED, **sizes, **optional}
     match config.cost:
         case BoundaryCost(k_b=k_b):
-            unit = k_b or 1.0  # k_b is fixed: only its ratios to k_x and gamma matter
+            unit = k_b or 1.0  # k_b is fixed, because only its ratios to k_x and gamma matter
             return {
                 **space,
                 **BOUNDARIES,
@@ -184,7 +197,7 @@ def _ours(config: Config) -> Space:
         case SaliencyCost(k_x=k_x):
             unit = k_x or 1.0
             return {
-                **{name: way for name, way in space.items() if name != CONTOURS},  # this cost reads no boundary
+                **{name: way for name, way in space.items() if name != CONTOURS},  # boundaries are not used
                 "cost.k_y": Range(0.3 * unit, 3 * unit, log=True),
                 "cost.k_s": Range(0.3 * unit, 3 * unit, log=True),
                 "partition.gamma": Range(unit, 20 * unit, log=True),
@@ -196,7 +209,7 @@ def _ours(config: Config) -> Space:
 
 
 def _has(config: Config, place: str) -> bool:
-    """Return True if a configuration has an optional stage."""
+    """Return True if a configuration has the optional stage with this dotted name."""
     value: object = config
     for name in place.split("."):
         value = getattr(value, name, None)
@@ -204,7 +217,9 @@ def _has(config: Config, place: str) -> bool:
 
 
 def complete(drawn: Setting, space: Space) -> Setting:
-    """Return a drawn setting with its switches replaced by stages. Stages that are off are None."""
+    """Replace the switches in drawn parameter values by the parameters of their stages, or by None for stages that are
+    off.
+    """
     off = {name for name, way in space.items() if isinstance(way, Switch) and not drawn[name]}
     off |= {name for name, way in space.items() if isinstance(way, Switch) and way.needs in off}
     stages = {name: None if name in off else dict(way.on) for name, way in space.items() if isinstance(way, Switch)}
@@ -215,5 +230,5 @@ def complete(drawn: Setting, space: Space) -> Setting:
 
 
 def apply(setting: Setting, method: Method) -> Method:
-    """Return the method with a setting. Raises ConfigError for an invalid setting."""
+    """Return the method with these parameter values. Raises ConfigError for invalid values."""
     return method.replace(**setting) if setting else method

@@ -1,9 +1,9 @@
-"""Trials: settings and their scores on each frame, in a file to which a search can append.
+"""Files of tested parameter values (trials), with their scores on each frame.
 
-The first line describes the subject of the trials and names the frames. Each further line is a trial with one list of
-numbers per frame, in the order of the frames. A list has `SHARES` in thousandths, `COUNTS`, the largest IoU of each
-object with a predicted object and with any region in thousandths, and the CPU time in milliseconds (null after an
-error).
+The first line of a file describes the search (`Subject`) and names the frames. Each further line is a trial with one
+list of numbers per frame. The list holds the measures in `SHARES` (in thousandths) and in `COUNTS`. The list also holds
+the maximum IoU of each object over predicted objects and over all regions (in thousandths). The last number in the list
+is the CPU time in milliseconds, null after an error.
 """
 
 from __future__ import annotations
@@ -26,23 +26,25 @@ SHARES = ("overlap_precision", "overlap_recall", "boundary_precision", "boundary
 COUNTS = ("n_segments", "true_positives", "found_70_recall", "found_70_both", "pieces")
 
 GZIP = b"\x1f\x8b"
-"""First bytes of a compressed file."""
+"""First bytes of a gzip file."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Frame with its name. group: shared by near-identical frames. content: checksum of the files."""
+    """Identification of a frame."""
 
     data_set: str
     frame: str
     group: str
+    """Name of the group of near-identical frames that contains the frame."""
     labelling: Labelling
     content: str = ""
+    """Checksum of the files of the frame."""
 
 
 @dataclass(frozen=True, slots=True)
 class Subject:
-    """Subject of a search: a method with its initial parameters, and some frames."""
+    """Description of a search: the method, the digest of its initial parameters, the seed and the frames (`places`)."""
 
     method: str
     preset: str
@@ -54,7 +56,10 @@ class Subject:
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """Tested parameter values, and the rows of their evaluation. Number 0 is the start preset without changes."""
+    """Tested parameter values (`setting`), and their scores on each frame.
+
+    Trial number 0 has the initial parameter values of the search.
+    """
 
     number: int
     setting: Setting
@@ -63,21 +68,23 @@ class Trial:
 
 @dataclass(frozen=True, slots=True)
 class Search:
-    """Subject of a search with its trials."""
+    """Parameter search with all tested parameter values and their scores."""
 
     subject: Subject
     trials: tuple[Trial, ...]
 
     @property
     def start(self) -> Trial:
-        """Return the trial of the initial parameters."""
+        """Return the scores of the initial parameter values."""
         return self.trials[0]
 
 
 def read_search(path: Path | str) -> Search:
-    """Return the trials of a file, compressed by gzip or not. An incomplete last line, left by a crash, is dropped.
+    """Read a file of trials, which may be compressed with gzip.
 
-    Raises FileError if the file cannot be read or has another content.
+    An incomplete last line, for example after a crash, is ignored.
+
+    Raises FileError if the file cannot be read, or if the file does not hold trials.
     """
     try:
         data = Path(path).read_bytes()
@@ -100,9 +107,11 @@ def read_search(path: Path | str) -> Search:
 
 
 class TrialFile:
-    """File of trials of one subject, open for appending. Each new trial is written to disk at once.
+    """File of the tested parameter values (trials) of one search, open for appending.
 
-    Raises FileError if it has trials of another subject.
+    Each new set of tested values is written to disk immediately.
+
+    Raises FileError if the file holds the trials of another search.
     """
 
     trials: list[Trial]
@@ -112,7 +121,7 @@ class TrialFile:
         if path.exists() and b"\n" in path.read_bytes():
             held = read_search(path)
             if not held.trials:
-                write_bytes(path, b"")  # the file has no complete trial
+                write_bytes(path, b"")  # an incomplete first trial is removed
             elif held.subject != subject:
                 other = _describe(held.subject)
                 got = f"those of {other}" if other != _describe(subject) else "those of other frames, or other labels"
@@ -125,7 +134,10 @@ class TrialFile:
             self._write(asdict(subject))
 
     def append(self, trial: Trial) -> None:
-        """Write a trial, and keep it as it would be read."""
+        """Append tested parameter values and their scores to the file and to `trials`.
+
+        Scores in `trials` are rounded like the scores in the file.
+        """
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)
         self.trials.append(_unpack_trial(packed, self._subject, trial.number))

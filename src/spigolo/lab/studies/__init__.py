@@ -1,6 +1,8 @@
-"""Measurements for the values in the docs: `python -m spigolo.lab.studies.NAME --help`.
+"""Scripts that measure the values in the documentation.
 
-Real frames come from the folder in SPIGOLO_DATA, by default ../shared/data.
+The command `python -m spigolo.lab.studies.NAME --help` describes a script.
+
+Real frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
 """
 
 from __future__ import annotations
@@ -9,4 +11,4 @@ import os
 from pathlib import Path
 
 FRAMES = Path(os.environ.get("SPIGOLO_DATA", "../shared/data")) / "frames"
-"""Folder of the real frames."""
+"""Folder with real RGB-D frames."""

@@ -1,9 +1,10 @@
-"""Calibration of the score: the share of correct objects at each score, as in docs/score.md.
+"""Measure the share of correct objects for each range of their score, as in docs/score.md.
 
     python -m spigolo.lab.studies.calibration [--preset OBJECTS]
 
-An object is correct if its IoU with a labelled object is above 0.7. Only frames with all objects labelled are used
-(osd-mosd, osd-full, hand-uoc). Objects that lie mostly on ignored pixels are left out. Intervals are Wilson's, 95 %.
+A predicted object is correct if its IoU with a labelled object is above 0.7. Only data sets with all objects labelled
+are used (osd-mosd, osd-full, hand-uoc). Predicted objects that lie mostly on ignored pixels are left out. Confidence
+intervals are 95 % Wilson intervals.
 """
 
 from __future__ import annotations
@@ -25,7 +26,10 @@ IGNORE = 255
 
 
 def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
-    """Return the IoU with the best labelled object, without ignored pixels. NaN if most of the mask is ignored."""
+    """Return the maximum IoU of a mask (H, W) over all labelled objects, without ignored pixels.
+
+    Return NaN if most of the mask is ignored.
+    """
     seen = mask & (label != IGNORE)
     if np.count_nonzero(seen) < 0.5 * np.count_nonzero(mask):
         return float("nan")

@@ -1,4 +1,4 @@
-"""Comparison of all methods, each fitted by the same search and scored on held-out frames.
+"""Compare all segmentation methods. The parameters of each method are fitted by random search with cross-validation.
 
     python -m spigolo.lab.studies.comparison search --trials 30
     python -m spigolo.lab.studies.comparison table
@@ -6,10 +6,12 @@
     python -m spigolo.lab.studies.comparison points
     python -m spigolo.lab.studies.comparison pictures --out pictures
 
-`search` keeps trials in --out, the same number for every method, on the same fully labelled frames, and packs them into
-docs/data/trials-METHOD.jsonl.gz. `table` reads these files, and times the fitted methods in turn, frame by frame.
-`depth` runs them without depth, `pictures` draws their regions on ten frames, `points` fixates `mishra2009` at the
-innermost pixel of each true mask. Frames: SPIGOLO_DATA, or ../shared/data.
+`search` scores random parameter values of every method, and writes docs/data/trials-METHOD.jsonl.gz. `table` reads
+these files, and prints scores and CPU times of the fitted methods. `depth` scores the fitted methods without depth.
+`points` scores `mishra2009`, started at the innermost pixel of each true mask. `pictures` draws the regions of all
+methods on every fifth frame.
+
+Frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
 """
 
 from __future__ import annotations
@@ -39,16 +41,17 @@ from spigolo.view.comparison import comparison
 
 LOG = Path("docs/data")
 SETS = ("osd-mosd", "hand-uoc")
-"""Data sets in which every object is labelled."""
+"""Names of the data sets used, in which every object is labelled."""
 SEED, FOLDS, EVERY = 0, 5, 5
-"""Seed, number of folds, and step between the frames that are timed and drawn."""
+"""Random seed, number of folds in the cross-validation, and step between frames that are timed or drawn."""
 DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (11, 11))
 OFF: dict[str, dict[str, Any]] = {
     "rao2010": {"levels_per_m": 0},
     "abramov2012": {"step_m": None},
     "mishra2012": {"depth": False},
 }
-"""Settings with which methods ignore depth for making regions. The rules that reject regions still read depth."""
+"""Parameter values with which a method ignores depth when it forms regions. Rules that reject regions still use depth.
+"""
 
 
 def frames() -> list[Entry]:
@@ -60,7 +63,10 @@ def log(name: str) -> Path:
 
 
 def logged(name: str) -> Search:
-    """Return the trials of a method with its current parameters."""
+    """Read the scores of all tested parameter values of a method from docs/data.
+
+    Exit with an error if the file was made with other initial parameters.
+    """
     held = read_search(log(name))
     if held.subject.digest != sp.METHODS[name].digest:
         raise SystemExit(f"{log(name)} is of other parameters ({held.subject.digest}): run `search` again")
@@ -76,17 +82,17 @@ def search_all(trials: int, jobs: int, out: Path) -> None:
 
         path = out / f"trials-{name}.jsonl"
         search(frames(), method, path, trials, SEED, jobs, tell)
-        lines = path.read_bytes().splitlines(keepends=True)[: trials + 2]  # subject and start come first
+        lines = path.read_bytes().splitlines(keepends=True)[: trials + 2]  # description and trial 0 come first
         log(name).write_bytes(gzip.compress(b"".join(lines), mtime=0))
 
 
 def fitted(held: Search) -> Method:
-    """Return the method with the best setting over all frames."""
+    """Return the method with the parameter values that are best over all frames."""
     return apply(best_trial(held.trials).setting, sp.METHODS[held.subject.method])
 
 
 def time_all(methods: dict[str, Method]) -> dict[str, float]:
-    """Return CPU times as a ratio to ours: median over frames, one thread, all methods in turn on each frame."""
+    """Return the CPU time of each method divided by the CPU time of `toscana2016`, as the median over frames."""
     cv2.setNumThreads(1)
     chosen = frames()[::EVERY]
     taken: dict[str, list[float]] = {name: [] for name in methods}
@@ -96,7 +102,7 @@ def time_all(methods: dict[str, Method]) -> dict[str, float]:
             start = time.process_time()
             method(image)
             taken[name].append(time.process_time() - start)
-    ours = np.array(taken["toscana2016"][1:])  # without the first frame, which may compile
+    ours = np.array(taken["toscana2016"][1:])  # without the first frame, which may include compilation
     return {name: float(np.median(np.array(times[1:]) / ours)) for name, times in taken.items()}
 
 
@@ -167,9 +173,10 @@ def draw_all(out: Path) -> None:
 
 
 def fixate() -> None:
-    """Print the scores of `mishra2009` at the innermost pixel of each object, separately for isolated objects.
+    """Print the accuracy of `mishra2009`, started at the innermost pixel of each true mask, for all and for isolated
+    objects.
 
-    An object is isolated if it touches no other one when dilated by 5 px.
+    An object is isolated if its mask, dilated by 5 px, does not touch another object.
     """
     for data_set in SETS:
         found: list[tuple[bool, float]] = []

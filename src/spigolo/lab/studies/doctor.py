@@ -1,8 +1,7 @@
-"""Detection rates of `spigolo doctor` on frames with errors, and its false warnings on correct frames.
+"""Measure how often `spigolo doctor` detects simulated errors in frames, and how often it warns about correct frames.
 
-Every frame gets each of the errors in SPOILT. Near-identical frames count once. Shifted or mirrored depth is tested
-only in frames with enough depth steps: at least 500 contour pixels in an image of 640x480, in the
-correct frame.
+Each error in `SPOILT` is applied to every frame. Only one frame of each group of near-identical frames is used. Shifted
+or mirrored depth is tested only on frames with enough depth steps: at least 500 contour pixels in an image of 640x480.
 
     python -m spigolo.lab.studies.doctor [FOLDER]
 """
@@ -39,7 +38,7 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Return the frame with depth moved by (dx, dy) pixels. Depth from outside the image is missing."""
+    """Shift the depth map by (dx, dy) pixels. Pixels at the image border that receive no depth are missing depth."""
     height, width = frame.depth.shape
     moved = np.zeros_like(frame.depth)
     moved[max(dy, 0) : height + min(dy, 0), max(dx, 0) : width + min(dx, 0)] = frame.depth[
@@ -53,15 +52,16 @@ def scale(frame: Frame, factor: float) -> Frame:
 
 
 def zoom(frame: Frame, factor: float) -> Frame:
-    """Return the frame with a wrong focal length."""
+    """Multiply the focal length of the frame's camera by a factor, to simulate wrong intrinsics."""
     assert frame.camera is not None
     camera: Camera = replace(frame.camera, fx=frame.camera.fx * factor, fy=frame.camera.fy * factor)
     return Frame(frame.color, frame.depth, camera, name=frame.name)
 
 
 def whole_pixels(frame: Frame) -> Frame:
-    """Return the frame with the depth of a 50 mm stereo camera that measures disparity in whole pixels, in
-    millimetres.
+    """Simulate the depth of a stereo camera with 50 mm baseline that measures disparity in whole pixels.
+
+    The simulated depth is rounded to millimetres.
     """
     assert frame.camera is not None
     focal, baseline_m = frame.camera.fx, 0.05
@@ -71,7 +71,7 @@ def whole_pixels(frame: Frame) -> Frame:
 
 
 def along_rays(frame: Frame) -> Frame:
-    """Return the frame with distances along the ray instead of Z, in millimetres."""
+    """Replace the Z coordinates in the depth map by distances along the ray, rounded to millimetres."""
     assert frame.camera is not None
     y, x = np.ogrid[: frame.shape[0], : frame.shape[1]]
     slopes = ((x - frame.camera.cx) / frame.camera.fx) ** 2 + ((y - frame.camera.cy) / frame.camera.fy) ** 2
@@ -79,7 +79,7 @@ def along_rays(frame: Frame) -> Frame:
 
 
 def not_registered(frame: Frame) -> Frame:
-    """Return the frame with unregistered depth of a RealSense D435 camera, 15 mm next to the colour camera."""
+    """Simulate unregistered depth of a RealSense D435 camera, whose depth camera is 15 mm from the colour camera."""
     camera = frame.camera
     assert camera is not None
     ratio = 384 / 615 if camera.width * 3 < camera.height * 5 else 640 / 922.5
@@ -91,7 +91,7 @@ def not_registered(frame: Frame) -> Frame:
 
 
 def sentinel(frame: Frame) -> Frame:
-    """Return the frame with 65535 for missing depth, and for a further 1 % of the pixels."""
+    """Set missing depth, and 1 % of all pixels, to the value 65535."""
     stored = np.rint(1000 * frame.depth).astype(np.uint16)
     stored[(stored == 0) | (np.random.default_rng(1).random(stored.shape) < 0.01)] = 65535
     with warnings.catch_warnings():
@@ -121,7 +121,7 @@ SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = {
 
 
 def looked_at(frame: Frame, check: str) -> Finding:
-    """Return the finding of one check without running the others."""
+    """Run a single check of the doctor on a frame, and return its finding."""
     filled = inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape))
     assert frame.camera is not None
     if check == "alignment":
@@ -136,12 +136,12 @@ def looked_at(frame: Frame, check: str) -> Finding:
 
 
 def has_steps(frame: Frame) -> bool:
-    """Return True if the frame has enough contours for a test of alignment."""
+    """Return True if the frame has enough depth contours to test the alignment of depth and colour."""
     return count_contours(depth_contours(frame.depth)) >= MIN_CONTOUR_SHARE * frame.depth.size
 
 
 def distinct(folder: Path) -> list[str]:
-    """Return the names of all frames, but only the first of each group of near-identical ones."""
+    """Return the names of all frames in a folder, with only one frame per group of near-identical frames."""
     splits = json.loads((folder / "splits.json").read_text())
     repeated = {name for group in splits["near_duplicate_groups"] for name in group[1:]}
     names = (path.parent.relative_to(folder).as_posix() for path in listed(folder, "*/*/rgb.png"))
@@ -149,8 +149,8 @@ def distinct(folder: Path) -> list[str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="How often the doctor is right about spoilt and about good frames.")
-    parser.add_argument("folder", nargs="?", type=Path, default=FRAMES, help="with splits.json; default: %(default)s")
+    parser = argparse.ArgumentParser(description="Measure detection rates and false warnings of `spigolo doctor`.")
+    parser.add_argument("folder", nargs="?", type=Path, default=FRAMES, help="data folder, default: %(default)s")
     folder = parser.parse_args().folder
     if not (folder / "splits.json").is_file():
         parser.error(f"expected splits.json in {folder}; SPIGOLO_DATA names the data folder")
@@ -158,13 +158,13 @@ def main() -> None:
 
 
 def measure(folder: Path) -> None:
-    """Print the detected errors and the false warnings. Missed errors are printed to stderr."""
+    """Print the share of detected errors and of false warnings. Undetected errors are listed on standard error."""
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}
     seconds = []
     names = distinct(folder)
     for name in names:
-        warnings.simplefilter("ignore", UserWarning)  # for original frames and for those with errors
+        warnings.simplefilter("ignore", UserWarning)  # ignored for all frames
         frame = read_frame(folder / name / "rgb.png", folder / name / "depth.png", folder / name / "camera.json")
         start = time.perf_counter()
         for finding in diagnose(frame).findings:

@@ -1,7 +1,7 @@
-"""Count the objects that presets report in rendered scenes without objects, and the boxes that they find when added.
+"""Count false objects in rendered scenes without objects, and found boxes in the same scenes with one added box.
 
-The default uses the fifty scenes on which the rules were made. `--first 500` uses fifty held-out scenes. `--first 120`
-and `--first 300` were counted while rules were chosen.
+The default scenes were used to develop the rules of the presets. The option `--first 500` selects fifty held-out
+scenes.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ PLACES = [(family, seed) for seed in range(17) for family in FAMILIES][:50]
 
 
 def finds(frame: sp.Frame, box: np.ndarray, config: sp.Config) -> bool:
-    """Return True if an object has an IoU above 0.7 with the box."""
+    """Segment a frame. Return True if a predicted object has an IoU above 0.7 with the mask `box`."""
     masks = [o.mask for o in sp.segment(frame, config)]
     return max((np.sum(m & box) / np.sum(m | box) for m in masks), default=0.0) > 0.7
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--first", type=int, default=0, help="seed of the first scene of each family")
+    parser.add_argument("--first", type=int, default=0, help="random seed of the first scene of each family")
     first = parser.parse_args().first
     false, found, boxes = Counter[str](), Counter[str](), Counter[str]()
     for k, (family, seed) in enumerate(PLACES, start=1):

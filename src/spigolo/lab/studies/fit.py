@@ -1,7 +1,8 @@
-"""Test of `spigolo fit` from TABLE on held-out frames: `python -m spigolo.lab.studies.fit`.
+"""Test `spigolo fit`, started with the preset TABLE, on held-out frames: `python -m spigolo.lab.studies.fit`.
 
-For each seed, the frames of `osd-mosd` are split at random into halves. Settings of that seed are chosen on one
-half and scored on the other, in both directions. Frames: SPIGOLO_DATA, or ../shared/data. Trials are kept in --out.
+For each seed, the frames of `osd-mosd` are split at random into two halves. The best of the random parameter values on
+one half is scored on the other half, in both directions. The scores of all tested parameter values are stored in the
+folder --out. Frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""Disturb runs over many frames and compare them with an undisturbed one: `python -m spigolo.lab.studies.kills`.
+"""Interrupt batch runs and compare their results with an uninterrupted run: `python -m spigolo.lab.studies.kills`.
 
-2,000 small frames are segmented four times: undisturbed, killed by SIGKILL at five random moments, on a Dask cluster
-whose workers are killed twice, and on a disk that fills up twice. Each disturbed run is continued until it ends, and
-compared with the undisturbed one file by file. The exit code is 1 if a file differs. The full disk needs root on Linux.
+A batch of 2,000 small frames is segmented four times. The first run is not interrupted. The second run is killed by
+SIGKILL at five random moments. In the third run, workers of a Dask cluster are killed twice. In the fourth run, the
+disk becomes full twice. Each interrupted run is restarted until it is complete. The exit code is 1 if any output file
+differs from the uninterrupted run. The test with a full disk requires root rights on Linux.
 """
 
 from __future__ import annotations
@@ -33,12 +34,13 @@ from spigolo.frames.files import write_json, write_png
 SIZE = 90, 120
 WORKERS = 2
 SETTLING_S = 0.05
-"""Random delay before a kill, so that it does not always follow the end of a write."""
+"""Maximum random delay before a process is killed, s. Without a delay, processes would always be killed after a write.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Logged(FrameFiles):
-    """Job that logs its name and process each time it is read."""
+    """Frame of a batch that writes its name and process id to a log file each time the frame is read."""
 
     log: Path
 
@@ -50,20 +52,20 @@ class Logged(FrameFiles):
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """Results of one disturbed run."""
+    """Results of one interrupted run."""
 
     name: str
     disturbances: int
     twice: int
-    """Number of repeated frames, counted with repetition."""
+    """Number of additional times that frames were read because of interruptions."""
     different: list[str]
-    """Files that differ from the undisturbed run, or exist in only one of the runs."""
+    """Output files that differ from the uninterrupted run, or exist in only one of the two runs."""
     files: int
     wall_s: float
 
 
 def write_frames(folder: Path, count: int) -> None:
-    """Write frames of boxes on a table."""
+    """Write random frames of boxes on a plane."""
     height, width = SIZE
     camera = {"fx": 110.0, "fy": 110.0, "cx": 59.5, "cy": 44.5, "width": width, "height": height}
     write_json(folder / "camera.json", {**camera, "depth_scale": 0.001})
@@ -79,7 +81,7 @@ def write_frames(folder: Path, count: int) -> None:
 
 
 def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
-    """Run over the frames in this process, which the study may kill."""
+    """Segment all frames in this process, which may be killed during the run. Return the exit code of the run."""
     names = sorted(path.stem for path in (source / "rgb").iterdir())
     camera = source / "camera.json"
     jobs = [Logged(n, source / "rgb" / f"{n}.png", source / "depth" / f"{n}.png", camera, log=log) for n in names]
@@ -92,7 +94,10 @@ def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
 
 
 class Study:
-    """Folders of a study, and its undisturbed run."""
+    """Test of interrupted batch runs, with its folders.
+
+    The attribute `plain` is the output folder of the uninterrupted run.
+    """
 
     def __init__(self, root: Path, count: int) -> None:
         self.root, self.count, self.rng = root, count, random.Random(0)
@@ -112,11 +117,14 @@ class Study:
         return self.root / f"{out.name}.log"
 
     def moments(self, count: int) -> list[int]:
-        """Return random numbers of lines in the manifest at which to disturb the run."""
+        """Return random numbers of finished frames after which to interrupt the run."""
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
-        """Wait until the manifest has this number of lines, and a little longer."""
+        """Wait until the manifest (list of finished frames) has this number of lines.
+
+        A short random delay follows.
+        """
         while process.poll() is None and lines_in(out / FILE) < lines:
             time.sleep(0.002)
         time.sleep(self.rng.random() * SETTLING_S)
@@ -133,7 +141,10 @@ class Study:
         return times
 
     def robbed(self, out: Path, times: int) -> int:
-        """Kill the worker that started the newest frame, several times. Return the number of kills."""
+        """Run on a Dask cluster, and kill the worker process of the latest frame several times.
+
+        Return the number of kills.
+        """
         process = self.start(out, "dask")
         for moment in self.moments(times):
             self.wait_for(out, moment, process)
@@ -177,7 +188,7 @@ def mount(*arguments: str) -> None:
 
 @contextmanager
 def small_disk(folder: Path) -> Iterator[Path | None]:
-    """Mount a disk in memory. None if that is not possible."""
+    """Mount a small file system in memory at this folder. Yield None if mounting is not possible."""
     folder.mkdir()
     try:
         mount("-t", "tmpfs", "-o", "size=1m", "tmpfs", str(folder))

@@ -1,9 +1,12 @@
-"""Count the outcomes of labelled objects with a preset: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
+"""Count why labelled objects are not found with a preset: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
-There are four kinds of outcomes. Covered: a returned object covers more than 70 %, as in the paper's tables. Flooded:
-one region covers the object and its surroundings. Split. Rejected for another reason. The study then prints the share
-of depth missing in exact masks, and the rules of the preset that they violate. With `--gammas`, it also prints for each
-threshold the objects of every second frame for which a region has an IoU above 0.7.
+There are four classes of labelled objects. Covered: a predicted object covers more than 70 % of the labelled object.
+With its surroundings: one region covers the object and much more. Split: no region covers more than 70 % of the object.
+Rejected otherwise: all other objects.
+
+The script also prints how many exact masks have much missing depth, and how many violate a rule of the preset. With
+`--gammas`, the script prints the share of objects with a region of IoU above 0.7 for each value of gamma, on every
+second frame.
 """
 
 from __future__ import annotations
@@ -25,14 +28,14 @@ Labels = npt.NDArray[np.int32]
 
 COVERED, JOINED, SPLIT, REJECTED = "covered", "with its surroundings", "split", "rejected otherwise"
 LARGER = 3.0
-"""Minimum ratio of a region's area to that of the object at which the region includes its surroundings."""
+"""Minimum area of a region, relative to the object, for the class "with its surroundings"."""
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="What became of labelled objects with a preset.")
+    parser = argparse.ArgumentParser(description="Count why labelled objects are not found with a preset.")
     parser.add_argument("folder", type=Path)
     parser.add_argument("preset", choices=list(sp.PRESETS))
-    parser.add_argument("--gammas", type=float, nargs="*", default=[], help="thresholds to try on every second frame")
+    parser.add_argument("--gammas", type=float, nargs="*", default=[], help="values of partition.gamma to try")
     arguments = parser.parse_args()
     config = sp.PRESETS[arguments.preset]
     fates: dict[str, Counter[str]] = defaultdict(Counter)
@@ -67,7 +70,7 @@ def main() -> None:
 
 
 def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple[str, int]:
-    """Return the outcome of an object (H, W), and the region that covers most of it."""
+    """Return the class of a labelled object with this mask (H, W), and the region that covers most of the object."""
     area = mask.sum()
     returned = np.bincount(labels[mask])[1:]
     counts = np.bincount(regions[mask])
@@ -80,13 +83,13 @@ def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple
 
 
 def best_iou(mask: npt.NDArray[np.bool_], regions: Labels) -> float:
-    """Return the largest IoU of an object with any region."""
+    """Return the maximum IoU of a mask (H, W) over all regions."""
     inside = np.bincount(regions[mask], minlength=regions.max() + 1)
     return float(np.max(inside / (mask.sum() + np.bincount(regions.ravel()) - inside)))
 
 
 def breaks_a_rule(mask: npt.NDArray[np.bool_], trace: sp.Trace) -> bool:
-    """Return True if the exact mask would be rejected if it were a region."""
+    """Return True if the preset would reject a region with exactly this mask (H, W)."""
     judged = select_objects(Regions(mask.astype(np.int32), 2), trace.segmentation.scene)
     return any(region.region == 1 for region in judged.rejected)
 

@@ -1,8 +1,8 @@
-"""Compare models rendered at the true poses with the exact masks: `python -m spigolo.lab.studies.masks`.
+"""Compare masks rendered from models and poses with exact masks: `python -m spigolo.lab.studies.masks`.
 
-The first test uses the depth of an ideal camera, with a tolerance of 2 mm. It checks poses and models only. The second
-test uses BOP's tolerance of 15 mm and the depth of the simulated camera, as readers of data sets do. The last column
-counts the arrangements that were discarded because their poses do not give their masks.
+The first test uses noise-free depth and a tolerance of 2 mm, to check the poses and models. The second test uses the
+depth of the simulated camera and BOP's tolerance of 15 mm, as in `spigolo.lab.datasets`. The last column of the printed
+table counts the scenes that were discarded because the rendered masks differ too much from the exact masks.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ EXACT_M = 0.002
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Masks drawn at the truth poses beside exact ones.")
-    parser.add_argument("--count", type=int, default=24, help="frames a family and seed")
+    parser = argparse.ArgumentParser(description="Compare masks rendered from models and poses with exact masks.")
+    parser.add_argument("--count", type=int, default=24, help="number of frames per family and seed")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1])
     given = parser.parse_args()
     print(f"| family | depth | objects | IoU, least | median | at least {LEAST_IOU} | frames | arrangements not kept |")

@@ -1,12 +1,13 @@
-"""Scores of OBJECTS on held-out frames, and the effect of each of its additions.
+"""Measure the accuracy of the preset OBJECTS on held-out frames, and the effect of each extension of the paper's
+method.
 
     python -m spigolo.lab.studies.objects_preset search --trials 48 --out DIR
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
-`search` draws settings as `spigolo fit` does. It scores each fifth of the frames with the setting that is best on the
-others, and each set with the setting that is best on the other sets. The preset itself is excluded: its rules were made
-while looking at all of these frames. `ablation` leaves out one addition at a time. Rows are kept in --out. Frames:
-SPIGOLO_DATA, or ../shared/data.
+`search` draws random parameter values and scores them by cross-validation: over five folds of the frames, and over the
+data sets. The preset OBJECTS itself cannot be chosen, because its rules were developed on these frames. `ablation`
+scores the preset without one extension at a time. Results are stored in the folder --out. Frames are read from the
+folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
 """
 
 from __future__ import annotations
@@ -27,7 +28,10 @@ from spigolo.lab.page import to_text
 from spigolo.lab.studies import FRAMES
 
 WHOLE = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Patterns of data sets in which every object is labelled. Only there is a false object an error."""
+"""Name patterns of data sets in which every object is labelled.
+
+False objects are counted only in data sets in which every object is labelled.
+"""
 GROUPS = {
     "mOSD": ("osd-mosd",),
     "mOSD, test split": ("osd-mosd-b",),
@@ -39,7 +43,7 @@ GROUPS = {
 }
 EMPTY = "arc_tote_empty"
 LITTLE_WORTH = {"femtobolt_box", "pepper_greenhouse", "slambook_dining", "sbtc_battery_cables", "kpick_dewbell_bin"}
-"""Field frames that are left out: unregistered depth, labels of low quality, and the packed tote."""
+"""Names of frames that are left out, because of unregistered depth or poor labels."""
 
 ABLATIONS: dict[str, dict[str, Any]] = {
     "`OBJECTS`": {},
@@ -62,8 +66,8 @@ ABLATIONS: dict[str, dict[str, Any]] = {
 
 
 def held_out(out: Path, trials: int, jobs: int) -> None:
-    """Print the scores of the preset, of the best setting on all frames, and of the best setting on held-out frames or
-    sets.
+    """Print the accuracy of the preset, and of the fitted parameters on all frames, on held-out frames and on held-out
+    data sets.
     """
     frames = find_labelled_frames([FRAMES], WHOLE)
     tried = search(frames, Toscana2016(sp.OBJECTS), out / "trials.jsonl", trials, jobs=jobs, tell=tell)
@@ -85,7 +89,7 @@ def tell(done: int, total: int, trial: Trial | None) -> None:
 
 
 def ablation(out: Path, jobs: int) -> None:
-    """Print one line for each addition that is left out: overlap F, boundary F and objects found in each group."""
+    """Print a table of the accuracy without one extension at a time: overlap F, boundary F and found objects."""
     frames = find_labelled_frames([FRAMES], WHOLE)
     print(f"| | {' | '.join(f'{group}: F / boundary F / found' for group in GROUPS)} | empty tote |")
     print("|---" * (2 + len(GROUPS)) + "|")
@@ -97,7 +101,10 @@ def ablation(out: Path, jobs: int) -> None:
 
 
 def figures(rows: Sequence[Row], sets: Sequence[str]) -> str:
-    """Return overlap F, boundary F and the labelled objects found in some sets. Without full labels, only the last."""
+    """Format overlap F, boundary F and the share of found objects in some data sets.
+
+    Only the share of found objects is given if some objects are not labelled.
+    """
     pooled = pool([row for row in rows if row.data_set in sets and row.frame not in LITTLE_WORTH])
     found = f"{pooled.true_positives / pooled.n_objects:.0%}".replace("%", " %")
     if np.isnan(pooled.overlap_f.value):

@@ -1,8 +1,8 @@
 """Compare statistics of rendered and real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
 
-FRAMES is a folder with SET/FRAME/ that holds rgb.png, depth.png and camera.json. Frames of one scene count once. With
-`--slant` it also prints the noise for each disparity gradient, with `--presets` the number of objects that each preset
-finds in the rendered frames.
+FRAMES is a folder with files rgb.png, depth.png and camera.json in subfolders SET/FRAME/. The frames of one real scene
+are averaged. With `--slant`, the script prints the depth noise for several ranges of disparity gradient. With
+`--presets`, the script prints the share of objects that each preset finds in the rendered frames.
 """
 
 from __future__ import annotations
@@ -34,21 +34,21 @@ REAL = {
         "*pcl_bottles",
     ),
 }  # fmt: skip
-"""Patterns SET/FRAME of the real scenes with which each family is compared."""
+"""Name patterns SET/FRAME of real scenes, indexed by the family of rendered scenes to compare."""
 CHANGES_PX = (0.02, 0.04, 0.06, 0.09, 0.13, 0.2)
-"""Limits of the bands of disparity gradient, pixels per pixel."""
+"""Limits of the ranges of disparity gradient, in pixels of disparity per image pixel."""
 BASELINE_M, NEAR_M, FAR_M = 0.075, 0.4, 2.5
 PRESETS = ("SHELF", "TABLE", "CLUTTER", "OBJECTS")
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Figures of rendered families beside those of real frames.")
-    parser.add_argument("frames", type=Path, nargs="*", help="folders of real frames, in any layout that is read")
-    parser.add_argument("--count", type=int, default=24, help="rendered frames a family")
+    parser = argparse.ArgumentParser(description="Compare statistics of rendered and real frames.")
+    parser.add_argument("frames", type=Path, nargs="*", help="folders of real frames, in any supported file layout")
+    parser.add_argument("--count", type=int, default=24, help="number of rendered frames per family")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--families", nargs="+", default=list(FAMILIES), choices=list(FAMILIES))
-    parser.add_argument("--slant", action="store_true", help="also the noise in pixels of disparity, by slant")
-    parser.add_argument("--presets", action="store_true", help="also segment the rendered frames")
+    parser.add_argument("--slant", action="store_true", help="also print the depth noise by disparity gradient")
+    parser.add_argument("--presets", action="store_true", help="also print the share of found objects")
     arguments = parser.parse_args()
     real = real_figures(arguments.frames)
     print("| family | figure | rendered: quartile, median, quartile | real |\n|---|---|---|---|")
@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
-    """Return one entry per scene: the mean of its frames."""
+    """Return the statistics of real scenes, averaged over the frames of each scene and indexed by family."""
     scenes: dict[tuple[str, str], list[Realism]] = defaultdict(list)
     for entry in find_labelled_frames(folders) if folders else []:
         for family, patterns in REAL.items():
@@ -83,8 +83,9 @@ def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
 
 
 def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
-    """Print the rms residual to planes in pixels of disparity: the median over frames, or real scenes, of their
-    medians.
+    """Print the depth noise for each range of disparity gradient, in pixels of disparity.
+
+    The noise is the root mean square distance to locally fitted planes. The table has the medians over frames.
     """
     print("\n| frames | " + " | ".join(f"{low}-{high}" for low, high in pairwise(CHANGES_PX)) + " |")
     print("|---" * len(CHANGES_PX) + "|")
@@ -103,8 +104,9 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
 
 
 def noise_by_slant(frame: sp.Frame) -> list[float]:
-    """Return the median noise in each band of disparity gradient. NaN with fewer than 400 windows or without a
-    camera.
+    """Return the median depth noise in each range of disparity gradient, in pixels of disparity.
+
+    Return NaN for ranges with fewer than 400 image windows, and for frames without a camera.
     """
     planes = fit_local_planes(frame.depth)
     focal_px = frame.camera.fx if frame.camera else float("nan")
@@ -116,7 +118,9 @@ def noise_by_slant(frame: sp.Frame) -> list[float]:
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:
-    """Print the shares of objects covered by more than 70 % and with IoU above 0.7, for each object or scene."""
+    """Print the share of objects covered by more than 70 %, and the share with an IoU above 0.7, per kind of object or
+    per scene.
+    """
     hits: dict[str, list[list[bool]]] = defaultdict(list)
     for sample in samples:
         labels = [sp.segment(sample.frame, sp.PRESETS[name]).labels for name in PRESETS]

@@ -1,7 +1,7 @@
 """Compare half and full resolution on large frames: `python -m spigolo.lab.studies.resolution FOLDER --beside FRAME`.
 
-For each frame of the data set it prints overlap F and objects found at both resolutions. Time is CPU time as a ratio to
-that of `--beside`, a frame of 640x480 at full resolution that is segmented in every round too.
+The script prints overlap F, found objects and CPU time for each frame of the data set at both resolutions. CPU times
+are relative to the time for the 640x480 frame in the folder `--beside`.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ HALF = sp.OBJECTS.replace(additions={"resolution": "half"})
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Half resolution next to full resolution.")
+    parser = argparse.ArgumentParser(description="Compare half and full resolution on large frames.")
     parser.add_argument("folder", type=Path, help="data set of large frames")
-    parser.add_argument("--beside", type=Path, required=True, help="folder of a frame of 640x480 to compare times with")
+    parser.add_argument("--beside", type=Path, required=True, help="folder of a 640x480 frame as time reference")
     parser.add_argument("--rounds", type=int, default=7)
     given = parser.parse_args()
     small = read(given.beside)

@@ -1,9 +1,9 @@
-"""Measure the limits of batch runs, and the cost of 10 million frames: `python -m spigolo.lab.studies.scaling FRAMES`.
+"""Measure the throughput of batch runs, and extrapolate to 10 million frames: `python -m spigolo.lab.studies.scaling
+FRAMES`.
 
-Tiny jobs through the scheduler of a Dask cluster give its overhead for groups of 1 to 1000 jobs: 1 million in groups of
-1000, and fewer in smaller groups. Scheduler and writing process share one process, as with `--scheduler local`. Answers
-that are ready give the time that the writing process needs for a frame. Times are those of this machine, under the load
-that is printed.
+The overhead of the Dask scheduler is measured with jobs that do nothing, in groups of 1 to 1000 jobs. The time for
+writing results is measured with results that were computed in advance. The scheduler and the writer share one process,
+as with `--scheduler local`.
 """
 
 from __future__ import annotations
@@ -27,56 +27,62 @@ from spigolo.errors import FileError
 from spigolo.lab.machine import this_machine
 
 JOBS = {1: 2_000, 10: 20_000, 100: 200_000, 1000: 1_000_000}
-"""Number of tiny jobs for each group size."""
+"""Number of empty jobs for each group size."""
 FRAMES = 10_000_000
 CORES = 16
-"""Number of cores of a machine in the computed table."""
+"""Number of processor cores per machine in the extrapolated table."""
 MACHINES = 1, 4, 16, 64, 256
 DISK_MB_PER_S = 500
-"""Write rate of the shared storage in the computed table, MB/s."""
+"""Data rate of the shared storage in the extrapolated table, MB/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Overhead:
-    """Time that a scheduler takes for tiny jobs."""
+    """Scheduling time of empty jobs."""
 
     group: int
+    """Number of jobs in each group that is sent to a worker."""
     jobs: int
+    """Total number of empty jobs."""
     wall_s: float
+    """Wall time of all jobs, s."""
 
     @property
     def task_ms(self) -> float:
-        """Return the time per group, ms."""
+        """Return the scheduling time per group of jobs, ms."""
         return 1e3 * self.wall_s / (self.jobs / self.group)
 
     @property
     def job_us(self) -> float:
-        """Return the time per job, microseconds."""
+        """Return the scheduling time per job, microseconds."""
         return 1e6 * self.wall_s / self.jobs
 
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """Measured cost of a frame."""
+    """Measured throughput, and data per frame, of a batch run."""
 
     rates: dict[int, float]
-    """Frames per second, indexed by number of processes."""
+    """Frames per second, indexed by the number of worker processes."""
     read_bytes: float
     written_bytes: float
-    """Bytes written per frame, including its share of the tables."""
+    """Mean number of bytes written per frame, including the tables of the whole batch."""
     files: float
-    """Number of files per frame."""
+    """Number of files written per frame."""
     writer_ms: float
-    """Time of the writing process per frame, ms."""
+    """Time to write the results of one frame, ms."""
 
 
 def tiny(job: int) -> int:
-    """Return the result of a job that takes no time."""
+    """Do nothing. This function is the empty job that measures the overhead of the scheduler."""
     return job
 
 
 def overhead(group: int, jobs: int, workers: int) -> Overhead:
-    """Run tiny jobs through a scheduler. The first tenth warms it up."""
+    """Run empty jobs on a Dask cluster, and return the scheduling time.
+
+    Additional jobs before the measurement warm up the scheduler.
+    """
     warm, start, done = jobs // 10, 0.0, 0
     for done, (job, answer) in enumerate(dask_local(workers, group)(tiny, range(jobs + warm)), start=1):
         if done == warm:
@@ -87,7 +93,7 @@ def overhead(group: int, jobs: int, workers: int) -> Overhead:
 
 
 def real_jobs(folder: Path, count: int) -> list[FrameFiles]:
-    """Return jobs of the frames in a folder, repeated under different names."""
+    """Return `count` jobs for the frames in a folder. Frames are repeated under different names."""
     found = sorted(path.parent for path in folder.glob("*/*/depth.png"))
     if not found:
         raise FileError(f"expected frames in {folder}/SET/FRAME, got none")
@@ -112,7 +118,7 @@ def measure(jobs: list[FrameFiles], workers: Iterable[int]) -> Frames:
 
 
 def rate(jobs: list[FrameFiles], engine: Engine) -> float:
-    """Return frames per second from the first to the last result, without the start of the processes."""
+    """Measure the throughput of a batch run in frames per second, without the start of the worker processes."""
     times: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
         run_batch(jobs, sp.OBJECTS, Path(folder), engine, tell=lambda _: times.append(time.perf_counter()))
@@ -121,7 +127,7 @@ def rate(jobs: list[FrameFiles], engine: Engine) -> float:
 
 
 def ready(jobs: list[FrameFiles]) -> Engine:
-    """Return an engine whose results are computed beforehand."""
+    """Return an executor that only returns results that were computed in advance."""
     work = Work(sp.OBJECTS)
     answers = {job.name: work(job) for job in jobs}
 
@@ -132,9 +138,9 @@ def ready(jobs: list[FrameFiles]) -> Engine:
 
 
 def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
-    """Yield the rows of a table: time and cost on more and more machines, and the limiting part."""
+    """Yield the rows of the extrapolated table: throughput, time and limiting component for each number of machines."""
     frame_s = core_s(frames)
-    group = max(int(TASK_S / frame_s), 1)  # as chosen by the engine
+    group = max(int(TASK_S / frame_s), 1)  # same group size as in `dask_local`
     task_s = median(one.task_ms for one in schedulers) / 1e3
     moved_mb = (frames.read_bytes + frames.written_bytes) / 1e6
     for machines in MACHINES:
@@ -150,7 +156,7 @@ def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
 
 
 def core_s(frames: Frames) -> float:
-    """Return the core seconds per frame while all processes are busy."""
+    """Return the processor time per frame in core seconds, with the maximum number of worker processes."""
     workers = max(frames.rates)
     return workers / frames.rates[workers]
 
@@ -158,9 +164,9 @@ def core_s(frames: Frames) -> float:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("frames", type=Path, help="folder SET/FRAME/ with rgb.png, depth.png and camera.json")
-    parser.add_argument("--count", type=int, default=200, help="how many frames are segmented for each figure")
+    parser.add_argument("--count", type=int, default=200, help="number of frames to segment per measurement")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 2])
-    parser.add_argument("--share", type=float, default=1.0, help="share of the tiny jobs")
+    parser.add_argument("--share", type=float, default=1.0, help="share of the empty jobs to run, 0..1")
     given = parser.parse_args()
     machine = this_machine()
     print(f"{machine}; load {machine.load}\n")

@@ -1,8 +1,6 @@
-"""Time to score a frame, compared with the time to segment it: `python -m spigolo.lab.studies.scoring FRAMES --presets
-TABLE`.
+"""Compare the times to score and to segment a frame: `python -m spigolo.lab.studies.scoring FRAMES --presets TABLE`.
 
-The times are CPU times with one thread. Each frame is segmented and scored in turn, once for warming up and then in
-rounds. Ratios are taken within each round.
+Times are CPU times with one thread. Each frame is segmented and scored several times, after one warm-up round.
 """
 
 from __future__ import annotations
@@ -20,8 +18,8 @@ from spigolo.lab.evaluation import score_row
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Time of scoring beside that of segmenting.")
-    parser.add_argument("frames", type=Path, nargs="+", help="folders of labelled frames, in any layout that is read")
+    parser = argparse.ArgumentParser(description="Compare the times to score and to segment a frame.")
+    parser.add_argument("frames", type=Path, nargs="+", help="folders of labelled frames, in any supported file layout")
     parser.add_argument("--presets", nargs="+", default=["OBJECTS", "SHELF", "TABLE", "CLUTTER"])
     parser.add_argument("--rounds", type=int, default=3)
     arguments = parser.parse_args()
@@ -30,7 +28,7 @@ def main() -> None:
     print("| preset | frames | segmenting | scoring | ratio, median | below a fifth |\n|---|---|---|---|---|---|")
     for name in arguments.presets:
         segmenter = sp.Segmenter(sp.preset(name))
-        took = np.array([times(segmenter, *one, arguments.rounds) for one in read])  # (frames, rounds, 2)
+        took = np.array([times(segmenter, *one, arguments.rounds) for one in read])  # shape (frames, rounds, 2)
         segmenting, scoring = 1e3 * np.median(took, axis=(0, 1))
         ratios = np.median(took[..., 1] / took[..., 0], axis=1)
         ratio = f"{np.median(ratios):.2f} | {np.mean(ratios < 0.2):.0%} of the frames"
@@ -38,7 +36,7 @@ def main() -> None:
 
 
 def times(segmenter: sp.Segmenter, frame: sp.Frame, truth: Truth | None, rounds: int) -> list[tuple[float, float]]:
-    """Return the times of segmenting and of scoring in seconds, one pair per round."""
+    """Return the CPU times of segmentation and of scoring in seconds, one pair per round."""
     assert truth is not None
     answer = []
     for _ in range(rounds + 1):

@@ -1,8 +1,9 @@
-"""Segment frames for a long time and check memory, time and results: `python -m spigolo.lab.studies.soak`.
+"""Segment many frames in one process and check memory, time and results: `python -m spigolo.lab.studies.soak`.
 
-One process segments 20,000 frames: a thousand scenes of changing content and size, repeatedly. Presets alternate.
-The exit code is 1 if memory is not flat over the last three quarters, if the last thousand frames take longer than the
-first thousand, or if a result differs from that of a fresh run. Memory is read from /proc, so Linux is required.
+A thousand different scenes are segmented twenty times each, with alternating presets. The exit code is 1 if memory
+grows during the last three quarters of the frames, or if the last thousand frames take longer than the first thousand.
+The exit code is also 1 if a result differs from the result of a new `Segmenter`. The test requires Linux, because
+memory is read from /proc.
 """
 
 from __future__ import annotations
@@ -23,52 +24,54 @@ import spigolo as sp
 
 MIB = 2**20
 SCENES = 1000
-"""Number of different frames. The last thousand frames repeat the first thousand, so that their times are
-comparable.
+"""Number of different scenes.
+
+The last thousand frames show the same scenes as the first thousand, so that their times are comparable.
 """
 SETTLED = 0.25
-"""Share of the frames after which memory must be flat."""
+"""Share of the frames after which memory use must be constant."""
 MAY_GROW_MIB = 5.0
 MAY_SLOW = 1.05
-"""Maximum ratio of CPU times of the last thousand to the first. Equal work varies by a few per cent on a busy
-machine.
+"""Maximum CPU time of the last thousand frames, relative to the first thousand frames.
+
+The limit is above 1, because CPU times vary by a few per cent on a busy machine.
 """
 EVERY = 50
-"""Step between frames whose results are compared with those of a fresh run."""
+"""Step between frames whose results are compared with the results of `spigolo.segment`."""
 WIDTHS_PX = 96, 200
 
 
 @dataclass(frozen=True, slots=True)
 class Soak:
-    """Results of a soak test."""
+    """Results of the long-run test."""
 
     frames: int
     other_answers: int
-    """Number of results that differ from a fresh run or from an earlier result of the same frame."""
+    """Number of results that differ from `spigolo.segment`, or from an earlier result for the same scene."""
     settled_mib: float
-    """Resident memory after the start phase, MiB."""
+    """Resident memory of the process after the first quarter of the frames, MiB."""
     range_mib: float
-    """Difference between maximum and minimum memory after the start phase, MiB."""
+    """Difference between maximum and minimum resident memory after the first quarter of the frames, MiB."""
     slower: float
-    """Median over the scenes of the CPU time in the last round, divided by that in the first."""
+    """CPU time of a scene in the last round divided by the CPU time in the first round, median over the scenes."""
     first_ms: float
-    """Median CPU time of a frame in the first round."""
+    """Median CPU time per frame in the first round, ms."""
 
     @property
     def failed(self) -> bool:
-        """Return True if a limit is exceeded."""
+        """Return True if a result differs, or if memory or time exceeds its limit."""
         return self.other_answers > 0 or self.range_mib > MAY_GROW_MIB or self.slower > MAY_SLOW
 
 
 class Scenes:
-    """Bundled scene with random changes: cropped, scaled, darkened, with other boxes and more holes."""
+    """Random variations of the bundled scene: cropped, scaled and darkened, with added boxes and missing depth."""
 
     def __init__(self) -> None:
         folder = Path(sp.__file__).parent / "demo_scene"
         self.seen = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
 
     def __call__(self, number: int) -> sp.Frame:
-        """Return a frame. The same number always gives the same frame."""
+        """Create the frame with this number. The same number always gives the same frame."""
         rng = np.random.default_rng(number)
         height, width = self.seen.depth.shape
         share = rng.uniform(0.6, 1)
@@ -124,14 +127,14 @@ def soak(configs: Sequence[sp.Config], count: int) -> Soak:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--frames", type=int, default=20_000, help="at least two thousand")
+    parser.add_argument("--frames", type=int, default=20_000, help="number of frames to segment, at least 2000")
     parser.add_argument("--presets", nargs="+", default=["OBJECTS", "TABLE", "SHELF"])
     given = parser.parse_args()
     if given.frames < 2 * SCENES:
         parser.error(f"expected at least {2 * SCENES} frames, got {given.frames}: the first and last thousand compare")
     cv2.setNumThreads(1)
     configs = [sp.preset(name) for name in given.presets]
-    for config in configs:  # compile before timing
+    for config in configs:  # compile before time is measured
         sp.segment(Scenes()(0), config)
     found = soak(configs, given.frames)
     print(

@@ -1,10 +1,12 @@
-"""Count how often an object changes its id while a rendered camera moves: `python -m spigolo.lab.studies.tracking`.
+"""Count identity switches of tracked objects in rendered sequences: `python -m spigolo.lab.studies.tracking`.
 
-A camera moves around each table of the family `table` like a hand-held one, at 20 degrees per second and 30 frames per
-second. Ground truth is exact. A true object is found in a frame if one mask has an IoU of at least 0.5 with it, one to
-one. Its id changes if that mask has another id than the mask that found the object before. Such a change is the
-identity switch of MOT metrics. The share is relative to the finds that had an earlier find. Every third or sixth frame
-simulates a lower frame rate. `labels` uses the labels of each frame, sorted by score, as ids.
+A simulated hand-held camera moves around each table of the family `table`, at 20 degrees per second and 30 frames per
+second. Using only every third or sixth frame simulates a lower frame rate.
+
+A true object is found in a frame if a mask has an IoU of at least 0.5 with the object. An identity switch occurs if the
+mask has another id than the mask that found the object before. The share of switches is relative to the number of times
+that an object was found again. For comparison, the printed column `labels` uses the labels of each frame as ids. The
+labels are sorted by score.
 """
 
 from __future__ import annotations
@@ -26,14 +28,14 @@ from spigolo.objects.tracking import Tracker
 
 FOUND_IOU = 0.5
 TURN_DEG = 0.7
-"""Turn of the camera around the table per frame, degrees."""
+"""Rotation of the camera around the table per frame, degrees."""
 SWEEP_DEG = 12.0
-"""Turn at which the camera reverses, degrees."""
+"""Maximum rotation of the camera to each side, degrees. The camera reverses its direction at this angle."""
 
 
 @dataclass(frozen=True)
 class Count:
-    """Finds of true objects over a sequence, and changes of their ids."""
+    """Numbers of found objects and identity switches in a sequence."""
 
     objects: int
     """Number of true objects that were found at least once."""
@@ -42,20 +44,20 @@ class Count:
     found: int
     """Number of true objects that were found, summed over frames."""
     again: int
-    """Number of finds whose object had been found before."""
+    """Number of times that an object was found which had already been found in an earlier frame."""
     switches: int
-    """Number of finds whose id differs from that of the last find."""
+    """Number of times that an object was found with another id than before (identity switches)."""
     ids: int
-    """Number of different ids of true objects."""
+    """Number of different ids assigned to true objects."""
 
     @property
     def share(self) -> float:
-        """Return the share of finds at which the id changed."""
+        """Return the number of identity switches, divided by the number of times that an object was found again."""
         return self.switches / max(self.again, 1)
 
 
 def sequence(scene: str, count: int, seed: int = 0) -> Iterator[Sample]:
-    """Yield the frames of a camera that moves around a table, and their ground truth."""
+    """Render frames of a camera that moves around a table. Yield the frames with ground truth."""
     rng = np.random.default_rng([seed, list(TABLES).index(scene)])
     stage = table_stage(scene, rng)
     quick = replace(stage.lighting, lamp_samples=6, sky_samples=10)
@@ -67,7 +69,10 @@ def sequence(scene: str, count: int, seed: int = 0) -> Iterator[Sample]:
 
 
 def _carried(view: View, k: int, sway: npt.NDArray[np.float64]) -> View:
-    """Return a view after k frames: swept back and forth, with sway in x, y, distance (m) and pitch (degrees)."""
+    """Return the camera view in frame k of the motion around the table.
+
+    sway: random displacement of a hand-held camera in x, y and distance (metres), and in pitch (degrees).
+    """
     turn = (k * TURN_DEG) % (4 * SWEEP_DEG)
     swept = turn if turn <= SWEEP_DEG else 2 * SWEEP_DEG - turn if turn <= 3 * SWEEP_DEG else turn - 4 * SWEEP_DEG
     x_m, y_m, z_m = view.look_at_m
@@ -81,19 +86,19 @@ def _carried(view: View, k: int, sway: npt.NDArray[np.float64]) -> View:
 
 
 def finds(sample: Sample, result: sp.Segmentation) -> Mapping[str, sp.ObjectMask]:
-    """Return the masks that find true objects, indexed by the object's name."""
+    """Return the predicted masks that match true objects, indexed by the name of the true object."""
     found = {}
     for instance in sample.instances:
         truth = sample.labels == instance.label
         ious = {o.label: np.sum(o.mask & truth) / np.sum(o.mask | truth) for o in result}
         best = max(ious, key=lambda label: ious[label], default=None)
-        if best is not None and ious[best] >= FOUND_IOU:  # above 0.5 only one true object can match
+        if best is not None and ious[best] >= FOUND_IOU:  # only one true object can have an IoU above 0.5
             found[instance.model] = result[[o.label for o in result].index(best)]
     return found
 
 
 def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_label: bool = False) -> Count:
-    """Count the finds and the changes of ids. by_label: use the label of each frame's mask as id."""
+    """Count found objects and identity switches in a sequence. by_label: True to use mask labels as ids."""
     last: dict[str, int] = {}
     present = found = again = switches = 0
     ids: set[int] = set()
@@ -111,7 +116,10 @@ def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_labe
 
 
 def follow(results: Sequence[sp.Segmentation]) -> tuple[list[sp.Segmentation], float]:
-    """Return the results with ids, and the median time of the tracker, ms."""
+    """Track objects through a sequence of segmentations.
+
+    Return the segmentations with ids, and the median tracking time per frame, ms.
+    """
     tracker, followed, took_ms = Tracker(), [], []
     for result in results:
         start = time.perf_counter()
@@ -121,7 +129,7 @@ def follow(results: Sequence[sp.Segmentation]) -> tuple[list[sp.Segmentation], f
 
 
 def report(scene: str, samples: Sequence[Sample]) -> Iterator[str]:
-    """Yield the rows of a scene at 30, 10 and 5 frames per second."""
+    """Yield the table rows of a scene at 30, 10 and 5 frames per second."""
     results = [sp.segment(sample.frame) for sample in samples]
     for rate, step in ((30, 1), (10, 3), (5, 6)):
         followed, took_ms = follow(results[::step])
@@ -134,7 +142,7 @@ def report(scene: str, samples: Sequence[Sample]) -> Iterator[str]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--frames", type=int, default=30, help="frames of each scene")
+    parser.add_argument("--frames", type=int, default=30, help="number of frames per scene")
     parser.add_argument("--seed", type=int, default=0)
     own = parser.parse_args()
     print("| scene | frames/s | frames | objects | found | id changes | of labels | tracker, ms |")

@@ -1,4 +1,4 @@
-"""Rendered family of shelves: a few products in a bin seen from the front, in low light."""
+"""Rendered scenes of shelves: a few products in a bin, seen from the front in low light."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ PRODUCTS = (
     "soda_can_3",
 )  # fmt: skip
 VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
-"""Angles of the camera for each view: turn to the side and pitch down, degrees."""
+"""Camera angles of each view, degrees: yaw to the side and pitch downwards."""
 _WALL_M, _BOARD_M = 0.006, 0.02
 _LIPS_M = 0.035, 0.05
-"""Minimum and maximum height of the lips, m."""
+"""Minimum and maximum height of the lip at the front edge of a board, m."""
 
 
 def shelf_stage(name: str, rng: Rng) -> Stage:
-    """Return one to three products in the middle one of three by three bins. No edge of a bin hides them.
+    """Create a scene with one to three products in the middle bin of a shelf with 3 x 3 bins.
 
-    The first product is the nearest to the camera. A data set that labels one object per frame labels this one.
+    The edges of the bin hide no part of a product. The first product in the list is nearest to the camera.
     """
     width_m, tall_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
@@ -66,7 +66,7 @@ def shelf_stage(name: str, rng: Rng) -> Stage:
 
 
 def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m: float, rng: Rng) -> SceneObject | None:
-    """Place a product in a bin. Most products stand or lie, and flat ones may also lean on a wall."""
+    """Place a product in a bin, standing, lying, or leaning against a wall. Return None if there is no room."""
     if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
         side = int(rng.choice([-1, 1]))
         leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
@@ -86,7 +86,7 @@ def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m:
 
 
 def _in_sight(thing: SceneObject, view: View, width_m: float, tall_m: float) -> bool:
-    """Return True if the whole object is visible through the opening of its bin, between walls and lips."""
+    """Return True if the whole object is visible through the front opening of its bin."""
     rays = world_points(thing) - view.position_m
     x, _, z = (view.position_m + rays * (-view.position_m[1] / rays[:, 1])[:, None]).T
     low_m, high_m = _lip_middle_m(0.0) + _LIPS_M[1] / 2, _lip_middle_m(tall_m + _BOARD_M) - _LIPS_M[1] / 2
@@ -98,7 +98,7 @@ def _lip_middle_m(board_top_m: float) -> float:
 
 
 def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]:
-    """Return the shelf: walls and backs of cardboard, boards and lips of galvanised steel."""
+    """Create a shelf with cardboard walls and steel boards."""
     pitch_x, pitch_z = width_m + _WALL_M, tall_m + _BOARD_M
     span_m, middle_m = 3 * pitch_x, 0.5 * tall_m
     tone = rng.uniform(0.8, 1.1)
@@ -120,7 +120,7 @@ def _shelf(width_m: float, tall_m: float, deep_m: float, rng: Rng) -> list[Part]
 
 
 def _printed(cardboard: Image, rng: Rng) -> Image:
-    """Return the cardboard with the print of the cartons from which the walls were cut: words, marks, tape."""
+    """Draw printed words and strips of tape on a cardboard texture."""
     image = np.asarray(cv2.resize(cardboard, (1024, 1024)), np.uint8)
     for _ in range(int(rng.integers(3, 9))):
         x, y = (int(at) for at in rng.integers(60, 964, 2))
@@ -139,7 +139,7 @@ def _printed(cardboard: Image, rng: Rng) -> Image:
 
 
 def _perforated(steel: Image) -> Image:
-    """Return the steel with a row of holes, as in the beams of such shelves, and with labels of the bins."""
+    """Draw a row of holes and the labels of the bins on a steel texture."""
     image = np.asarray(cv2.resize(steel, (1024, 1024)), np.uint8)
     for x in range(16, 1024, 32):
         cv2.rectangle(image, (x, 1008), (x + 9, 1012), (30, 30, 32), -1)
@@ -150,7 +150,7 @@ def _perforated(steel: Image) -> Image:
 
 
 def _light(view: View, rng: Rng) -> Lighting:
-    """Return a little light from the aisle, and a lamp near the camera that casts large shadows."""
+    """Create the lighting: weak light from the aisle, and a lamp near the camera that casts large shadows."""
     aisle = aisle_light(rng, view.look_at_m)
     side_m, up_m = rng.choice([-1, 1]) * rng.uniform(0.1, 0.4), rng.uniform(0.1, 0.5)
     lamp_m = view.position_m + side_m * view.axes[0] + up_m * view.axes[1]
@@ -163,7 +163,7 @@ def _light(view: View, rng: Rng) -> Lighting:
 
 
 def _tool(view: View, rng: Rng) -> SceneObject:
-    """Return the robot's own gripper: black, at an edge of the image and too near to be measured."""
+    """Create a black robot gripper at the edge of the image. The gripper is too near for a depth measurement."""
     up, side = rng.choice([-1, 1]) * rng.uniform(0.115, 0.15), rng.uniform(-0.12, 0.12)
     forward = np.array(view.look_at_m) - view.position_m
     middle = view.position_m + 0.3 * forward / np.linalg.norm(forward) + side * view.axes[0] + up * view.axes[1]
@@ -175,7 +175,7 @@ def _tool(view: View, rng: Rng) -> SceneObject:
 
 
 def _sensor(rng: Rng) -> StructuredLight:
-    """Return a sensor on a wrist, close to its minimum distance."""
+    """Create the model of a depth camera on the wrist of a robot, with random noise."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
     level = float(np.exp(rng.uniform(np.log(0.5), np.log(2.0))))
     camera = StructuredLight(

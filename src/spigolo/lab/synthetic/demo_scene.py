@@ -1,6 +1,6 @@
-"""Bundled demo scene: household objects on a table, built from code and rendered with MuJoCo.
+"""Bundled demo scene: household objects on a table, modelled in code and rendered with MuJoCo.
 
-World axes: x to the right, y away from the robot, z up. The table top is z = 0. Lengths are in metres.
+World frame: x to the right, y away from the robot, z up. The table top is at z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -36,24 +36,27 @@ _LIGHTING = Lighting(
     lamp_rgb=0.85 * np.array([1.0, 0.95, 0.87]),
     sky_rgb=1.05 * np.array([0.93, 0.98, 1.08]),
 )
-_COLOUR_NOISE_LEVELS = 0.4  # standard deviation, of 255 levels. More noise makes the PNG much larger
+_COLOUR_NOISE_LEVELS = 0.4  # standard deviation in grey levels, 0..255. More noise makes the PNG file larger
 
 
 @dataclass(frozen=True)
 class RenderedScene:
-    """Images rendered by MuJoCo: rgb (H, W, 3) uint8, depth_m (H, W) along the optical axis, label (H, W) 0..N."""
+    """Rendered images of a scene."""
 
     rgb: npt.NDArray[np.uint8]
+    """Colour image (H, W, 3), 8-bit RGB."""
     depth_m: npt.NDArray[np.float32]
+    """Depth map (H, W), metres."""
     label: npt.NDArray[np.uint8]
+    """Label image (H, W), 0 = background, 1..N = objects."""
 
 
 def scene_objects() -> list[SceneObject]:
-    """Return the objects in the order of their labels, 1..N."""
+    """Create the objects of the demo scene, in the order of their labels 1..N."""
     pair_yaw_deg = -24.0
     tea_m, plain_m = (0.125, 0.07, 0.17), (0.09, 0.10, 0.10)
     tea_at = np.array([0.25, 0.19])
-    # The plain box touches the right side of the tea box. Its front is a little nearer.
+    # The plain box touches the right side of the tea box. The front of the plain box is slightly nearer to the camera.
     yaw = np.radians(pair_yaw_deg)
     along, back = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
     plain_at = tea_at + (tea_m[0] + plain_m[0]) / 2 * along - 0.030 * back
@@ -97,7 +100,7 @@ def _milk_carton_parts() -> tuple[Part, ...]:
 
 
 def _bowl_parts() -> tuple[Part, ...]:
-    """Return a hollow bowl, 17 cm in diameter, with a foot ring and a wall of 4 mm."""
+    """Create a hollow bowl, 17 cm in diameter, with a foot ring and a 4 mm thick wall."""
     t = np.linspace(0.0, 1.0, 40)
     outside = np.column_stack([0.036 + 0.049 * np.sin(t * np.pi / 2) ** 0.9, 0.008 + 0.060 * t**1.7])
     inside = np.column_stack([0.081 * np.sin(t * np.pi / 2) ** 0.85, 0.012 + 0.056 * t**2.1])[::-1]
@@ -108,7 +111,7 @@ def _bowl_parts() -> tuple[Part, ...]:
 
 
 def _mug_parts() -> tuple[Part, ...]:
-    """Return a hollow mug with a handle, 8 cm in diameter and 9 cm high."""
+    """Create a hollow mug with a handle, 8 cm in diameter and 9 cm high."""
     foot_corner = arc((0.034, 0.006), 0.006, -90, 0, 8)
     inner_corner = arc((0.030, 0.012), 0.006, 0, -90, 8)
     outside = [line((0.0, 0.0), (0.034, 0.0)), np.vstack([foot_corner, line((0.040, 0.088))])]
@@ -128,7 +131,7 @@ def _mug_parts() -> tuple[Part, ...]:
 
 
 def _can_parts() -> tuple[Part, ...]:
-    """Return a tin can with a printed label and a metal lid with a raised rim."""
+    """Create a tin can with a printed label, and a metal lid with a raised rim."""
     side = [
         line((0, 0.004), (0.0335, 0.004)),
         line((0.0335, 0.004), (0.0335, 0.106)),
@@ -149,7 +152,7 @@ def _can_parts() -> tuple[Part, ...]:
 
 
 def _ball_parts() -> tuple[Part, ...]:
-    """Return a ball of 84 mm in diameter, centred at the object's origin."""
+    """Create a ball with a diameter of 84 mm, centred at the origin of the object's frame."""
     cap_from_deg = 74
     wedges = lathe([arc((0, 0), 0.042, -cap_from_deg, cap_from_deg, 60)])
     blue = textures.plain_card((38, 92, 170))
@@ -158,9 +161,7 @@ def _ball_parts() -> tuple[Part, ...]:
 
 
 def _flashlight_parts() -> tuple[Part, ...]:
-    """Return a flashlight, 15 cm long, with its tail at z = 0. The flashlight lies on its barrel, which is as wide as
-    the head.
-    """
+    """Create a cylindrical flashlight, 15 cm long. The axis is z, with the rear end at z = 0."""
     profile = [
         line((0.0, 0.0), (0.0155, 0.0)),
         arc((0.0155, 0.002), 0.002, -90, 0, 5),
@@ -172,7 +173,7 @@ def _flashlight_parts() -> tuple[Part, ...]:
 
 
 def _surroundings() -> list[SceneObject]:
-    """Return table, floor and wall, which are not objects and have label 0."""
+    """Create the table, floor and wall, which have label 0 (background)."""
     rng = np.random.default_rng(20)
     table = np.array([[-1.0, -0.62], [1.0, -0.62], [1.0, 0.70], [-1.0, 0.70]])
     top = [(*corner, 0.0) for corner in table]
@@ -190,14 +191,14 @@ def _surroundings() -> list[SceneObject]:
 
 
 def load_model() -> Any:
-    """Compile the scene to a ``mujoco.MjModel``. The body ``object k`` of the model is the object of label k."""
+    """Compile the demo scene to a ``mujoco.MjModel``. The body ``object k`` of the model is the object with label k."""
     bodies = {thing.name: thing for thing in _surroundings()}
     bodies |= {f"object {label}": thing for label, thing in enumerate(scene_objects(), start=1)}
     return compile_scene("spigolo demo scene", bodies, _VIEW)
 
 
 def make_demo_frame(seed: int = 0) -> RenderedScene:
-    """Return the demo scene as an RGB-D camera would record it, with the noise of both sensors."""
+    """Render the demo scene with simulated noise of the colour camera and the depth camera."""
     ideal = render_demo_scene()
     rng = np.random.default_rng(seed)
     depth_m = simulate_structured_light(ideal.depth_m, ideal.rgb, CAMERA.fx, rng)
@@ -206,16 +207,14 @@ def make_demo_frame(seed: int = 0) -> RenderedScene:
 
 
 def render_demo_scene() -> RenderedScene:
-    """Render colour, ideal depth and labels of the demo scene."""
+    """Render colour image, noise-free depth map and labels of the demo scene."""
     model = load_model()
     depth_m, label = render_geometry(model)
     return RenderedScene(render_colour(model), depth_m, label)
 
 
 def render_geometry(model: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
-    """Return the ideal depth (H, W) in metres along the optical axis, and labels (H, W), of a ``load_model()``
-    result.
-    """
+    """Render the noise-free depth map (H, W) in metres and the label image (H, W) of a model from ``load_model()``."""
     import mujoco
 
     label_of_geom = np.zeros(model.ngeom + 1, dtype=np.uint8)  # the last entry is for geom -1, the background
@@ -226,5 +225,5 @@ def render_geometry(model: Any) -> tuple[npt.NDArray[np.float32], npt.NDArray[np
 
 
 def render_colour(model: Any) -> npt.NDArray[np.uint8]:
-    """Return the anti-aliased colour image (H, W, 3) of a ``load_model()`` result under soft light."""
+    """Render the anti-aliased colour image (H, W, 3) of a model from ``load_model()``."""
     return developed(render_light(model, _LIGHTING))

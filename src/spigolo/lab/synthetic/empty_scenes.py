@@ -1,6 +1,6 @@
-"""Frames without objects, to count false detections: random tables, bins and shelves as an RGB-D camera records them.
+"""Rendered RGB-D frames of tables, bins and shelves without objects, to count false detections.
 
-World axes: x to the right, y away from the camera, z up. Objects would stand at z = 0. Lengths are in metres.
+World frame: x to the right, y away from the camera, z up. The support plane is at z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -25,24 +25,31 @@ _SHADOW_PX = 1024
 
 @dataclass(frozen=True)
 class _Scene:
-    """Content, view and light of a scene. exposure: brightness of the image. noise: in levels of 255."""
+    """Meshes, camera view and lighting of a scene."""
 
     parts: tuple[Part, ...]
     view: View
     lighting: Lighting
     exposure: float = 1.0
+    """Factor on the brightness of the colour image, 1 = unchanged."""
     noise_levels: float = 1.0
+    """Standard deviation of the colour noise in grey levels, 0..255."""
 
 
 def empty_scene(family: str, seed: int) -> Frame:
-    """Return the frame of a family (one of `FAMILIES`) and a seed. Raises ValueError for an unknown family."""
+    """Render a frame without objects.
+
+    family: kind of scene, a key of `FAMILIES`. Raises ValueError for an unknown family.
+    """
     return _render(family, seed, lambda view: None)[0]
 
 
 def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
-    """Return the same frame with a box of 9 x 7 x 13 cm, and the box's pixels (H, W).
+    """Render the scene of `empty_scene` with an added box of 9 x 7 x 13 cm.
 
-    The box tests that a method which finds nothing in the empty frame can still detect an object there.
+    Return the frame, and the mask (H, W) of the box.
+
+    The box tests that a method without false detections in the empty scene can still find an object.
     """
     return _render(family, seed, lambda view: _box(family, seed, view))
 
@@ -57,7 +64,7 @@ def _render(family: str, seed: int, put: Callable[[View], SceneObject | None]) -
         things[box.name] = box
     model = compile_scene("spigolo empty scene", things, scene.view, _SHADOW_PX)
     light, ideal_m = render_quickly(model, scene.lighting)
-    # The depth camera has its own light, so bright surfaces are measured in the dark too.
+    # The depth camera has its own light, so the exposure does not affect the measured depth.
     depth_m = simulate_structured_light(ideal_m, developed(light), CAMERA.fx, rng)
     noisy = developed(scene.exposure * light) + rng.normal(0.0, scene.noise_levels, light.shape)
     frame = Frame(np.clip(np.round(noisy), 0, 255).astype(np.uint8), depth_m, CAMERA, name=f"{family}-{seed}")
@@ -65,7 +72,7 @@ def _render(family: str, seed: int, put: Callable[[View], SceneObject | None]) -
 
 
 def _box(family: str, seed: int, view: View) -> SceneObject:
-    """Return the box in the middle of the view. On a shelf, it is 12 cm behind the front."""
+    """Create a box in the middle of the view. On a shelf, the box is 12 cm behind the front edge."""
     rng = np.random.default_rng([99, seed])
     outline, _ = rounded_rectangle((0.09, 0.07), 0.003, 3)
     at = view.look_at_m[0], 0.12 if family == "shelf" else view.look_at_m[1], 0.0
@@ -74,14 +81,14 @@ def _box(family: str, seed: int, view: View) -> SceneObject:
 
 
 def empty_scenes(count: int = 50) -> Iterator[Frame]:
-    """Yield `count` frames. The families alternate."""
+    """Render `count` frames without objects, alternately of tables, bins and shelves."""
     names = list(FAMILIES)
     for k in range(count):
         yield empty_scene(names[k % len(names)], k // len(names))
 
 
 def _table(rng: np.random.Generator, kind: str) -> _Scene:
-    """Return a table on four legs. Some cameras also see its edges, the floor and the walls behind it."""
+    """Create a table with four legs in a room, and a random camera view of the table top."""
     size_m = rng.uniform(0.8, 1.8), rng.uniform(0.6, 1.0)
     thickness_m, height_m = rng.uniform(0.018, 0.045), rng.uniform(0.68, 0.78)
     round_m = min(size_m) / 2 if rng.uniform() < 0.15 else rng.choice([0.0005, 0.02, 0.06])
@@ -104,7 +111,7 @@ def _table(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _bin(rng: np.random.Generator, kind: str) -> _Scene:
-    """Return a tote or a straight-walled box on a floor, open at the top, that fills most of the image."""
+    """Create a tote or box that is open at the top, stands on a floor, and fills most of the image."""
     distance_m = rng.uniform(0.6, 1.3)
     length_m = distance_m * rng.uniform(0.75, 1.2)
     size_m = length_m, length_m * rng.uniform(0.55, 0.85)
@@ -125,9 +132,7 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Return the outside, inside and floor of a tote. The walls of a tote lean outward, its corners are round, and its
-    rim has a flange.
-    """
+    """Create the outside, inside and floor of a plastic tote with slanted walls, round corners and a flange."""
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))
     fillet_m = rng.uniform(0.004, 0.02)
@@ -146,7 +151,7 @@ def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Genera
 
 
 def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Return the outside, inside and floor of a carton or a crate."""
+    """Create the outside, inside and floor of a carton or crate with vertical walls."""
     thick, radius_m = rng.uniform(0.004, 0.018), 0.001
     skirt = [line((thick, 0.0), (thick, height_m)), line((thick, height_m), (0.0, height_m))]
     floor = prism(rounded_rectangle(size_m, radius_m, 2)[0], 0.0005, 0.005)
@@ -154,7 +159,7 @@ def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generato
 
 
 def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
-    """Return three by three compartments in low light, each with bottom, back, walls, ceiling and front lip."""
+    """Create a shelf with 3 x 3 compartments in low light."""
     width_m, height_m, deep_m = rng.uniform(0.24, 0.42), rng.uniform(0.2, 0.34), rng.uniform(0.28, 0.48)
     board_m, divider_m, lip_m = rng.uniform(0.004, 0.022), rng.uniform(0.003, 0.015), rng.uniform(0.012, 0.05)
     boards, walls, back = (surface(k, rng) for k in (kind, shelf_kind(rng), shelf_kind(rng)))
@@ -182,4 +187,4 @@ def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 FAMILIES: Mapping[str, Callable[[np.random.Generator, str], _Scene]] = {"table": _table, "bin": _bin, "shelf": _shelf}
-"""Functions that make a scene of each family, indexed by name."""
+"""Functions that create a random scene, indexed by the kind of scene (family)."""

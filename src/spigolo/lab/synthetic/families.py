@@ -1,7 +1,7 @@
-"""Three families of rendered scenes with exact masks and poses, modelled on the three data sets of the paper.
+"""Three families (kinds) of rendered scenes with exact masks and poses, similar to the three data sets of the paper.
 
-`shelf`: products in a bin seen from the front, as in the Rutgers APC set. `table`: table-tops with several categories,
-as in RGB-D Scenes. `multi`: three instances of one object among clutter, as in the set of Tejani et al.
+`shelf`: products in a shelf bin, as in Rutgers APC. `table`: different objects on tables, as in UW RGB-D Scenes.
+`multi`: three instances of one object among clutter, as in the data set of Tejani et al.
 """
 
 from __future__ import annotations
@@ -36,22 +36,23 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_IOU = 0.98
-"""Minimum IoU between the exact mask and the mask that a reader renders at an object's pose."""
+"""Minimum IoU between the exact mask of an object and the mask rendered from its model and pose."""
 
 
 @dataclass(frozen=True)
 class Family:
-    """Family of scenes. scenes: names, one per frame in turn. objects: names of the objects that may be labelled.
-
-    fully_labelled: True if every object is labelled. first_alone: True if the original data set labels only one object
-    per frame, the first one.
-    """
+    """Family (kind) of rendered scenes."""
 
     stage: Callable[[str, np.random.Generator], Stage]
+    """Function that creates a random scene from a scene name and a random number generator."""
     scenes: tuple[str, ...]
+    """Names of the scenes in the family. Frames alternate between the scenes."""
     objects: tuple[str, ...]
+    """Names of all objects that may be labelled in the family's scenes."""
     fully_labelled: bool
+    """True if every object in a frame is labelled."""
     first_alone: bool = False
+    """True if the corresponding real data set labels only one object per frame."""
 
 
 FAMILIES: Mapping[str, Family] = {
@@ -62,23 +63,32 @@ FAMILIES: Mapping[str, Family] = {
 
 
 def render_family(family: str, number: int, seed: int = 0) -> Sample:
-    """Return one frame of a family in `FAMILIES` with its ground truth.
+    """Render one frame with its ground truth.
 
-    frame.name is the name of its scene and its number in the scene, from 1.
+    The frame's name consists of the name of its scene and a number, counted from 1.
 
-    number: index of the frame, from 0. The scenes alternate. Equal numbers and seeds give equal frames. Raises
-    ConfigError for an unknown family.
+    Raises ConfigError for an unknown family.
+
+    Parameters
+    ----------
+    family
+        Kind of scene, a key of `FAMILIES`.
+    number
+        Index of the frame, counted from 0. The same family, number and seed always give the same frame.
+    seed
+        Random seed of the frames.
+
     """
     return record_family(family, number, seed).sample
 
 
 def record_family(family: str, number: int, seed: int = 0) -> Recording:
-    """Return the same frame as `render_family`, with the depth of an ideal camera in addition."""
+    """Render the frame of `render_family`, and additionally return its noise-free depth map."""
     return next(made for made in arrangements(family, number, seed) if is_told_by_poses(family, made.sample))
 
 
 def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]:
-    """Yield random arrangements without end. `record_family` uses the first one that is valid."""
+    """Yield an endless sequence of random scenes for one frame. `record_family` uses the first valid scene."""
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
     rng = np.random.default_rng([list(FAMILIES).index(family), seed, number])
@@ -88,19 +98,32 @@ def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]
 
 
 def is_told_by_poses(family: str, sample: Sample) -> bool:
-    """Return True if an object is in view, and masks rendered at the poses agree with the exact ones.
+    """Return True if at least one object is visible, and all masks rendered from models and poses match the exact
+    masks.
 
-    Masks cannot agree if something without measured depth hides an object.
+    The masks do not match if something without measured depth hides an object.
     """
     ious = drawn_iou(family, sample, sample.frame.depth)
     return bool(ious.size and ious.min() >= LEAST_IOU)
 
 
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
-    """Return the IoU (N,) between each exact mask and the mask that a reader renders at the object's pose.
+    """Return the IoU (N,) between the exact mask of each object and the mask rendered from its model and pose.
 
-    measured: depth (H, W) in metres that decides visibility. If the data set labels only the first object, its mask is
-    also rendered without the other objects. The smaller IoU counts.
+    For families with `first_alone`, the mask of the first object is rendered with and without the other objects, and
+    its smaller IoU is returned.
+
+    Parameters
+    ----------
+    family
+        Kind of scene, a key of `FAMILIES`.
+    sample
+        Frame with exact masks and poses.
+    measured
+        Depth map (H, W) in metres, to determine which pixels are visible.
+    tolerance_m
+        Maximum distance of a visible model behind the measured surface, metres.
+
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)
     if _family(family).first_alone:
@@ -117,7 +140,10 @@ def _ious(sample: Sample, shown: tuple[Instance, ...], measured: DepthMap, toler
 
 
 def family_models(family: str) -> tuple[Model, ...]:
-    """Return the models of all instances in a family. Raises ConfigError for an unknown family."""
+    """Return the models of all objects that are labelled in a family of scenes.
+
+    Raises ConfigError for an unknown family.
+    """
     return tuple(household(name).model() for name in _family(family).objects)
 
 

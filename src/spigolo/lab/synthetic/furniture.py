@@ -1,6 +1,6 @@
-"""Furniture of rooms and desks that is not to be grasped: screens, chairs, cartons, posters, paper.
+"""Unlabelled background objects of rendered rooms: monitors, chairs, cartons, posters and paper.
 
-World axes: x to the right, y away from the camera, z up. Lengths are in metres.
+World frame: x to the right, y away from the camera, z up. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Place = tuple[float, float, float]
 
 
 def screen(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """Return a monitor on its stand, with a black screen or with windows on it."""
+    """Create a monitor with a stand. The screen is black or shows a page of text."""
     wide, tall = rng.uniform(0.4, 0.55), rng.uniform(0.26, 0.34)
     shell = _put(
         joined([_slab((wide, 0.03, tall), 0.12), _slab((0.05, 0.03, 0.14), 0.0), _slab((0.2, 0.15, 0.012), 0.0)]),
@@ -41,7 +41,7 @@ def screen(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
 
 
 def chair(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """Return the seat and the back of a chair, covered in cloth. `at_m` is the middle of the seat."""
+    """Create the seat and the back of a chair, covered with cloth. at_m: centre of the seat."""
     back = prism(rounded_rectangle((0.44, 0.48), 0.09)[0], -0.03, 0.03)
     upright = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     seat = prism(rounded_rectangle((0.46, 0.44), 0.08)[0], -0.04, 0.04)
@@ -50,7 +50,7 @@ def chair(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
 
 
 def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """Return a large carton for the floor or the back of a table."""
+    """Create a large carton of 20 to 45 cm."""
     size_m = rng.uniform(0.2, 0.45), rng.uniform(0.2, 0.4), rng.uniform(0.15, 0.4)
     colours = (168, 128, 84), (150, 112, 72), palette(rng)[2], (70, 52, 40)
     print_m = tuple(0.4 * length for length in size_m)
@@ -60,7 +60,7 @@ def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[
 
 
 def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
-    """Return a poster on a wall: print, a page, a bookshelf, or a window with closed blinds. `at_m` is its middle."""
+    """Create a flat panel on a wall that shows a print, a page, a bookshelf or a window. at_m: centre of the panel."""
     wide, tall = rng.uniform(0.3, 0.8), rng.uniform(0.3, 0.9)
     size = round(500 * tall), round(500 * wide)
     makes = (_spines, _blinds, page, lambda size, rng: cover(size, palette(rng), rng))
@@ -70,7 +70,7 @@ def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
 
 
 def _spines(size: tuple[int, int], rng: np.random.Generator) -> Image:
-    """Return an image of rows of books."""
+    """Draw an image of a bookshelf."""
     height, width = size
     image = np.full((height, width, 3), 40, np.uint8)
     for low in range(height, 60, -150):
@@ -86,14 +86,14 @@ def _spines(size: tuple[int, int], rng: np.random.Generator) -> Image:
 
 
 def _blinds(size: tuple[int, int], rng: np.random.Generator) -> Image:
-    """Return an image of slats with bright gaps."""
+    """Draw an image of window blinds."""
     rows = np.arange(size[0]) % int(rng.integers(9, 16))
     tone = np.where(rows < 2, rng.uniform(60, 120), rng.uniform(170, 230) - 4.0 * rows)
     return np.ascontiguousarray(np.broadcast_to(tone[:, None, None], (*size, 3))).astype(np.uint8)
 
 
 def sheet_of_paper(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> Part:
-    """Return a printed sheet on the table or on other sheets, thin enough that objects can stand on it."""
+    """Create a printed sheet of paper, 0.2 mm thick. Objects can stand on the sheet."""
     size_m = (0.297, 0.21) if rng.uniform() < 0.6 else (rng.uniform(0.07, 0.2), rng.uniform(0.1, 0.2))
     outline, _ = rounded_rectangle(size_m, 0.0005, 2)
     image: Image = page((420, 420), rng)
@@ -101,7 +101,7 @@ def sheet_of_paper(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> Par
 
 
 def keyboard(spot_m: tuple[float, float], yaw_deg: float, rng: np.random.Generator) -> Part:
-    """Return a keyboard: several rows of keys."""
+    """Create a keyboard."""
     dark = rng.uniform() < 0.7
     ground, key = ((20, 20, 22), (48, 48, 52)) if dark else ((150, 150, 148), (214, 212, 206))
     image = np.full((440, 440, 3), ground, np.uint8)

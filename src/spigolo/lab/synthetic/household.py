@@ -1,4 +1,4 @@
-"""Household objects by name: their parts, the poses in which they rest, and their meshes."""
+"""Household objects for rendered scenes, with their meshes and stable poses."""
 
 from __future__ import annotations
 
@@ -23,27 +23,30 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rest:
-    """Pose in which an object rests: the lean of its z axis after a turn about that axis. roll_deg None: any turn."""
+    """Stable orientation of an object on a plane."""
 
     tilt_deg: float = 0.0
+    """Angle between the object's z axis and the vertical, degrees."""
     roll_deg: float | None = None
+    """Rotation about the object's z axis before tilting, degrees, or None if any rotation is stable."""
 
 
 @dataclass(frozen=True)
 class Product:
-    """Object that stands on z = 0 of its own axes, with the poses in which it rests, the most likely first."""
+    """Household object with the meshes of its parts. In its own coordinate frame, the object stands on z = 0."""
 
     name: str
     parts: tuple[Part, ...]
     rests: tuple[Rest, ...]
+    """Stable orientations of the object on a plane, most likely first."""
 
     @property
     def points_m(self) -> FloatArray:
-        """Return the vertices (N, 3) of all parts."""
+        """Return the vertices (N, 3) of all parts, metres."""
         return np.concatenate([part.mesh.vertices_m for part in self.parts])
 
     def model(self) -> Model:
-        """Return all parts as one mesh, with vertex colours from the textures."""
+        """Merge all parts into one model. The vertex colours are taken from the textures."""
         mesh = joined([part.mesh for part in self.parts])
         colours = np.concatenate([_vertex_colours(part) for part in self.parts])
         return Model(self.name, mesh.vertices_m, mesh.triangles.astype(np.int32), colours)
@@ -70,16 +73,16 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
     "pouch": (packages.pouch, (Rest(90.0, 90.0),)),
     "glue": (turned.glue_bottle, (Rest(0.0, 0.0), Rest(90.0, 90.0))),
 }
-"""Function that makes each kind of object, and the poses in which it rests."""
+"""Function that creates a kind of object, and its stable orientations, indexed by the name of the kind."""
 FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
-"""Kinds of objects that can carry other objects, some only when they lie."""
+"""Kinds of objects on which other objects can stand. Some kinds of objects must lie down to carry another object."""
 
 
 @cache
 def household(name: str) -> Product:
-    """Return the object of a name: one of `KINDS`, optionally with a number, such as soda_can_4.
+    """Create the object with this name: a key of `KINDS`, optionally with a number, such as soda_can_4.
 
-    A name always gives the same object, with its own size and print. Raises ConfigError for an unknown kind.
+    The size and print of the object depend only on its name. Raises ConfigError for an unknown kind of object.
     """
     kind = kind_of(name)
     if kind not in KINDS:
@@ -89,7 +92,7 @@ def household(name: str) -> Product:
 
 
 def kind_of(name: str) -> str:
-    """Return the kind of a name: soda_can for soda_can_4."""
+    """Return the kind of object from its name, such as soda_can for soda_can_4."""
     return name if name in KINDS else name.rpartition("_")[0]
 
 

@@ -1,4 +1,4 @@
-"""Writing of rendered families to files: one folder per frame, BOP, or the layout of the original data set."""
+"""Writer of rendered frames in three file layouts: one folder per frame, BOP, or the layout of a real data set."""
 
 from __future__ import annotations
 
@@ -35,11 +35,27 @@ _BINS = "ABCDEFGHIJKL"
 def write_family(
     family: str, count: int, seed: int, folder: Path, layout: str = "folders", tell: Tell | None = None
 ) -> int:
-    """Render and write frames 0..count-1 of a family and seed.
+    """Render frames 0..count-1 of a family of scenes, and write them to a folder.
 
-    layout: "folders" for `Folders`, "bop" for `Bop`, "original" for the data set that the family stands in for. These
-    are `Rutgers` (each frame counts for its first object), `UwScenes` and `Tejani`. tell: called after each frame with
-    the number of frames so far. Returns the number of frames. Raises ConfigError, FileError or FrameError.
+    Returns the number of frames. Raises ConfigError for an unknown family or layout. Raises FileError if a file cannot
+    be written.
+
+    Parameters
+    ----------
+    family
+        Kind of scene, a key of `FAMILIES`.
+    count
+        Number of frames.
+    seed
+        Random seed of the frames.
+    folder
+        Folder to write to.
+    layout
+        File layout. "folders" is read by `Folders`, "bop" by `Bop`. "original" is the layout of the corresponding real
+        data set, read by `Rutgers`, `UwScenes` or `Tejani`.
+    tell
+        Progress callback with the number of finished frames.
+
     """
     if layout not in LAYOUTS:
         raise ConfigError(f"unknown layout {layout!r}: expected one of {', '.join(LAYOUTS)}")
@@ -67,8 +83,9 @@ LAYOUTS = ("folders", "bop", "original")
 
 
 def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, data_set: str, about: str) -> int:
-    """Write the layout of `Folders` for a `data_set`. info.json also has names and poses. Return the number of
-    frames.
+    """Write frames in the file layout of `Folders`, with object names and poses in info.json.
+
+    Return the number of frames.
     """
     count = 0
     write_json(folder / RENDERED, {"about": about})
@@ -86,7 +103,7 @@ def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: s
 
 
 def _refuse_others(folder: Path, about: str) -> None:
-    """Raise an error if the folder holds another rendering, as both would mix."""
+    """Raise FileError if the folder already holds other rendered frames."""
     marker = folder / RENDERED
     there = read_mapping(marker).get("about") if marker.is_file() else about
     if there != about:
@@ -94,7 +111,7 @@ def _refuse_others(folder: Path, about: str) -> None:
 
 
 def _require_extra() -> None:
-    """Raise an error if the extra for rendering is missing, before minutes are spent."""
+    """Raise SpigoloError before rendering starts if scipy or trimesh is not installed."""
     for name in ("scipy", "trimesh"):
         if importlib.util.find_spec(name) is None:
             raise SpigoloError(f'this layout needs {name}, which is not installed: pip install "spigolo[datasets]"')

@@ -1,6 +1,6 @@
 """Procedural triangle meshes with texture coordinates for rendered scenes.
 
-Lengths are in metres and z is up. The corners of a face are anticlockwise when seen from outside.
+Lengths are in metres, and z is up. The corners of a face are in anticlockwise order, seen from outside.
 """
 
 from __future__ import annotations
@@ -34,7 +34,9 @@ Rectangle = tuple[float, float, float, float]  # left, top, right, bottom in tex
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangle mesh: vertices (N, 3) in metres, unit normals (N, 3), uv (N, 2), triangles (M, 3)."""
+    """Triangle mesh with vertices (N, 3) in metres, unit normals (N, 3), texture coordinates uv (N, 2) and triangles
+    (M, 3).
+    """
 
     vertices_m: FloatArray
     normals: FloatArray
@@ -43,25 +45,34 @@ class Mesh:
 
 
 def arc(centre: tuple[float, float], radius_m: float, start_deg: float, stop_deg: float, count: int) -> FloatArray:
-    """Return the points (count, 2) of a circular arc in a lathe's (r, z) plane. 0 degrees is +r, 90 is +z."""
+    """Return the points (count, 2) of a circular arc in the (r, z) plane, as a profile for `lathe`.
+
+    The direction of 0 degrees is +r, and 90 degrees is +z.
+    """
     angle = np.radians(np.linspace(start_deg, stop_deg, count))
     return np.column_stack([centre[0] + radius_m * np.cos(angle), centre[1] + radius_m * np.sin(angle)])
 
 
 def line(*points: tuple[float, float]) -> FloatArray:
-    """Return the corners (K, 2) of a straight or broken line in a lathe's (r, z) plane."""
+    """Return the points (K, 2) of a polyline in the (r, z) plane, as a profile for `lathe`."""
     return np.array(points, dtype=np.float64)
 
 
 def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
-    """Return a solid of revolution: a profile turned about z.
+    """Create a solid of revolution by rotating a profile about the z axis.
 
-    sections: smooth parts of the profile, each (K, 2) of (r, z) in metres, with a sharp edge between two parts. The
-    solid is on the left of the profile's direction. around: number of facets around the axis. In the texture, u goes
-    once around the axis, and v goes from 1 at the lowest point to 0 at the highest.
+    Parameters
+    ----------
+    sections
+        Smooth sections of the profile, each with points (r, z) as an array (K, 2), metres. Edges between sections
+        are sharp. The solid is on the left of the profile's direction.
+    around
+        Number of facets around the axis. The texture coordinate u goes once around the axis. The texture coordinate
+        v goes from 1 at the lowest point to 0 at the highest point.
+
     """
     lowest, highest = min(p[:, 1].min() for p in sections), max(p[:, 1].max() for p in sections)
-    turn = np.linspace(0.0, 1.0, around + 1)  # the vertices of the seam exist twice, for u = 0 and u = 1
+    turn = np.linspace(0.0, 1.0, around + 1)  # seam vertices exist twice, for u = 0 and u = 1
     cos, sin = np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)
     parts = []
     for profile in sections:
@@ -71,7 +82,7 @@ def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
         r, z = profile[:, :1], np.repeat(profile[:, 1:], around + 1, axis=1)
         vertices = np.stack([r * cos, r * sin, z], axis=-1)
         normals = np.stack([outward[:, :1] * cos, outward[:, :1] * sin, 0 * z + outward[:, 1:]], axis=-1)
-        # Textures repeat. At v = 0 and 1, filtering would mix the first row with the last.
+        # Textures repeat, so that filtering at v = 0 and v = 1 would mix the first image row with the last.
         v = 0.002 + 0.996 * (highest - z) / (highest - lowest)
         uv = np.stack([np.broadcast_to(turn, z.shape), v], axis=-1)
         parts.append(_grid_mesh(vertices, normals, uv))
@@ -79,7 +90,7 @@ def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
 
 
 def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
-    """Sweep a circle along a path (K, 3) in the x-z plane, for example the handle of a mug."""
+    """Create a tube by sweeping a circle along a path (K, 3) in the x-z plane, for example the handle of a mug."""
     path = np.asarray(path_m, dtype=np.float64)
     tangent = np.gradient(path, axis=0)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
@@ -101,9 +112,9 @@ def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
 
 
 def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
-    """Return flat convex polygons of 3 or 4 corners, each with its rectangle in the texture.
+    """Create a mesh from flat convex polygons with 3 or 4 corners. Each polygon shows a rectangle of the texture.
 
-    Corners are anticlockwise as seen from outside, starting at the bottom left of the rectangle.
+    Corners are in anticlockwise order, seen from outside. The first corner is the bottom left of the texture rectangle.
     """
     parts = []
     for corners, (left, top, right, bottom) in polygons:
@@ -119,7 +130,10 @@ def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
 
 
 def box(size_m: tuple[float, float, float]) -> Mesh:
-    """Return a box on z = 0. Its texture has three panels: front and back, sides, top and bottom."""
+    """Create a box that stands on z = 0.
+
+    The texture has three panels: front and back, left and right side, top and bottom.
+    """
     x, y, z = size_m[0] / 2, size_m[1] / 2, size_m[2]
     front, side, top = panels()
     return faceted(
@@ -137,9 +151,10 @@ def box(size_m: tuple[float, float, float]) -> Mesh:
 def rounded_rectangle(
     size_m: tuple[float, float], radius_m: float, per_corner: int = 8
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the points (N, 2) of a rounded rectangle about the origin, anticlockwise, and outward unit normals (N, 2).
+    """Return the points (N, 2) of a rounded rectangle centred at the origin, anticlockwise, and the outward unit
+    normals (N, 2).
 
-    A radius of half the shorter side makes round ends, and a disc from a square.
+    With a radius of half the shorter side, the ends are semicircles.
     """
     turn = np.radians(np.linspace(0, 90, per_corner) + 90 * np.arange(4)[:, None]).ravel()
     outward = np.column_stack([np.cos(turn), np.sin(turn)])
@@ -148,8 +163,9 @@ def rounded_rectangle(
 
 
 def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float | None = None) -> Mesh:
-    """Return an upright prism over a convex outline (N, 2). `texture_m`: width of the texture, by default that of the
-    outline.
+    """Create a vertical prism with a convex outline (N, 2) between two heights.
+
+    texture_m: size of the texture, by default the larger side of the outline.
     """
     corner = outline_m.min(axis=0)
     extent = np.ptp(outline_m, axis=0).max() if texture_m is None else texture_m
@@ -169,9 +185,11 @@ def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float |
 
 
 def tub(size_m: tuple[float, float], radius_m: float, sections: Sequence[FloatArray]) -> Mesh:
-    """Return a solid like that of `lathe` with a rounded rectangle as outline. The profile's r is the distance from it.
+    """Create a solid like `lathe`, but with a rounded rectangle instead of a circle as its outline.
 
-    The texture is as wide as the circumference.
+    In the profile (r, z), r is the distance outwards from the rounded rectangle.
+
+    The width of the texture is the circumference of the rounded rectangle.
     """
     outline, outward = (np.vstack([ring, ring[:1]]) for ring in rounded_rectangle(size_m, radius_m))
     steps = np.linalg.norm(np.diff(outline, axis=0), axis=1)
@@ -193,7 +211,7 @@ def tub(size_m: tuple[float, float], radius_m: float, sections: Sequence[FloatAr
 
 
 def gable_roof(width_m: float, depth_m: float, base_z_m: float, roof_m: float, fin_m: float) -> Mesh:
-    """Return the roof of a milk carton: two slopes and the upright glued fin along the ridge."""
+    """Create the roof of a milk carton: two slopes, and a vertical fin along the ridge."""
     x, y, low, ridge, top = width_m / 2, depth_m / 2, base_z_m, base_z_m + roof_m, base_z_m + roof_m + fin_m
     fin = 0.0015  # half the thickness of the glued cardboard
     _, side, flat = panels()
@@ -214,8 +232,9 @@ def gable_roof(width_m: float, depth_m: float, base_z_m: float, roof_m: float, f
 
 
 def sheet(points_m: FloatArray, uv: FloatArray) -> Mesh:
-    """Return a smooth surface through points (rows, columns, 3), seen from where rows go up and columns to the
-    right.
+    """Create a smooth surface through a grid of points (rows, columns, 3).
+
+    Seen from the outside, rows go up and columns go to the right.
     """
     normals = np.cross(np.gradient(points_m, axis=1), np.gradient(points_m, axis=0))
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
@@ -223,19 +242,22 @@ def sheet(points_m: FloatArray, uv: FloatArray) -> Mesh:
 
 
 def moved(mesh: Mesh, rotation: FloatArray, shift_m: npt.ArrayLike = (0.0, 0.0, 0.0)) -> Mesh:
-    """Return the mesh turned about the origin by a rotation (3, 3), then shifted."""
+    """Rotate a mesh about the origin by a rotation matrix (3, 3), then translate it."""
     return Mesh(mesh.vertices_m @ rotation.T + np.asarray(shift_m), mesh.normals @ rotation.T, mesh.uv, mesh.triangles)
 
 
 def panels() -> tuple[Rectangle, Rectangle, Rectangle]:
-    """Return the three panels of a box's texture, shrunk a little so that filtering does not mix neighbours."""
+    """Return the texture rectangles of the three panels of a box.
+
+    A small margin prevents that filtering mixes adjacent panels.
+    """
     inset = 0.004
     left, middle, right = ((k / 3 + inset, inset, (k + 1) / 3 - inset, 1 - inset) for k in range(3))
     return left, middle, right
 
 
 def joined(parts: Sequence[Mesh]) -> Mesh:
-    """Return one mesh of several."""
+    """Merge several meshes into one mesh."""
     starts = np.cumsum([0] + [len(part.vertices_m) for part in parts])
     return Mesh(
         np.concatenate([part.vertices_m for part in parts]),
@@ -246,7 +268,7 @@ def joined(parts: Sequence[Mesh]) -> Mesh:
 
 
 def _grid_mesh(vertices: FloatArray, normals: FloatArray, uv: FloatArray) -> Mesh:
-    """Return the triangles of a (rows, columns) grid. Triangles without area, at a lathe's poles, are left out."""
+    """Create the mesh of a grid of vertices (rows, columns, 3). Triangles without area are left out."""
     rows, columns = vertices.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
     a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]

@@ -1,6 +1,6 @@
-"""Household objects in boxes and bags, a cap and a camera.
+"""Models of household objects: boxes, bags, a book, a cap and a camera.
 
-Each object stands on z = 0 with its front towards -y. Lengths are in metres.
+Each object stands on z = 0, and its front faces -y. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ Parts = tuple[Part, ...]
 
 
 def cereal_box(rng: np.random.Generator) -> Parts:
-    """Return a cereal box, 17 to 21 cm wide and 24 to 30 cm high."""
+    """Create a cereal box, 17 to 21 cm wide and 24 to 30 cm high."""
     return _box((rng.uniform(0.17, 0.21), rng.uniform(0.05, 0.07), rng.uniform(0.24, 0.30)), rng)
 
 
 def small_box(rng: np.random.Generator) -> Parts:
-    """Return a carton that fits a hand: crayons, plugs, tea."""
+    """Create a small carton, 8 to 15 cm wide and 9 to 17 cm high."""
     return _box((rng.uniform(0.08, 0.15), rng.uniform(0.035, 0.07), rng.uniform(0.09, 0.17)), rng)
 
 
 def bottle_carton(rng: np.random.Generator) -> Parts:
-    """Return a long thin carton: stirrers, pencils, a bottle."""
+    """Create a tall narrow carton, 6 to 9 cm wide and 17 to 22 cm high."""
     return _box((rng.uniform(0.06, 0.09), rng.uniform(0.04, 0.07), rng.uniform(0.17, 0.22)), rng)
 
 
 def milk(rng: np.random.Generator) -> Parts:
-    """Return a one-litre milk carton with a gable."""
+    """Create a one-litre milk carton with a gable roof."""
     wide, wall = 0.073, 0.17
     colours = palette(rng, dark=0.1)
     body = carton((wide, wide, wall), rng, colours)
@@ -57,7 +57,7 @@ def milk(rng: np.random.Generator) -> Parts:
 
 
 def book(rng: np.random.Generator) -> Parts:
-    """Return a paperback, with its spine to the left and pages on the other sides."""
+    """Create a paperback book, 19 to 23 cm high."""
     size_m = rng.uniform(0.13, 0.17), rng.uniform(0.012, 0.028), rng.uniform(0.19, 0.23)
     colours = palette(rng)
     front = cover((round(2400 * size_m[2]), round(2400 * size_m[0])), colours, rng)
@@ -67,7 +67,7 @@ def book(rng: np.random.Generator) -> Parts:
 
 
 def pouch(rng: np.random.Generator) -> Parts:
-    """Return a foil bag: thick in the middle, welded flat at top and bottom, creased."""
+    """Create a creased foil bag that is thick in the middle and flat at the top and bottom."""
     wide, thick, tall = rng.uniform(0.14, 0.18), rng.uniform(0.045, 0.06), rng.uniform(0.18, 0.23)
     v, u = np.mgrid[-1:1:41j, -1:1:31j]
     bulge = (1 - v**4) ** 0.6 * (1 - np.abs(u) ** 3) ** 0.6
@@ -83,7 +83,7 @@ def pouch(rng: np.random.Generator) -> Parts:
 
 
 def camera(rng: np.random.Generator) -> Parts:
-    """Return a compact camera, 11 cm wide, with its lens extended."""
+    """Create a compact camera, 11 cm wide, with an extended lens."""
     outline, _ = rounded_rectangle((0.112, 0.036), 0.012)
     grip, _ = rounded_rectangle((0.026, 0.016), 0.006)
     body = joined([prism(outline, 0.0, 0.066), prism(grip + np.array([-0.04, -0.020]), 0.002, 0.06)])
@@ -98,7 +98,7 @@ def camera(rng: np.random.Generator) -> Parts:
             line((0.016, 0.030), (0.0, 0.030)),
         ]
     )
-    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # z to -y
+    forward = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])  # turns z to -y
     lens = moved(barrel, forward, (0.012, -0.017, 0.033))
     button = moved(
         lathe([line((0.008, 0.0), (0.008, 0.005)), line((0.008, 0.005), (0.0, 0.005))]), np.eye(3), (-0.038, 0.0, 0.066)
@@ -114,7 +114,7 @@ def camera(rng: np.random.Generator) -> Parts:
 
 
 def cap(rng: np.random.Generator) -> Parts:
-    """Return a baseball cap: a dome of six panels, a button, and a peak that bends down at its sides."""
+    """Create a baseball cap with a peak."""
     side, front, tall = 0.082, 0.095, rng.uniform(0.095, 0.115)
     t, phi = np.meshgrid(np.linspace(0, 0.49 * np.pi, 26), np.linspace(-np.pi, np.pi, 73), indexing="ij")
     round_r = np.cos(t) ** 0.75
@@ -133,7 +133,10 @@ def cap(rng: np.random.Generator) -> Parts:
 
 
 def _peak(side_m: float, front_m: float, lift_m: float) -> Mesh:
-    """Return the upper (lifted) or lower face of a cap's peak, towards -y. Both faces meet at the front."""
+    """Create the upper or lower face of a cap's peak.
+
+    lift_m: height of the upper face above the lower face, 0 for the lower face.
+    """
     out, phi = np.meshgrid(np.linspace(1, 0, 12), np.linspace(-2.55, -0.6, 40), indexing="ij")
     middle = np.maximum(np.sin((phi + 2.55) / 1.95 * np.pi), 0.02) ** 0.7
     reach = 0.068 * out * middle
@@ -145,7 +148,7 @@ def _peak(side_m: float, front_m: float, lift_m: float) -> Mesh:
 
 
 def _panels_of_cloth(rng: np.random.Generator) -> tuple[npt.NDArray[np.uint8], tuple[tuple[int, int, int], ...]]:
-    """Return six cloth panels with seams, with an emblem at the front."""
+    """Create a cloth texture with six panels and an emblem. Return the texture and its colours."""
     colours = palette(rng, dark=0.5)
     image = np.full((384, 1024, 3), colours[0], np.uint8)
     emblem = wrap(rng, colours)[180:460, 100:400]

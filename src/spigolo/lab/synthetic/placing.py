@@ -1,6 +1,6 @@
-"""Placing of objects that stand, lie or are piled up, without intersections.
+"""Random placement of objects on a plane or on each other, without collisions.
 
-For objects on one level, the test is that their vertical projections do not overlap.
+Objects on the plane do not collide if their vertical projections do not overlap.
 """
 
 from __future__ import annotations
@@ -28,8 +28,21 @@ _TRIES = 40
 
 
 def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_m: Spot) -> SceneObject:
-    """Return the product at a spot (x, y) in metres, lowered until it touches z = 0. roll: turn, if the rest allows
-    any.
+    """Place a product at (x, y), so that its lowest point is at z = 0.
+
+    Parameters
+    ----------
+    product
+        Household object to place.
+    rest
+        Stable orientation of the product.
+    yaw_deg
+        Rotation about the vertical axis, degrees.
+    roll_deg
+        Rotation about the object's z axis, used only if `rest` has none.
+    spot_m
+        Position (x, y), metres.
+
     """
     roll_deg = roll_deg if rest.roll_deg is None else rest.roll_deg
     hung = SceneObject(product.name, (*spot_m, 0.0), yaw_deg, product.parts, rest.tilt_deg, roll_deg)
@@ -38,14 +51,14 @@ def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_
 
 
 def height_m(product: Product, rest: Rest) -> float:
-    """Return the height of the product in a rest."""
+    """Return the height of the product in a stable orientation, metres."""
     return float(np.ptp(product.points_m @ settled(product, rest, 0.0, 0.0, (0.0, 0.0)).rotation[2]))
 
 
 class Plot:
-    """Level area inside a convex outline (N, 2) in metres, and the footprints of the objects on it.
+    """Horizontal area with a convex outline (N, 2) in metres, on which objects are placed.
 
-    allows: function that returns True if an object may stand as it does.
+    allows: function that returns True if an object may be placed at its position.
     """
 
     def __init__(self, outline_m: npt.ArrayLike, allows: Callable[[SceneObject], bool] = lambda thing: True) -> None:
@@ -54,11 +67,11 @@ class Plot:
         self.taken: list[tuple[SceneObject, Outline]] = []
 
     def keep_off(self, gap_m: float) -> None:
-        """Keep at least this gap between the present objects and all later ones."""
+        """Require a minimum distance between objects already placed and objects placed later."""
         self.taken = [(thing, _grown(footprint, gap_m)) for thing, footprint in self.taken]
 
     def take(self, thing: SceneObject) -> bool:
-        """Return True if the object fits, and reserve its footprint."""
+        """Place an object at its given position. Return False if there is no room."""
         footprint = _footprint(thing)
         if not (self._is_free(footprint) and self.allows(thing)):
             return False
@@ -73,9 +86,21 @@ class Plot:
         rng: np.random.Generator,
         touching: bool = False,
     ) -> SceneObject | None:
-        """Return the product in one of its rests at a position (x, y) that `spot` proposes. None if there is no room.
+        """Place a product at a random free position. Return None if there is no room.
 
-        touching: push the product against the nearest object.
+        Parameters
+        ----------
+        product
+            Household object to place.
+        rests
+            Stable orientations to choose from.
+        spot
+            Function that returns a random position (x, y), metres.
+        rng
+            Random number generator.
+        touching
+            True to move the product until it touches the nearest object.
+
         """
         for _ in range(_TRIES):
             rest = rests[int(rng.integers(len(rests)))]
@@ -88,7 +113,10 @@ class Plot:
         return None
 
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
-        """Return the product on the flat top of a present object. None if it does not fit or would touch others."""
+        """Place a product on the flat top of another object.
+
+        Return None if the product does not fit, or would touch other objects.
+        """
         points = world_points(below)
         top_m = float(points[:, 2].max())
         face = _hull(points[points[:, 2] > top_m - _LEVEL_M, :2])
@@ -110,7 +138,7 @@ class Plot:
         return _within(footprint, self.outline) and all(_apart(footprint, other) for _, other in self.taken)
 
     def _pushed(self, thing: SceneObject) -> SceneObject:
-        """Return the object moved towards its nearest neighbour until they touch."""
+        """Move an object towards the nearest other object until both objects touch."""
         if not self.taken:
             return thing
         footprint = _footprint(thing)
@@ -125,13 +153,13 @@ class Plot:
 
 
 def world_points(thing: SceneObject) -> FloatArray:
-    """Return the vertices (N, 3) of an object in world coordinates."""
+    """Return the vertices (N, 3) of an object in the world frame, metres."""
     points = np.concatenate([part.mesh.vertices_m for part in thing.parts])
     return np.asarray(points @ thing.rotation.T + np.array(thing.position_m))
 
 
 def _footprint(thing: SceneObject) -> Outline:
-    """Return the object's outline on the ground, slightly enlarged so that touching neighbours share no point."""
+    """Return the convex outline (N, 2) of an object's vertical projection, enlarged by 0.2 mm."""
     return _grown(_hull(world_points(thing)[:, :2]), _GAP_M)
 
 
@@ -144,7 +172,7 @@ def _hull(points_m: FloatArray) -> Outline:
 
 
 def _apart(a: Outline, b: Outline) -> bool:
-    """Return True if a line along an edge of one of two convex polygons separates them."""
+    """Return True if two convex polygons do not overlap (separating axis theorem)."""
     for corners in (a, b):
         edges = np.roll(corners, -1, axis=0) - corners
         across = np.stack([edges[:, 1], -edges[:, 0]])
@@ -155,5 +183,5 @@ def _apart(a: Outline, b: Outline) -> bool:
 
 
 def _grown(hull_m: Outline, by_m: float) -> Outline:
-    """Return the outline enlarged by `by_m` on all sides."""
+    """Enlarge a convex outline (N, 2) by `by_m` on all sides."""
     return _hull((hull_m[:, None] + by_m * _ALL_ROUND).reshape(-1, 2))

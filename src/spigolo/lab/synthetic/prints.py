@@ -1,4 +1,4 @@
-"""Seeded prints of invented packaging: fronts, sides and wraps. (H, W, 3), RGB, 8 bit."""
+"""Random textures of fictitious packaging: fronts, sides and wraps, as RGB images (H, W, 3)."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from spigolo.lab.synthetic.textures import (
 __all__ = ["Palette", "brushed_metal", "carton", "cover", "packet", "page", "palette", "wrap"]
 
 Palette = tuple[Colour, Colour, Colour, Colour]
-"""Colours of a print: ground, second colour, accent, and the ink of letters on the ground."""
+"""Colours of a print: background, second colour, accent colour and text colour."""
 
 _BRANDS = ("SOLA", "VINTA", "ORBIT", "MONDO", "KIKO", "PRIMA", "LUMEN", "TERRA", "ZEST", "ALBA", "NOVA", "FINCH")
 _HUES = (0.0, 0.01, 0.99, 0.03, 0.08, 0.12, 0.14, 0.3, 0.38, 0.5, 0.57, 0.6, 0.62, 0.66, 0.78, 0.93)
-"""Hues of most prints: reds, yellows and blues."""
+"""Hues of the prints, 0..1, mostly red, yellow and blue."""
 _GOODS = ("original", "extra fine", "family size", "no. 64", "classic", "fresh", "natural", "12 pieces", "light")
 
 
 def palette(rng: np.random.Generator, dark: float = 0.35) -> Palette:
-    """Return matching colours. `dark`: probability of a dark ground."""
+    """Return random matching colours. dark: controls the probability of a dark background, 0..1."""
     hue = _HUES[int(rng.integers(len(_HUES)))] + rng.normal(0, 0.015)
     kind = rng.uniform()
     if kind < 0.25:
@@ -47,7 +47,7 @@ def palette(rng: np.random.Generator, dark: float = 0.35) -> Palette:
 
 
 def cover(size: tuple[int, int], colours: Palette, rng: np.random.Generator) -> Image:
-    """Return the front of a packet, book or card, (height, width): coloured areas, a picture, a name, small print."""
+    """Draw the front of a packet, book or card. size: height and width in pixels."""
     height, width = size
     ground, second, accent, ink = colours
     image = np.full((height, width, 3), ground, np.uint8)
@@ -73,7 +73,7 @@ def cover(size: tuple[int, int], colours: Palette, rng: np.random.Generator) -> 
 
 
 def carton(size_m: tuple[float, float, float], rng: np.random.Generator, colours: Palette | None = None) -> Image:
-    """Return the three panels of `meshes.box` for a carton of a size: front, side, top."""
+    """Draw the texture of a carton for `meshes.box`: front, side and top panel. size_m: width, depth and height."""
     colours = colours or palette(rng)
     x, y, z = (max(60, round(2400 * length)) for length in size_m)
     front = cover((z, x), colours, rng)
@@ -89,7 +89,7 @@ def carton(size_m: tuple[float, float, float], rng: np.random.Generator, colours
 
 
 def wrap(rng: np.random.Generator, colours: Palette | None = None) -> Image:
-    """Return the wrap of a can, cup or bottle, with the same front twice."""
+    """Draw the wrap of a can, cup or bottle, on which the same front is repeated twice."""
     colours = colours or palette(rng)
     front = cover((640, 512), colours, rng)
     front[:24] = front[-24:] = colours[1]
@@ -97,14 +97,17 @@ def wrap(rng: np.random.Generator, colours: Palette | None = None) -> Image:
 
 
 def packet(rng: np.random.Generator) -> Image:
-    """Return the front and back of a foil bag, creased and shiny."""
+    """Draw one side of a creased foil bag."""
     front = cover((700, 512), palette(rng), rng).astype(np.float64)
     creases = 14 * smooth_noise((700, 512), (9, 5), rng) + 8 * smooth_noise((700, 512), (26, 16), rng)
     return np.clip(front + creases[..., None], 0, 255).astype(np.uint8)
 
 
 def page(size: tuple[int, int], rng: np.random.Generator) -> Image:
-    """Return a printed sheet, (height, width): a heading, lines of text, sometimes a picture."""
+    """Draw a printed sheet of paper with a heading, lines of text, and sometimes a picture.
+
+    size: height and width in pixels.
+    """
     height, width = size
     paper = _hsv(rng.uniform(0.1, 0.16), rng.uniform(0.0, 0.25), rng.uniform(0.85, 0.98))
     image = np.full((height, width, 3), paper, np.uint8)
@@ -121,13 +124,13 @@ def page(size: tuple[int, int], rng: np.random.Generator) -> Image:
 
 
 def brushed_metal(rng: np.random.Generator, grey: float) -> Image:
-    """Return a texture of aluminium or galvanised steel."""
+    """Draw a texture of brushed metal. grey: mean grey level, 0..255."""
     streaks = 5 * smooth_noise((256, 256), (120, 4), rng) + 6 * smooth_noise((256, 256), (5, 4), rng)
     return np.clip(np.repeat((grey + streaks)[..., None], 3, axis=2), 0, 255).astype(np.uint8)
 
 
 def _backdrop(image: Image, colour: Colour, rng: np.random.Generator) -> None:
-    """Draw rays, slanted stripes, a lower half, or nothing as background."""
+    """Draw rays, slanted stripes, a second colour in the lower half, or nothing as the background of a print."""
     height, width = image.shape[:2]
     kind = int(rng.integers(4))
     if kind == 0:
@@ -147,7 +150,7 @@ def _backdrop(image: Image, colour: Colour, rng: np.random.Generator) -> None:
 
 
 def _picture(image: Image, centre: tuple[int, int], radius_px: int, colours: Palette, rng: np.random.Generator) -> None:
-    """Draw a picture of the product: a plate with a heap of pieces."""
+    """Draw a picture of a product: a plate with many pieces."""
     _, second, accent, _ = colours
     axes = (radius_px, round(radius_px * rng.uniform(0.5, 1.0)))
     cv2.ellipse(image, centre, axes, 0, 0, 360, second, -1, cv2.LINE_AA)
@@ -164,7 +167,7 @@ def _picture(image: Image, centre: tuple[int, int], radius_px: int, colours: Pal
 
 
 def _worn(image: Image, rng: np.random.Generator) -> Image:
-    """Return the print with uneven brightness."""
+    """Add uneven brightness to a print."""
     uneven = 3.0 * smooth_noise(image.shape[:2], (4, 4), rng) + 1.5 * smooth_noise(image.shape[:2], (40, 40), rng)
     return np.clip(image + uneven[..., None], 0, 255).astype(np.uint8)
 

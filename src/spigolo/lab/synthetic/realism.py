@@ -1,7 +1,4 @@
-"""Statistics for the comparison of rendered frames with real ones.
-
-Letters used in shapes: B = distance bands.
-"""
+"""Statistics for comparing rendered frames with real frames."""
 
 from __future__ import annotations
 
@@ -19,35 +16,38 @@ from spigolo.frames.frame import Frame
 __all__ = ["BANDS_M", "Realism", "quartiles", "realism"]
 
 BANDS_M = (0.4, 0.6, 0.8, 1.1, 1.6)
-"""Limits of the distance bands, metres."""
+"""Limits of the depth ranges for which noise is measured, metres."""
 WIDTH_PX = 640
-"""Image width at which edges are counted. A larger image of the same scene has fewer edges per pixel."""
+"""Image width at which image edges are counted. Images are resized, because larger images have fewer edges per pixel.
+"""
 CANNY = (60.0, 150.0)
 """Thresholds of `cv2.Canny` on 8-bit grey images."""
 LEAST_WINDOWS = 500
-"""Minimum number of complete windows in a band for a noise estimate."""
+"""Minimum number of windows without missing depth in a depth range, for an estimate of the noise."""
 
 
 @dataclass(frozen=True, slots=True)
 class Realism:
-    """Statistics of a frame.
-
-    missing: share of pixels without depth. edges: share of pixels on Canny edges. brightness: median grey, 0..255.
-    noise_*: depth noise in millimetres for each distance band of `BANDS_M`. The noise is the median rms residual to
-    planes in 7x7 windows, NaN if a band has too few windows.
-    """
+    """Statistics of a frame: missing depth, image edges, brightness and depth noise."""
 
     missing: float
+    """Share of pixels without depth, 0..1."""
     edges: float
+    """Share of pixels on Canny edges of the colour image, 0..1."""
     brightness: float
+    """Median grey level of the colour image, 0..255."""
     noise_04: float
+    """Depth noise from 0.4 to 0.6 m distance, mm, NaN with too few image windows."""
     noise_06: float
+    """Depth noise from 0.6 to 0.8 m distance, mm, NaN with too few image windows."""
     noise_08: float
+    """Depth noise from 0.8 to 1.1 m distance, mm, NaN with too few image windows."""
     noise_11: float
+    """Depth noise from 1.1 to 1.6 m distance, mm, NaN with too few image windows."""
 
 
 def realism(frame: Frame) -> Realism:
-    """Return the statistics of one frame."""
+    """Compute the statistics of one frame."""
     grey = cv2.cvtColor(frame.color, cv2.COLOR_RGB2GRAY)
     height = round(grey.shape[0] * WIDTH_PX / grey.shape[1])
     small = cv2.resize(grey, (WIDTH_PX, height), interpolation=cv2.INTER_AREA)
@@ -56,9 +56,10 @@ def realism(frame: Frame) -> Realism:
 
 
 def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
-    """Return the noise of each distance band, mm. Planes are fitted to inverse depth.
+    """Return the depth noise in each depth range, millimetres.
 
-    The noise of inverse depth is the noise of depth divided by the squared depth.
+    Planes are fitted to inverse depth. Residuals of inverse depth are multiplied by the squared depth to get residuals
+    of depth.
     """
     planes = fit_local_planes(depth)
     residual_mm = 1000 * planes.residual[planes.whole] * depth[planes.whole].astype(np.float64) ** 2
@@ -68,7 +69,7 @@ def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
 
 
 def quartiles(figures: Sequence[Realism]) -> Mapping[str, tuple[float, float, float]]:
-    """Return the first quartile, median and third quartile of each statistic over frames. NaN without values."""
+    """Return the first quartile, median and third quartile of each statistic over several frames."""
     values = np.array([astuple(one) for one in figures], np.float64)
     answers = {}
     for field, column in zip(fields(Realism), values.T, strict=True):

@@ -1,4 +1,4 @@
-"""Rendering of a scene by MuJoCo: ideal depth, and colour under soft light."""
+"""Rendering of a scene with MuJoCo: noise-free depth maps, and colour images with soft shadows."""
 
 from __future__ import annotations
 
@@ -30,22 +30,27 @@ _LIGHT_DISTANCE_M = 1.9
 
 @dataclass(frozen=True)
 class Lighting:
-    """Light of a scene: a broad lamp, and the light of the room from a hemisphere, both directed at `aim_m`.
-
-    The weights are linear RGB. The hemisphere's pole is the zenith, tilted towards -y by `sky_tilt_deg`.
-    """
+    """Lighting of a scene: a disc-shaped lamp, and diffuse light from a hemisphere (sky), both directed at `aim_m`."""
 
     aim_m: tuple[float, float, float]
+    """Point (x, y, z) at which all lights are directed, metres."""
     lamp_m: tuple[float, float, float]
+    """Position (x, y, z) of the lamp, metres."""
     lamp_radius_m: float
+    """Radius of the lamp, metres. A larger lamp gives softer shadows."""
     lamp_rgb: FloatArray
+    """Brightness of the lamp, linear RGB."""
     sky_rgb: FloatArray
+    """Brightness of the diffuse light, linear RGB."""
     sky_tilt_deg: float = 0.0
+    """Tilt of the hemisphere of diffuse light from the vertical towards -y, degrees."""
     lamp_samples: int = 24
+    """Number of point lights that approximate the lamp."""
     sky_samples: int = 40
+    """Number of point lights that approximate the diffuse light."""
 
     def points(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Yield position in metres and weight of each point light that makes up lamp and sky."""
+        """Yield the position (metres) and brightness (linear RGB) of all point lights of lamp and sky."""
         golden = np.pi * (3 - np.sqrt(5))
         for k in range(self.lamp_samples):
             radius_m, turn = self.lamp_radius_m * np.sqrt((k + 0.5) / self.lamp_samples), golden * k
@@ -60,22 +65,22 @@ class Lighting:
 
 
 def render_depth(model: Any) -> FloatMap:
-    """Return the ideal depth (H, W) in metres along the optical axis, about 8 m in the background."""
-    with _renderer(model, samples=0) as renderer:  # the mean of several depth samples is not a depth
+    """Render the noise-free depth map (H, W) in metres. The depth of the background is about 8 m."""
+    with _renderer(model, samples=0) as renderer:  # without anti-aliasing, which would average depth values
         return _depth(renderer, _at_rest(model))
 
 
 def render_geoms(model: Any) -> npt.NDArray[np.int32]:
-    """Return the geom of each pixel (H, W), -1 for the background."""
+    """Render the number of the MuJoCo geom at each pixel (H, W), -1 for the background."""
     with _renderer(model, samples=0) as renderer:
         return _geoms(renderer, _at_rest(model))
 
 
 def render_light(model: Any, lighting: Lighting) -> FloatArray:
-    """Return the anti-aliased linear light (H, W, 3) of a model for supersampling.
+    """Render the anti-aliased colour image (H, W, 3) in linear RGB, with supersampling.
 
-    MuJoCo's own shadows are hard. The mean of many renderings with the light at different positions has the penumbras
-    of a broad lamp and the soft contact shadows of a room.
+    Shadows in a single rendering are sharp. Soft shadows are obtained by averaging many renderings with point lights at
+    different positions.
     """
     height, width = _size(model)
     shape = (height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
@@ -88,20 +93,23 @@ def render_light(model: Any, lighting: Lighting) -> FloatArray:
 
 @dataclass(frozen=True)
 class Rendering:
-    """Rendered images of a scene.
-
-    light: linear (H, W, 3). lamp_light: linear light of the second lighting. depth_m (H, W). geoms (H, W), -1 is the
-    background.
-    """
+    """Rendered images of a scene, without noise."""
 
     light: FloatArray
+    """Colour image (H, W, 3), linear RGB."""
     lamp_light: FloatArray
+    """Colour image (H, W, 3) under the second lighting, linear RGB."""
     depth_m: FloatMap
+    """Depth map (H, W), metres."""
     geoms: npt.NDArray[np.int32]
+    """Number of the MuJoCo geom (part of an object) at each pixel (H, W), -1 = background."""
 
 
 def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
-    """Render light of two lightings, depth and geoms, as in `render_quickly`."""
+    """Render colour images with two different lightings, the depth map and the geom numbers.
+
+    The images are rendered like in `render_quickly`.
+    """
     with _renderer(model, samples=0) as renderer:
         light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))
         depth_m = _depth(renderer, _at_rest(model))
@@ -110,9 +118,10 @@ def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
 
 
 def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap]:
-    """Return `render_light` and `render_depth` in a tenth of the time, at the camera's own size.
+    """Render the colour image and the depth map ten times faster than `render_light` and `render_depth`, without
+    supersampling.
 
-    The image of each light is shifted by a part of a pixel, so that their mean is anti-aliased.
+    For anti-aliasing, the image of each point light is shifted by a fraction of a pixel.
     """
     with _renderer(model, samples=0) as renderer:
         return _quick_light(renderer, model, lighting), _depth(renderer, _at_rest(model))
@@ -121,7 +130,7 @@ def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap
 def _quick_light(renderer: Any, model: Any, lighting: Lighting) -> FloatArray:
     light = np.zeros((*_size(model), 3))
     for k, colour in enumerate(_lit(renderer, model, lighting), start=1):
-        _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # spreads the shifts evenly
+        _move_image(renderer, *(np.array([0.7549, 0.5698]) * k % 1 - 0.5))  # shifts that cover the pixel evenly
         light += colour / 255.0 * renderer.render()
     return light
 
@@ -134,7 +143,7 @@ def _renderer(model: Any, samples: int, supersampling: int = 1) -> Any:
 
 
 def _size(model: Any) -> tuple[int, int]:
-    """Return the height and width of the camera's image."""
+    """Return the height and width of the camera image in pixels."""
     width, height = model.cam_resolution[0]
     return int(height), int(width)
 
@@ -159,7 +168,7 @@ def _geoms(renderer: Any, data: Any) -> npt.NDArray[np.int32]:
 
 
 def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
-    """Set the scene for each light in turn and yield the weight of the light."""
+    """Update the scene for each point light in turn, and yield the brightness of the light."""
     aim_m = np.array(lighting.aim_m)
     for position_m, colour in lighting.points():
         model.light_pos[0] = position_m
@@ -169,7 +178,7 @@ def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
 
 
 def _move_image(renderer: Any, right_px: float, up_px: float) -> None:
-    """Shift the next rendering by less than a pixel."""
+    """Shift the next rendered image by a fraction of a pixel."""
     for camera in renderer.scene.camera:
         camera.frustum_center += right_px * 2 * camera.frustum_width / renderer.width
         up_m = up_px * (camera.frustum_top - camera.frustum_bottom) / renderer.height
@@ -178,7 +187,7 @@ def _move_image(renderer: Any, right_px: float, up_px: float) -> None:
 
 
 def developed(light: FloatArray) -> npt.NDArray[np.uint8]:
-    """Return 8-bit sRGB of linear light, with a soft shoulder so that highlights do not clip."""
+    """Convert linear RGB to 8-bit sRGB. Values above 0.7 are compressed, so that highlights are not clipped."""
     knee = 0.7
     bright = knee + (1 - knee) * np.tanh((light - knee) / (1 - knee))
     toned = np.where(light > knee, bright, light)

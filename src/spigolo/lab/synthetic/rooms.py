@@ -1,6 +1,6 @@
-"""Surroundings of rendered scenes: floors, walls, and the light of a room or an aisle.
+"""Surroundings of rendered scenes: floors, walls and lighting.
 
-World axes: x to the right, y away from the camera, z up. Lengths are in metres.
+World frame: x to the right, y away from the camera, z up. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -19,13 +19,24 @@ LAMP_SAMPLES, SKY_SAMPLES = 5, 13
 
 
 def block(centre_m: tuple[float, float, float], size_m: tuple[float, float, float]) -> Mesh:
-    """Return a box with faces along the axes."""
+    """Create an axis-aligned box."""
     outline, _ = rounded_rectangle(size_m[:2], min(size_m[:2]) / 100, 2)
     return prism(outline + centre_m[:2], centre_m[2] - size_m[2] / 2, centre_m[2] + size_m[2] / 2)
 
 
 def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
-    """Return a floor, a wall at the back and sometimes a wall at one side."""
+    """Create a floor, a wall at the back, and sometimes a wall at one side.
+
+    Parameters
+    ----------
+    rng
+        Random number generator.
+    floor_m
+        Height of the floor (z), metres.
+    wall_y_m
+        Position of the back wall (y), metres.
+
+    """
     below = surface(str(rng.choice(["plain", "wood", "checker", "terrazzo", "cloth"])), rng)
     paint = surface("plain", rng)
     parts = [
@@ -39,7 +50,18 @@ def room(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part
 
 
 def hall(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part]:
-    """Return a large room in plain colours: floor, back wall, walls at both sides."""
+    """Create a large room with floor, back wall and side walls, in plain colours.
+
+    Parameters
+    ----------
+    rng
+        Random number generator.
+    floor_m
+        Height of the floor (z), metres.
+    wall_y_m
+        Position of the back wall (y), metres.
+
+    """
     below = str(rng.choice(["carpet", "carpet", "wood", "terrazzo", "paint"]))
     paint = surface("paint", rng)
     middle_m = floor_m + 1.5
@@ -49,20 +71,20 @@ def hall(rng: np.random.Generator, floor_m: float, wall_y_m: float) -> list[Part
 
 
 def floor(texture: Image, floor_m: float) -> Part:
-    """Return a floor wide enough for every camera."""
+    """Create a floor of 6 m x 6 m. floor_m: height of the floor."""
     outline, _ = rounded_rectangle((6.0, 6.0), 0.01, 2)
     return Part(prism(outline, floor_m - 0.05, floor_m, texture_m=1.3), texture, 0.05, 0.2)
 
 
 def room_light(rng: np.random.Generator, aim_m: tuple[float, float, float]) -> Lighting:
-    """Return a lamp at a random position above, and the light of a room."""
+    """Create the lighting of a room: a lamp at a random position above the scene, and diffuse light."""
     lamp_m = rng.uniform(-1.2, 1.2), rng.uniform(-1.3, 0.5), rng.uniform(1.4, 2.2)
     lamp = rng.uniform(0.2, 0.9)
     return _lighting(rng, aim_m, lamp_m, lamp, 1.6 - lamp, 0.0)
 
 
 def aisle_light(rng: np.random.Generator, aim_m: tuple[float, float, float]) -> Lighting:
-    """Return lamps above the aisle, of which little light reaches a shelf."""
+    """Create the lighting of an aisle between shelves: a lamp above the aisle, and diffuse light from the front."""
     lamp_m = rng.uniform(-0.8, 0.8), rng.uniform(-1.8, -0.9), rng.uniform(0.6, 1.6)
     lamp = rng.uniform(0.2, 0.8)
     return _lighting(rng, aim_m, lamp_m, lamp, 1.6 - lamp, 60.0)
@@ -76,7 +98,7 @@ def _lighting(
     sky: float,
     sky_tilt_deg: float,
 ) -> Lighting:
-    """Return a lighting with a warm or cold colour."""
+    """Create a lighting with a random warm or cold colour."""
     warmth = rng.uniform(-0.06, 0.12)
     tint = np.array([1 + warmth, 1.0, 1 - 1.2 * warmth])
     return Lighting(
@@ -85,15 +107,15 @@ def _lighting(
 
 
 def any_kind(rng: np.random.Generator) -> str:
-    """Return a random kind of surface."""
+    """Return the name of a random surface texture."""
     return str(rng.choice(list(SURFACES)))
 
 
 def shelf_kind(rng: np.random.Generator) -> str:
-    """Return a random kind of surface for shelves."""
+    """Return the name of a random surface texture for shelves."""
     return str(rng.choice(["plain", "plain", "wood", "terrazzo", "cloth"]))
 
 
 def finish(rng: np.random.Generator) -> tuple[float, float]:
-    """Return specular and shininess, from matt to lacquered."""
+    """Return random values of specular and shininess for a material, from matt to glossy."""
     return rng.uniform(0.0, 0.35), rng.uniform(0.1, 0.6)

@@ -1,6 +1,6 @@
-"""Scene of textured meshes for MuJoCo.
+"""Description of scenes with textured meshes, and conversion to MuJoCo models.
 
-World axes: x to the right, y away from the camera, z up. Lengths are in metres.
+World frame: x to the right, y away from the camera, z up. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ __all__ = ["CAMERA", "SUPERSAMPLING", "Part", "SceneObject", "View", "compile_sc
 
 FloatArray = npt.NDArray[np.float64]
 
-# The principal point is the centre of the image, relative to the centre of the first pixel.
+# The principal point is the centre of the image. Coordinates refer to the centre of the first pixel.
 CAMERA = Camera(fx=525.0, fy=525.0, cx=319.5, cy=239.5, width=640, height=480)
 SUPERSAMPLING = 2
 
 
 @dataclass(frozen=True)
 class Part:
-    """Part of an object: its mesh and its material."""
+    """Part of an object: mesh, texture and material."""
 
     mesh: Mesh
     texture: npt.NDArray[np.uint8]
@@ -42,48 +42,51 @@ class Part:
 
 @dataclass(frozen=True)
 class SceneObject:
-    """Object in the scene: its position, the lean of its z axis, and the direction of the lean (yaw).
-
-    roll: turn about its own z axis, applied first.
-    """
+    """Object in a scene, with its pose and the meshes of its parts."""
 
     name: str
     position_m: tuple[float, float, float]
     yaw_deg: float
+    """Third rotation of the object, about the vertical world axis, degrees."""
     parts: tuple[Part, ...]
     tilt_deg: float = 0.0
+    """Second rotation of the object, about the y axis, degrees."""
     roll_deg: float = 0.0
+    """First rotation of the object, about the z axis, degrees."""
 
     @property
     def rotation(self) -> FloatArray:
-        """Return the rotation (3, 3) from the object's axes to the world's."""
+        """Return the rotation matrix (3, 3) from the object's frame to the world frame."""
         return _about_z(self.yaw_deg) @ _about_y(self.tilt_deg) @ _about_z(self.roll_deg)
 
 
 @dataclass(frozen=True)
 class View:
-    """View of the camera: distance from a point on its optical axis, pitch down, turn to the left (yaw).
-
-    camera: intrinsics, without distortion.
-    """
+    """Position and direction of the camera in a scene, with its intrinsics."""
 
     look_at_m: tuple[float, float, float]
+    """Point (x, y, z) on the optical axis of the camera, in the world frame, metres."""
     distance_m: float
+    """Distance of the camera from the point `look_at_m`, metres."""
     pitch_deg: float
+    """Angle of the optical axis below the horizontal, degrees."""
     yaw_deg: float = 0.0
+    """Rotation of the camera to the left, degrees."""
     roll_deg: float = 0.0
+    """Rotation of the camera about its optical axis, degrees."""
     camera: Camera = CAMERA
+    """Camera intrinsics without distortion."""
 
     @property
     def position_m(self) -> FloatArray:
-        """Return the position of the camera."""
+        """Return the position (3,) of the camera in the world frame, metres."""
         pitch, yaw = np.radians([self.pitch_deg, self.yaw_deg])
         back = np.array([np.sin(yaw) * np.cos(pitch), -np.cos(yaw) * np.cos(pitch), np.sin(pitch)])
         return np.array(self.look_at_m) + self.distance_m * back
 
     @property
     def axes(self) -> FloatArray:
-        """Return the unit vectors to the right and to the top of the image, (2, 3)."""
+        """Return two unit vectors (2, 3) in the world frame: to the right and to the top of the image."""
         pitch, yaw, roll = np.radians([self.pitch_deg, self.yaw_deg, self.roll_deg])
         right = np.array([np.cos(yaw), np.sin(yaw), 0.0])
         up = np.array([-np.sin(yaw) * np.sin(pitch), np.cos(yaw) * np.sin(pitch), np.cos(pitch)])
@@ -91,7 +94,7 @@ class View:
 
     @property
     def world_to_camera(self) -> FloatArray:
-        """Return the transformation (4, 4) from world axes to X right, Y down, Z forward, metres."""
+        """Return the transform (4, 4) from the world frame to the camera frame (X right, Y down, Z forward), metres."""
         right, up = self.axes
         matrix = np.eye(4)
         matrix[:3, :3] = right, -up, np.cross(up, right)
@@ -100,7 +103,10 @@ class View:
 
 
 def load_mujoco() -> Any:
-    """Return the module `mujoco`. Raises FileError if it is missing. Without a screen it renders by EGL."""
+    """Import the module `mujoco`. On Linux without a display, EGL is used for rendering.
+
+    Raises FileError if mujoco is not installed.
+    """
     if sys.platform == "linux" and not os.environ.get("DISPLAY"):
         os.environ.setdefault("MUJOCO_GL", "egl")
     try:
@@ -112,7 +118,20 @@ def load_mujoco() -> Any:
 
 
 def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, shadow_px: int = 4096) -> Any:
-    """Return a ``mujoco.MjModel`` with one body for each name."""
+    """Compile a scene to a ``mujoco.MjModel``.
+
+    Parameters
+    ----------
+    title
+        Name of the model.
+    bodies
+        Objects, indexed by the name of their body in the model.
+    view
+        View of the camera in the model.
+    shadow_px
+        Resolution of the shadow map.
+
+    """
     mujoco = load_mujoco()
     assets: dict[str, bytes] = {}
     asset_xml: list[str] = []
@@ -129,7 +148,7 @@ def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, sha
 
 
 def _scene_xml(title: str, asset_xml: list[str], body_xml: list[str], view: View, shadow_px: int) -> str:
-    """Return MJCF of the assets and bodies, a camera, one movable light, and rendering quality."""
+    """Return the scene in MuJoCo's XML format: meshes, bodies, camera, light and render settings."""
     axes = " ".join(f"{value:.9f}" for value in view.axes.ravel())
     return f"""<mujoco model={quoteattr(title)}>
   <compiler angle="degree" eulerseq="zyz" balanceinertia="true"/>
@@ -151,7 +170,7 @@ def _scene_xml(title: str, asset_xml: list[str], body_xml: list[str], view: View
 
 
 def _part_xml(name: str, part: Part) -> str:
-    """Return MJCF of mesh, texture and material of one part."""
+    """Return the mesh, texture and material of one part in MuJoCo's XML format."""
     mesh = part.mesh
     return (
         f"<mesh name={quoteattr(name)} vertex={quoteattr(_numbers(mesh.vertices_m))}"
@@ -164,12 +183,15 @@ def _part_xml(name: str, part: Part) -> str:
 
 
 def _pose(thing: SceneObject) -> str:
-    """Return position and orientation of a body as MJCF attributes."""
+    """Return the position and orientation of an object as XML attributes of a MuJoCo body."""
     return f'pos="{_numbers(thing.position_m)}" euler="{thing.yaw_deg} {thing.tilt_deg} {thing.roll_deg}"'
 
 
 def _intrinsics(camera: Camera) -> str:
-    """Return intrinsics as MJCF attributes. MuJoCo's origin is the centre of the image, between the middle pixels."""
+    """Return the camera intrinsics as XML attributes of a MuJoCo camera.
+
+    MuJoCo measures the principal point from the image centre.
+    """
     middle = (camera.width - 1) / 2, (camera.height - 1) / 2
     return (
         f'resolution="{camera.width} {camera.height}" sensorsize="{1e-5 * camera.width:.9g} {1e-5 * camera.height:.9g}"'
@@ -192,7 +214,7 @@ def _numbers(values: npt.ArrayLike) -> str:
 
 
 def _linear_png(texture: npt.NDArray[np.uint8]) -> bytes:
-    """Return a texture as PNG in linear light, so that lights add up physically."""
+    """Convert an sRGB texture to linear RGB, and encode the texture as a PNG file."""
     linear = np.round(255 * _srgb_to_linear(np.arange(256) / 255)).astype(np.uint8)[texture]
     return bytes(cv2.imencode(".png", linear[..., ::-1])[1].tobytes())
 

@@ -1,6 +1,6 @@
-"""Recording of a scene by an RGB-D camera model, with exact ground truth.
+"""Simulation of an RGB-D camera that records a scene, with exact ground truth.
 
-World axes: x to the right, y away from the camera, z up. Objects stand at z = 0. Lengths are in metres.
+World frame: x to the right, y away from the camera, z up. Objects stand on z = 0. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ __all__ = ["Recording", "Stage", "record"]
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_VISIBLE_PX = 150
-"""Minimum number of visible pixels of an object. Smaller objects become background, as nobody would label them."""
+"""Minimum number of visible pixels of a labelled object.
+
+Objects with fewer visible pixels than this are labelled as background.
+"""
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0
 _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
@@ -32,46 +35,51 @@ _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
 
 @dataclass(frozen=True)
 class Stage:
-    """Scene with camera settings. objects: labelled, 1..N. surroundings, bystanders: not labelled.
-
-    grey: target of the exposure for the median of the image, of 255. noise_levels: colour noise, of 255. blur_px:
-    standard deviation of the blur by lens and demosaicing. sharpening: correction by the camera. contrast: exponent.
-    saturation: factor on the saturation of colours.
-    """
+    """Scene with camera settings."""
 
     objects: tuple[SceneObject, ...]
+    """Objects that are labelled 1..N."""
     surroundings: tuple[Part, ...]
+    """Meshes of the background, such as tables and walls, which are not labelled."""
     view: View
     lighting: Lighting
     sensor: StructuredLight
+    """Model of the depth camera and its noise."""
     bystanders: tuple[SceneObject, ...] = ()
+    """Additional objects that are not labelled."""
     grey: float = 110.0
+    """Median grey level of the colour image, 0..255, set by the exposure."""
     noise_levels: float = 1.5
+    """Standard deviation of the colour noise, in grey levels 0..255."""
     blur_px: float = 0.6
+    """Standard deviation of the blur of the colour image, pixels."""
     sharpening: float = 0.5
+    """Strength of the image sharpening, 0 = none."""
     contrast: float = 1.2
+    """Exponent applied to the linear brightness. Larger values increase the contrast."""
     saturation: float = 0.8
+    """Factor on the colour saturation, 1 = unchanged."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Recorded frame with its ground truth, and the depth (H, W) in metres of an ideal camera."""
+    """Simulated frame with its ground truth (`sample`), and the noise-free depth map (H, W) in metres (`ideal_m`)."""
 
     sample: Sample
     ideal_m: npt.NDArray[np.float32]
 
 
 def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
-    """Return the recorded frame with its ground truth: visible labels, and poses from object axes to camera axes.
+    """Render a scene, simulate the noise of both cameras, and return the frame with its ground truth.
 
-    The depth is rounded to whole millimetres, as in files.
+    Depth is rounded to whole millimetres.
     """
     bodies = {"surroundings": SceneObject("surroundings", (0.0, 0.0, 0.0), 0.0, stage.surroundings)}
     bodies |= {f"bystander {k}": _renamed(thing, f"bystander {k}") for k, thing in enumerate(stage.bystanders)}
     bodies |= {f"object {k}": _renamed(thing, f"object {k}") for k, thing in enumerate(stage.objects)}
     model = compile_scene(name, bodies, stage.view, _SHADOW_PX)
     drawn = render_all(model, stage.lighting, _projector(stage.view))
-    # The depth camera has its own light, so bright surfaces are measured in the dark too. It compares windows.
+    # The depth camera has its own light. The image is blurred, because depth is measured in windows.
     seen = cv2.GaussianBlur(developed(drawn.lamp_light), (0, 0), _WINDOW_PX)
     depth_m = simulate_structured_light(
         drawn.depth_m, np.asarray(seen, np.uint8), stage.view.camera.fx, rng, stage.sensor, _gloss(model, drawn.geoms)
@@ -84,12 +92,15 @@ def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
 
 
 def _projector(view: View) -> Lighting:
-    """Return light from the position of the camera."""
+    """Create the lighting by the projector of the depth camera: a point light at the position of the camera."""
     return Lighting(view.look_at_m, tuple(view.position_m), 0.0, np.ones(3), np.zeros(3), lamp_samples=1, sky_samples=0)
 
 
 def _labelled(frame: Frame, indices: npt.NDArray[np.int32], stage: Stage) -> Sample:
-    """Return the sample with visible objects numbered."""
+    """Number the visible objects from 1, and return the frame with labels and poses.
+
+    indices: index of the object at each pixel (H, W).
+    """
     labels = np.zeros(indices.shape, np.int32)
     instances: list[Instance] = []
     for k, thing in enumerate(stage.objects):
@@ -107,7 +118,7 @@ def _pose(thing: SceneObject, view: View) -> FloatArray:
 
 
 def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArray[np.int32]:
-    """Return the index of the object at each pixel (H, W), -1 without an object."""
+    """Return the index of the object at each pixel (H, W), -1 for pixels without an object."""
     of_geom = np.full(model.ngeom + 1, -1, np.int32)  # the last entry is for geom -1, the background
     for k in range(count):
         of_geom[:-1][model.geom_bodyid == model.body(f"object {k}").id] = k
@@ -115,13 +126,19 @@ def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArra
 
 
 def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
-    """Return the gloss (H, W): 0 = matt or glazed, 1 = a mirror. Gloss is the specular part beyond that of glaze."""
+    """Return the gloss of the surface at each pixel (H, W): 0 = matt, 1 = mirror.
+
+    A specular value of up to 0.4 counts as matt.
+    """
     specular = np.append(model.mat_specular[model.geom_matid], 0.0)
     return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)
 
 
 def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> npt.NDArray[np.uint8]:
-    """Return the photograph of a scene: lens, exposure, slight blur, and noise with grains larger than a pixel."""
+    """Simulate a colour camera: stray light of the lens, exposure, blur, sharpening and noise.
+
+    light: rendered image (H, W, 3), linear RGB.
+    """
     toned = (light / max(float(np.median(light)), 1e-4)) ** stage.contrast
     soft = cv2.GaussianBlur(developed((stage.grey / 255) ** 2.2 * _through_lens(toned)), (0, 0), stage.blur_px)
     luma, red, blue = cv2.split(cv2.cvtColor(soft.astype(np.float32) / 255, cv2.COLOR_RGB2YCrCb))
@@ -138,7 +155,7 @@ def _photographed(light: FloatArray, stage: Stage, rng: np.random.Generator) -> 
 
 
 def _through_lens(light: FloatArray) -> FloatArray:
-    """Return light that is darker towards the corners and has stray light, so that black is never 0."""
+    """Simulate a lens: darken the image corners, and add stray light. light: image (H, W, 3), linear RGB."""
     height, width = light.shape[:2]
     y, x = np.mgrid[-1 : 1 : height * 1j, -1 : 1 : width * 1j]
     bright = np.minimum(light, 4.0).astype(np.float32)
@@ -147,11 +164,11 @@ def _through_lens(light: FloatArray) -> FloatArray:
 
 
 def _grain(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> npt.NDArray[np.float32]:
-    """Return noise of unit variance (H, W) with grains of a size, as left by demosaicing and compression."""
+    """Return spatially correlated noise (H, W) with unit variance. radius_px: standard deviation of the smoothing."""
     grain = cv2.GaussianBlur(np.asarray(rng.standard_normal(shape), np.float32), (0, 0), radius_px)
     return np.asarray(grain / grain.std(), np.float32)
 
 
 def _renamed(thing: SceneObject, name: str) -> SceneObject:
-    """Return the object with a unique name, as several instances of one product need different names."""
+    """Return a copy of the object with another name. MuJoCo requires a unique name for each object."""
     return SceneObject(name, thing.position_m, thing.yaw_deg, thing.parts, thing.tilt_deg, thing.roll_deg)

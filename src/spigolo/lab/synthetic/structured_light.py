@@ -1,11 +1,11 @@
-"""NumPy model of a structured-light depth camera, similar to the first Kinect.
+"""Model of a structured-light depth camera, similar to the first Kinect.
 
-The camera measures depth by triangulation. A projector next to the camera projects a pattern, and the disparity of each
-pixel is ``d = fx * baseline / Z``. The model applies the errors of such a camera in this order: shadows of the
-projector, surfaces that return no usable pattern, noise, and quantisation of the disparity.
+A structured-light camera measures depth by triangulation. A projector next to the camera projects a pattern, and the
+disparity at depth Z is ``d = fx * baseline / Z``. The model simulates projector shadows, missing depth on dark, glossy
+or steep surfaces, disparity noise, and quantisation of the disparity.
 
-Axes are those of a camera: x to the right of the image, y down, Z forward. The projector is at ``x = +baseline_m``, so
-shadows fall to the left of objects.
+Camera frame: x to the right, y down, Z forward. The projector is at ``x = +baseline_m``, so shadows are to the left of
+objects.
 """
 
 from __future__ import annotations
@@ -21,44 +21,55 @@ __all__ = ["StructuredLight", "projector_shadow", "simulate_structured_light"]
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-# A pixel covers about one projector column on each side, so a smaller disparity step casts no shadow.
+# A pixel covers about one projector column on each side, so smaller disparity steps cast no shadow.
 _SHADOW_TOLERANCE_PX = 1.5
 _TURNED_AWAY = 0.95
 
 
 @dataclass(frozen=True)
 class StructuredLight:
-    """Parameters of the depth camera model.
-
-    Brightness is the mean of red, green and blue on a scale of 0 to 1.
-
-    slant_noise_px: addition to `noise_px` for a disparity gradient of one pixel per pixel. edge_jitter_px: standard
-    deviation between outlines in depth and in colour. patch_px: size of the patches in which barely measurable depth
-    comes and goes. margin_px: part of the colour image that the depth camera does not see, at its top, right, bottom
-    and left.
-    """
+    """Parameters of the depth camera model."""
 
     baseline_m: float = 0.075
+    """Distance between projector and camera, metres."""
     noise_px: float = 0.12
+    """Standard deviation of the disparity noise, pixels."""
     slant_noise_px: float = 0.0
+    """Additional disparity noise at a disparity gradient of 1 (slanted surface), pixels."""
     noise_radius_px: float = 1.2
+    """Radius within which the disparity noise is correlated, pixels."""
     disparity_step_px: float = 0.125
+    """Quantisation step of the disparity, pixels."""
     dark_brightness: float = 0.11
+    """Brightness (mean of RGB, 0..1) below which no depth is measured."""
     shiny_brightness: float = 0.985
+    """Brightness (mean of RGB, 0..1) above which no depth is measured."""
     steepest_angle_deg: float = 75.0
+    """Maximum angle between viewing ray and surface normal at which depth is measured, degrees."""
     rim_jump_px: float = 1.0
+    """Minimum disparity step between neighbouring pixels at a depth discontinuity, pixels."""
     rim_loss: float = 0.35
+    """Amount of missing depth at depth discontinuities, 0..1."""
     nearest_m: float = 0.40
+    """Minimum measurable depth, metres."""
     furthest_m: float = 4.5
+    """Maximum measurable depth, metres."""
     edge_jitter_px: float = 0.0
+    """Random displacement of outlines in depth relative to colour, standard deviation in pixels."""
     patch_px: float = 1.5
+    """Size of the irregular patches of missing depth, pixels."""
     margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
+    """Width in pixels of the image border without depth: top, right, bottom, left."""
 
     def at_noise_level(self, level: float) -> StructuredLight:
-        """Return the same camera with the noise of real cameras, set by their residuals to planes.
+        """Return the camera model with noise similar to real cameras.
 
-        level: 1 is a usual first Kinect. Cameras range from half to twice that value. A lower level also gives finer
-        quantisation.
+        Parameters
+        ----------
+        level
+            Factor on the noise, 1 = typical first Kinect. Real cameras have noise levels from 0.5 to 2. A level below 1
+            also reduces the quantisation step.
+
         """
         return replace(
             self,
@@ -77,14 +88,24 @@ def simulate_structured_light(
     sensor: StructuredLight | None = None,
     gloss: npt.NDArray[np.floating[Any]] | None = None,
 ) -> npt.NDArray[np.float32]:
-    """Simulate the depth that a structured-light camera measures, from ideal depth.
+    """Simulate the depth map (H, W) of a structured-light camera from a noise-free depth map. Missing depth is 0.
 
-    depth_m: ideal distance along the optical axis, (H, W), metres. 0 or non-finite without a surface. rgb: colour
-    image, (H, W, 3), 8 bit. fx_px: focal length in pixels. The principal point is the centre of the image. rng: source
-    of all random numbers. sensor: by default similar to the first Kinect. gloss: (H, W), 0 = matt, 1 = a mirror. A
-    mirror is measured only if it faces the camera.
+    Parameters
+    ----------
+    depth_m
+        Noise-free depth map (H, W), metres. Pixels without a surface are 0 or not finite.
+    rgb
+        Colour image (H, W, 3), 8 bit.
+    fx_px
+        Focal length in pixels. The principal point is assumed at the image centre.
+    rng
+        Random number generator.
+    sensor
+        Camera parameters, by default similar to the first Kinect.
+    gloss
+        Gloss of the surface at each pixel (H, W), 0 = matt, 1 = mirror. Depth of glossy surfaces is measured only
+        if they face the camera.
 
-    Returns measured depth, (H, W), metres, 0 where missing.
     """
     sensor = sensor or StructuredLight()
     ideal = np.asarray(depth_m, dtype=np.float64)
@@ -94,7 +115,7 @@ def simulate_structured_light(
     disparity_px = np.zeros_like(ideal)
     disparity_px[valid] = fx_px * sensor.baseline_m / ideal[valid]
 
-    # Drawn even if unused, so that the random stream does not depend on the scene.
+    # All noise is drawn even if it is not used, so that random numbers do not depend on the scene.
     raggedness, rim_noise, measuring_noise = (
         correlated_noise(ideal.shape, radius, rng) for radius in (sensor.patch_px, 1.8, sensor.noise_radius_px)
     )
@@ -116,9 +137,9 @@ def simulate_structured_light(
 
 
 def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatArray | float:
-    """Return the standard deviation of the disparity noise, (H, W).
+    """Return the standard deviation of the disparity noise at each pixel (H, W), pixels.
 
-    On slanted surfaces, a matching window contains many disparities, so their mean is less precise.
+    Noise is higher on slanted surfaces, where a matching window contains different disparities.
     """
     if sensor.slant_noise_px == 0:
         return sensor.noise_px
@@ -127,10 +148,12 @@ def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatA
 
 
 def projector_shadow(disparity_px: FloatArray) -> BoolArray:
-    """Return the pixels that the camera sees and the projector does not, from (H, W) disparities. 0 = no surface.
+    """Return the mask (H, W) of the pixels that are visible to the camera but not lit by the projector.
 
-    Camera column u with disparity d is lit by projector column u - d. Among all pixels of a row with the same projector
-    column, only the nearest one, with the largest disparity, is lit.
+    disparity_px: disparity map (H, W), 0 = no surface.
+
+    A pixel in column u with disparity d is lit by projector column u - d. If several pixels of a row have the same
+    projector column, only the nearest pixel is lit.
     """
     height, width = disparity_px.shape
     seen = disparity_px > 0
@@ -139,8 +162,7 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
     row_start = np.arange(height)[:, None] * (width + margin + 2)
     left = row_start + np.floor(column).astype(np.int64)
     nearest_px = np.zeros(height * (width + margin + 2))
-    # Each pixel covers the two columns around it. Otherwise slanted surfaces, which the projector sees stretched,
-    # would let light through between neighbouring pixels.
+    # Each pixel covers two projector columns. Otherwise slanted surfaces would have gaps between adjacent pixels.
     for index in (left, left + 1):
         np.maximum.at(nearest_px, index[seen], disparity_px[seen])
     in_front_px = np.minimum(nearest_px[left], nearest_px[left + 1])
@@ -149,10 +171,10 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
 
 
 def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
-    """Return the disparity that a pixel's own surface gains within two projector columns, (H, W).
+    """Return the increase of disparity within two projector columns on the surface at each pixel (H, W), pixels.
 
-    A surface that turns away from the projector has many pixels in one projector column. Its nearer pixels cast no
-    shadow on the others, until the surface faces away from the projector (a gain of one per pixel).
+    On a steep surface, one projector column covers many pixels of different disparity. Nearer pixels of the same
+    surface must not cast a shadow on the other pixels.
     """
     if disparity_px.shape[1] < 2:
         return np.zeros_like(disparity_px)
@@ -161,13 +183,16 @@ def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
 
 
 def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> FloatArray:
-    """Return Gaussian noise of unit variance, (H, W), smoothed with a standard deviation of ``radius_px``."""
+    """Return spatially correlated Gaussian noise (H, W) with unit variance.
+
+    radius_px: standard deviation of the smoothing.
+    """
     noise = rng.standard_normal(shape)
     if radius_px <= 0:
         return noise
     reach = int(np.ceil(3 * radius_px))
     kernel = np.exp(-0.5 * (np.arange(-reach, reach + 1) / radius_px) ** 2)
-    kernel /= np.sqrt(np.sum(kernel**2))  # keeps the variance, unlike a kernel that sums to one
+    kernel /= np.sqrt(np.sum(kernel**2))  # normalised to keep the variance
     for axis in (0, 1):
         padding = [(reach, reach) if a == axis else (0, 0) for a in (0, 1)]
         padded = np.pad(noise, padding, mode="wrap")
@@ -180,7 +205,7 @@ def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Ge
 
 
 def _unlit(rgb: npt.NDArray[np.uint8], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """Return the pixels too dark to return the pattern, or so glossy that glare hides it."""
+    """Return the mask (H, W) of the pixels without depth because they are too dark or too bright."""
     brightness = rgb.astype(np.float64).mean(axis=2) / 255.0
     uneven = brightness + 0.02 * raggedness
     unlit: BoolArray = (uneven < sensor.dark_brightness) | (brightness > sensor.shiny_brightness)
@@ -194,7 +219,10 @@ def _steep(
     sensor: StructuredLight,
     gloss: npt.NDArray[np.floating[Any]],
 ) -> BoolArray:
-    """Return the pixels whose surface turns too far from the viewing ray. The limit is lower for glossy surfaces."""
+    """Return the mask (H, W) of the pixels without depth because their surface is too steep.
+
+    The maximum angle between surface normal and viewing ray is smaller for glossy surfaces.
+    """
     height, width = depth_m.shape
     if height < 2 or width < 2:
         return np.zeros(depth_m.shape, dtype=np.bool_)
@@ -211,9 +239,11 @@ def _steep(
 
 
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
-    """Return the step from each point of (H, W, K) to the previous or next one that is nearer in the last coordinate.
+    """Return the difference between adjacent points of a grid (H, W, K) along one axis.
 
-    At a depth discontinuity, that neighbour is on the same surface.
+    From the two adjacent points, the point with the smaller difference in the last coordinate is used.
+
+    No difference is taken across a depth discontinuity.
     """
     steps = np.diff(points, axis=axis)
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)
@@ -225,20 +255,21 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
 def _strayed(
     disparity_px: FloatArray, lost: BoolArray, spread_px: float, rng: np.random.Generator
 ) -> tuple[FloatArray, BoolArray]:
-    """Return both images with every pixel taken from nearby, as matching windows locate outlines to one or two
-    pixels.
+    """Shift outlines randomly in the disparity map and in the mask of missing depth.
+
+    spread_px: standard deviation of the shift.
     """
     down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
     rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)
     columns = np.clip(np.arange(lost.shape[1]) + across, 0, lost.shape[1] - 1)
-    # Apply it only across outlines. Within a surface it would be another kind of noise.
+    # Shifts are applied only at outlines. Within a surface they would add noise.
     strayed_px = disparity_px[rows, columns]
     jumps = np.abs(strayed_px - disparity_px) > 1.0
     return np.where(jumps, strayed_px, disparity_px), lost[rows, columns]
 
 
 def _outside(shape: tuple[int, ...], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """Return the part of the colour image that the depth camera does not see."""
+    """Return the mask (H, W) of the border of the colour image that is outside the view of the depth camera."""
     height, width = shape
     top, right, bottom, left = (px or -shape[0] for px in sensor.margin_px)
     down, across = np.arange(height)[:, None] + raggedness, np.arange(width) + raggedness
@@ -248,7 +279,7 @@ def _outside(shape: tuple[int, ...], raggedness: FloatArray, sensor: StructuredL
 
 
 def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """Return random pixels within two pixels of a depth discontinuity, where matching windows fail."""
+    """Return a random mask (H, W) of missing depth near depth discontinuities."""
     near_jump = np.zeros(disparity_px.shape, dtype=np.bool_)
     for axis in (0, 1):
         jump = np.abs(np.diff(disparity_px, axis=axis)) > sensor.rim_jump_px
@@ -260,7 +291,7 @@ def _ragged_rim(disparity_px: FloatArray, rim_noise: FloatArray, sensor: Structu
     one_away[:-1] |= near_jump[1:]
     one_away[:, 1:] |= near_jump[:, :-1]
     one_away[:, :-1] |= near_jump[:, 1:]
-    # Thresholds on Gaussian noise. Pixels farther away are lost less often.
+    # Thresholds on Gaussian noise: depth is missing less often at pixels farther from the discontinuity.
     ragged_near = rim_noise > 1.6 - 3.2 * sensor.rim_loss
     ragged_far = rim_noise > 2.4 - 3.2 * sensor.rim_loss
     rim: BoolArray = (near_jump & ragged_near) | (one_away & ragged_far)

@@ -1,4 +1,4 @@
-"""Seeded textures of surfaces on which or in which objects stand: square, (H, W, 3), RGB, 8 bit."""
+"""Random textures of tables, shelves, bins, walls and floors, as RGB images (H, W, 3)."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ _WORDS = ("fresh", "No. 7", "coffee", "daily", "2 + 1", "lemon", "market", "gard
 
 
 def surface(kind: str, rng: np.random.Generator) -> Image:
-    """Return a texture in random colours. kind: a key of `SURFACES` or `ROOM_SURFACES`."""
+    """Draw a surface texture in random colours. kind: a key of `SURFACES` or `ROOM_SURFACES`."""
     return {**SURFACES, **ROOM_SURFACES}[kind](rng)
 
 
 def _plain(rng: np.random.Generator) -> Image:
-    """Return paint, plastic or card of one colour, slightly mottled."""
+    """Draw paint, plastic or cardboard of one colour with slight variations."""
     return plaster(_colour(rng, rng.uniform(0.0, 0.55), rng.uniform(0.3, 0.95)), rng)[:, :256]
 
 
 def _wood(rng: np.random.Generator) -> Image:
-    """Return wood, from pale oak to walnut."""
+    """Draw wood of a random brightness."""
     pale = wood(rng, int(rng.integers(3, 10)), (_SIZE_PX, _SIZE_PX)).astype(np.float64)
     mean = pale.mean(axis=(0, 1))
     grain = rng.uniform(0.8, 2.0) * (pale / mean - 1) + 1
@@ -40,12 +40,12 @@ def _wood(rng: np.random.Generator) -> Image:
 
 
 def _cloth(rng: np.random.Generator) -> Image:
-    """Return a coarse weave with creases of folding."""
+    """Draw coarse cloth with creases."""
     return _woven(np.array(_colour(rng, rng.uniform(0.1, 0.7), rng.uniform(0.4, 0.9)), np.float64), rng)
 
 
 def _checker(rng: np.random.Generator) -> Image:
-    """Return tiles, or the gingham of a table-cloth, which is darker where stripes cross."""
+    """Draw tiles or a checked tablecloth."""
     a, b = _two_colours(rng)
     cells = 2 * int(rng.integers(3, 11))
     odd = np.arange(_SIZE_PX) * cells // _SIZE_PX % 2
@@ -56,7 +56,7 @@ def _checker(rng: np.random.Generator) -> Image:
 
 
 def _stripes(rng: np.random.Generator) -> Image:
-    """Return stripes of two or three colours and several widths, along or across."""
+    """Draw stripes of two or three colours with different widths."""
     a, b = _two_colours(rng)
     colours = np.array([a, b, _colour(rng, rng.uniform(0.1, 0.7), rng.uniform(0.3, 0.95))], np.float64)
     widths = np.maximum(rng.integers(1, 9, 60) * int(rng.integers(4, 16)), 4)
@@ -67,20 +67,20 @@ def _stripes(rng: np.random.Generator) -> Image:
 
 
 def _paint(rng: np.random.Generator) -> Image:
-    """Return plain colours of walls and desks: white, cream, beige, grey."""
+    """Draw paint in white, cream, beige or grey."""
     red, green, blue = colorsys.hsv_to_rgb(rng.uniform(0.05, 0.18), rng.uniform(0.0, 0.22), rng.uniform(0.6, 0.97))
     return plaster((round(255 * red), round(255 * green), round(255 * blue)), rng)[:, :256]
 
 
 def _carpet(rng: np.random.Generator) -> Image:
-    """Return loops of yarn in several tones of one colour."""
+    """Draw carpet in several tones of one colour."""
     ground = np.array(_colour(rng, rng.uniform(0.05, 0.35), rng.uniform(0.2, 0.6)), np.float64)
     yarn = smooth_noise((_SIZE_PX, _SIZE_PX), (_SIZE_PX // 5, _SIZE_PX // 5), rng)
     return _to_image(ground * (1 + rng.uniform(0.15, 0.45) * yarn[..., None]) + _mottle(rng))
 
 
 def _print(rng: np.random.Generator) -> Image:
-    """Return flowers, leaves, rings or words on a plain ground, as on oilcloth and wrapping paper."""
+    """Draw a pattern of flowers, leaves, rings or words."""
     ground, ink = _two_colours(rng)
     inks = [ink, *(_colour(rng, rng.uniform(0.2, 0.9), rng.uniform(0.2, 0.95)) for _ in range(2))]
     image = np.full((_SIZE_PX, _SIZE_PX, 3), ground, np.uint8)
@@ -95,7 +95,7 @@ def _print(rng: np.random.Generator) -> Image:
 
 
 def _terrazzo(rng: np.random.Generator) -> Image:
-    """Return chips in a pale ground, as in stone floors and laminate."""
+    """Draw a pale stone floor with dark and bright chips."""
     ground = np.array(_colour(rng, rng.uniform(0.0, 0.2), rng.uniform(0.55, 0.9)), np.float64)
     cells = int(rng.integers(60, 160))
     fine = smooth_noise((_SIZE_PX, _SIZE_PX), (cells, cells), rng)
@@ -112,10 +112,10 @@ SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {
     "print": _print,
     "terrazzo": _terrazzo,
 }
-"""Surfaces on which objects stand, indexed by name."""
+"""Functions that draw textures of tables, shelves and bins, indexed by the name of the texture."""
 
 ROOM_SURFACES: Mapping[str, Callable[[np.random.Generator], Image]] = {"paint": _paint, "carpet": _carpet}
-"""Surfaces of walls and floors, some plainer and some coarser, indexed by name."""
+"""Functions that draw additional textures of walls and floors, indexed by the name of the texture."""
 
 
 def _flower(image: Image, centre: tuple[int, int], radius_px: int, ink: Colour, rng: np.random.Generator) -> None:
@@ -143,7 +143,7 @@ def _word(image: Image, centre: tuple[int, int], radius_px: int, ink: Colour, rn
 
 
 def _woven(colours: FloatArray, rng: np.random.Generator) -> Image:
-    """Return threads and folds over one colour, or over an image of colours."""
+    """Add threads and folds of cloth to a colour (3,) or to a colour image (H, W, 3)."""
     along = np.sin(2 * np.pi * np.arange(_SIZE_PX) / rng.uniform(5, 9))
     threads = 3.5 * along[:, None] * along + _mottle(rng)[..., 0]
     folds = rng.uniform(1, 5) * smooth_noise((_SIZE_PX, _SIZE_PX), (3, 3), rng)
@@ -151,7 +151,7 @@ def _woven(colours: FloatArray, rng: np.random.Generator) -> Image:
 
 
 def _mottle(rng: np.random.Generator) -> FloatArray:
-    """Return a mottle pattern, (H, W, 1), with fine and coarse structure."""
+    """Return random brightness variations (H, W, 1) with fine and coarse structure."""
     size = (_SIZE_PX, _SIZE_PX)
     return (1.5 * smooth_noise(size, (200, 200), rng) + 1.5 * smooth_noise(size, (6, 6), rng))[..., None]
 
@@ -162,7 +162,7 @@ def _mixed(a: Colour, b: Colour, share: FloatArray) -> FloatArray:
 
 
 def _two_colours(rng: np.random.Generator) -> tuple[Colour, Colour]:
-    """Return a pale and a darker colour, in either order."""
+    """Return a pale and a darker random colour, in random order."""
     pale = _colour(rng, rng.uniform(0.0, 0.35), rng.uniform(0.75, 0.97))
     deep = _colour(rng, rng.uniform(0.3, 0.85), rng.uniform(0.25, 0.7))
     return (pale, deep) if rng.uniform() < 0.6 else (deep, pale)

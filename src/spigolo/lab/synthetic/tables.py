@@ -1,5 +1,5 @@
-"""Two rendered families on tables: cluttered table-tops of several categories, and instances of one object in
-clutter.
+"""Rendered scenes on tables: different objects (family `table`), or instances of one object in clutter (family
+`multi`).
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ TABLES = {
         "bowl_4", "cap_1", "cereal_2", "coffee_mug_5", "flashlight_2", "flashlight_5", "soda_can_1", "soda_can_6",
     ),
 }  # fmt: skip
-"""Objects of each scene, named as in RGB-D Scenes."""
+"""Names of the objects in each scene of the family `table`, as in the data set UW RGB-D Scenes."""
 
 INSTANCES = ("Milk", "Coffee_Cup", "Shampoo", "Camera")
-"""Objects with several instances. The scenes have their names."""
+"""Names of the objects that occur several times in a scene. Each scene of the family `multi` is named after its object.
+"""
 CLUTTER = (
     "box_1",
     "box_2",
@@ -51,16 +52,16 @@ CLUTTER = (
     "pouch_1",
 )
 _CLEAR_M = TOLERANCE_M + 0.001
-"""Minimum distance of unlabelled objects from the instances, m. The rule for masks ignores objects that hide an
-instance from a smaller distance.
+"""Minimum distance between labelled and unlabelled objects, m.
+
+Rendered masks are correct only if the distance is larger than the tolerance for visible pixels.
 """
 
 
 def table_stage(scene: str, rng: Rng) -> Stage:
-    """Return all objects of a scene on a table in a room, seen by a person passing by.
+    """Create a scene of the family `table`: the objects in `TABLES[scene]` on a table in a room.
 
-    In every second frame, objects with a flat top lie and one other object stands on them, if the scene has such
-    objects.
+    With a probability of 50 %, flat objects lie on the table, and another object stands on one of them.
     """
     size_m = rng.uniform(1.2, 1.8), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
@@ -85,9 +86,9 @@ def table_stage(scene: str, rng: Rng) -> Stage:
 
 
 def multi_stage(name: str, rng: Rng) -> Stage:
-    """Return three instances of one object, standing or lying, with other objects close to them.
+    """Create a scene of the family `multi`: three instances of one object on a table, close to other objects.
 
-    In every second frame, some are piled up.
+    With a probability of 50 %, one instance stands on another object.
     """
     size_m = rng.uniform(0.9, 1.3), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
@@ -111,8 +112,10 @@ def multi_stage(name: str, rng: Rng) -> Stage:
 
 
 def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View, StructuredLight]:
-    """Return the view: in two of five frames a precise camera with short range, near and looking down, else a camera
-    like the Kinect.
+    """Return a random camera view, and the model of its depth camera.
+
+    With a probability of 40 %, the camera is precise, has a short range and is near the table. With a probability of 60
+    %, the camera is similar to the first Kinect.
     """
     sensor = _sensor(rng, (0.65, 1.7))
     distance_m, pitch_deg = rng.uniform(0.75, 1.05), rng.uniform(28, 62)
@@ -124,7 +127,10 @@ def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View
 
 
 def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float64], list[Part], float]:
-    """Return the outline of the table top, the table with its room, and the position of the back wall."""
+    """Create a table in a room.
+
+    Return the outline (N, 2) of the table top, all parts, and the y position of the back wall.
+    """
     height_m, wall_y_m = rng.uniform(0.7, 0.76), size_m[1] / 2 + rng.uniform(0.02, 1.2)
     top, _ = rounded_rectangle(size_m, 0.01)
     legs = [
@@ -151,9 +157,25 @@ def _strewn(
     touching: float = 0.0,
     flat: bool = False,
 ) -> list[SceneObject]:
-    """Return the objects that fit around the middle of the table.
+    """Place objects at random positions around a point of the table. Objects that do not fit are left out.
 
-    lying, touching: shares of the objects that lie and that are pushed against others. flat: flat objects lie.
+    Parameters
+    ----------
+    products
+        Household objects to place.
+    plot
+        Area of the table top, with the objects already on it.
+    middle_m, spread_m
+        Mean and standard deviation of the positions (x, y).
+    rng
+        Random number generator.
+    lying
+        Probability that an object lies.
+    touching
+        Probability that an object touches another object.
+    flat
+        True to lay all flat objects down on the table.
+
     """
 
     def spot() -> tuple[float, float]:
@@ -169,7 +191,7 @@ def _strewn(
 
 
 def _piled(things: list[SceneObject], onto: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
-    """Return the objects after one is moved onto another object, if any fits."""
+    """Move one of the objects onto a flat object, if there is room. onto: objects to stand on."""
     flat = [thing for thing in onto if kind_of(thing.name) in FLAT_KINDS]
     for below in rng.permutation(len(flat)):
         for k in rng.permutation(len(things)):
@@ -185,7 +207,7 @@ def _rests(product: Product, lying: float, rng: Rng) -> tuple[Rest, ...]:
 
 
 def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part]:
-    """Return paper, and a screen or a keyboard at the back of the table if there is room."""
+    """Create sheets of paper, and a monitor, keyboard or carton at the back of the table if there is room."""
     parts = _paper(size_m, rng)
     back_m = size_m[1] / 2 - 0.12
     x_m = float(rng.uniform(-0.6, 0.6) * (size_m[0] / 2))
@@ -204,7 +226,7 @@ def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part
 
 
 def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
-    """Return a few sheets of paper on the table."""
+    """Create one to four sheets of paper on the table."""
     reach = np.array(size_m) / 2 - 0.15
     spots = rng.uniform(-reach, reach, (int(rng.integers(1, 5)), 2))
     places = [(float(x), float(y), 0.0003 * k) for k, (x, y) in enumerate(spots)]
@@ -212,7 +234,7 @@ def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
 
 
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
-    """Return posters on the wall, and chairs and cartons on the floor."""
+    """Create posters on the back wall, a chair behind the table, and cartons beside the table."""
     parts: list[Part] = []
     for _ in range(int(rng.integers(2, 7))):
         parts += furniture.poster((rng.uniform(-1.3, 1.3), wall_y_m - 0.01, rng.uniform(0.1, 0.9)), rng)
@@ -227,12 +249,16 @@ def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[
 
 
 def _light(rng: Rng, aim_m: tuple[float, float, float]) -> Lighting:
-    """Return the light of a room, with enough samples that walls show no steps in shadows."""
+    """Create the lighting of a room, with enough point lights for smooth shadows on walls."""
     return replace(room_light(rng, aim_m), lamp_samples=8, sky_samples=32, sky_tilt_deg=35.0)
 
 
 def _sensor(rng: Rng, noise_levels: tuple[float, float]) -> StructuredLight:
-    """Return a sensor like the first Kinect, whose depth ends before the border of the colour image."""
+    """Create the model of a depth camera similar to the first Kinect.
+
+    The border of the colour image, 2 to 15 pixels wide, has no depth. noise_levels: minimum and maximum of the random
+    noise level.
+    """
     left, right, top, bottom = (int(edge) for edge in rng.integers(2, 16, 4))
     camera = StructuredLight(
         dark_brightness=0.07,

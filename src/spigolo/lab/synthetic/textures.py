@@ -1,4 +1,4 @@
-"""Procedural textures of the demo scene: wood, plaster and invented packaging. (H, W, 3), RGB, 8 bit."""
+"""Procedural textures of the demo scene: wood, plaster and fictitious packaging, as RGB images (H, W, 3)."""
 
 from __future__ import annotations
 
@@ -39,13 +39,24 @@ _ROUND_FONT = cv2.FONT_HERSHEY_DUPLEX
 
 
 def smooth_noise(size: tuple[int, int], cells: tuple[int, int], rng: np.random.Generator) -> npt.NDArray[np.float64]:
-    """Return smooth noise in about [-2, 2], (height, width), with ``cells`` (down, across) grid cells."""
+    """Return smooth noise (H, W) with values of about -2 to 2.
+
+    Parameters
+    ----------
+    size
+        Height and width in pixels.
+    cells
+        Number of random values down and across, which are interpolated.
+    rng
+        Random number generator.
+
+    """
     grid = rng.standard_normal((cells[0] + 1, cells[1] + 1)).astype(np.float32)
     return cv2.resize(grid, (size[1], size[0]), interpolation=cv2.INTER_CUBIC).astype(np.float64)
 
 
 def wood(rng: np.random.Generator, planks: int = 7, size: tuple[int, int] = (1024, 2048)) -> Image:
-    """Return pale oak: planks along u, each with its own tone and grain, and fine joints."""
+    """Draw planks of pale oak with fine joints. size: height and width in pixels."""
     height, width = size
     image = np.empty((height, width, 3))
     edges = np.linspace(0, height, planks + 1).astype(int)
@@ -62,31 +73,34 @@ def wood(rng: np.random.Generator, planks: int = 7, size: tuple[int, int] = (102
 
 
 def plaster(colour: Colour, rng: np.random.Generator) -> Image:
-    """Return a painted, slightly mottled surface."""
+    """Draw a painted surface of one colour with slight variations."""
     size = (256, 512)
     mottle = 0.8 * smooth_noise(size, (5, 9), rng) + 1.2 * smooth_noise(size, (60, 110), rng)
     return _to_image(np.array(colour) + mottle[..., None])
 
 
 def plain_card(colour: Colour) -> Image:
-    """Return card without print."""
+    """Draw a surface of one colour."""
     return np.full((8, 24, 3), colour, dtype=np.uint8)
 
 
 def glazed(colour: Colour, rim: Colour, rim_share: float) -> Image:
-    """Return glaze of one colour, with a band of another colour along the top ``rim_share`` of the height."""
+    """Draw glaze of one colour with a band of another colour at the rim.
+
+    rim_share: height of the band as a share of the image height.
+    """
     image = np.full((256, 8, 3), colour, dtype=np.uint8)
     image[: round(256 * rim_share)] = rim
     return image
 
 
 def box_panels(front: Image, side: Image, top: Image) -> Image:
-    """Return the texture of a box: three printed panels next to each other."""
+    """Combine three images to the texture of a box for `meshes.box`."""
     return np.hstack([cv2.resize(panel, (512, 512), interpolation=cv2.INTER_AREA) for panel in (front, side, top)])
 
 
 def cereal_box() -> Image:
-    """Return a red cereal box with a sunburst, a bowl of rings and a nutrition table."""
+    """Draw the texture of a red cereal box."""
     red, yellow, navy = (206, 38, 36), (252, 198, 38), (26, 46, 104)
     front = np.full((1000, 680, 3), red, dtype=np.uint8)
     for k in range(20):
@@ -114,7 +128,7 @@ def cereal_box() -> Image:
 
 
 def tea_box() -> Image:
-    """Return a green tea packet with leaves, stripes and a cream label."""
+    """Draw the texture of a green tea box."""
     green, dark, gold = (72, 142, 84), (22, 74, 52), (226, 178, 74)
     front = np.full((900, 680, 3), green, dtype=np.uint8)
     for x in range(-900, 700, 90):
@@ -141,7 +155,7 @@ def tea_box() -> Image:
 
 
 def milk_carton() -> Image:
-    """Return a white and blue milk carton with a hill, a splash and stripes."""
+    """Draw the texture of a white and blue milk carton."""
     blue, pale, grass = (34, 96, 182), (150, 200, 236), (96, 172, 78)
     front = np.full((700, 360, 3), _WHITE, dtype=np.uint8)
     front[:40] = blue
@@ -160,7 +174,7 @@ def milk_carton() -> Image:
 
 
 def milk_roof() -> Image:
-    """Return the roof of the milk carton: blue slopes with a stripe, and a white glued fin."""
+    """Draw the texture of the blue roof of a milk carton."""
     blue = (34, 96, 182)
     slope = np.full((200, 360, 3), blue, dtype=np.uint8)
     slope[150:170] = _WHITE
@@ -170,7 +184,7 @@ def milk_roof() -> Image:
 
 
 def can_label() -> Image:
-    """Return a tomato can: red and cream stripes, a gold band and text, twice around."""
+    """Draw the label of a tomato soup can, which is repeated twice around the can."""
     cream, red, gold = (250, 240, 216), (196, 40, 44), (222, 170, 62)
     half = np.full((512, 512, 3), cream, dtype=np.uint8)
     half[:205] = red
@@ -187,24 +201,24 @@ def can_label() -> Image:
 
 
 def beach_ball() -> Image:
-    """Return six wedges, alternately orange and white."""
+    """Draw the six orange and white segments of a beach ball."""
     colours = np.array(3 * [(240, 138, 28), (226, 223, 216)], dtype=np.uint8)
     return np.ascontiguousarray(np.broadcast_to(np.repeat(colours, 128, axis=0), (64, 768, 3)))
 
 
 def flashlight_bands() -> Image:
-    """Return the bands of a flashlight from its tail (bottom) to its lens (top)."""
+    """Draw the coloured bands of a flashlight, from its rear end (bottom) to its lens (top)."""
     image = np.full((512, 8, 3), (46, 49, 56), dtype=np.uint8)
-    image[:8] = (214, 226, 232)  # the lens
+    image[:8] = (214, 226, 232)  # lens
     image[8:140] = (238, 186, 28)
     image[140:156] = (40, 42, 48)
-    image[200:440:12] = image[201:440:12] = image[202:440:12] = (24, 26, 30)  # knurls
+    image[200:440:12] = image[201:440:12] = image[202:440:12] = (24, 26, 30)  # grip pattern
     image[478:] = (238, 186, 28)
     return image
 
 
 def mug_glaze() -> Image:
-    """Return a cream mug with a dark blue foot and a row of dots that differs at the back."""
+    """Draw the glaze of a cream and blue mug with a row of dots."""
     image = np.full((256, 1024, 3), (242, 232, 214), dtype=np.uint8)
     image[168:] = (44, 84, 140)
     image[158:164] = (44, 84, 140)
@@ -214,7 +228,7 @@ def mug_glaze() -> Image:
 
 
 def write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, int], colour: Colour) -> None:
-    """Write text centred at a point. pen_px: width of the text and width of its strokes."""
+    """Draw text, centred at a point, into an image. pen_px: width of the text and width of its strokes, in pixels."""
     (unit_width, unit_height), _ = cv2.getTextSize(text, _ROUND_FONT, 1.0, 1)
     scale = pen_px[0] / unit_width
     x, y = centre[0] - pen_px[0] / 2, centre[1] + scale * unit_height / 2
@@ -222,17 +236,17 @@ def write(image: Image, text: str, centre: tuple[int, int], pen_px: tuple[int, i
 
 
 def fill(image: Image, corners: Sequence[npt.ArrayLike], colour: Colour) -> None:
-    """Fill a convex polygon of (x, y) in pixels."""
+    """Fill a convex polygon in an image. corners: corners (x, y) in pixels."""
     cv2.fillPoly(image, [np.round(np.array(corners, dtype=np.float64)).astype(np.int32)], colour, cv2.LINE_AA)
 
 
 def disc(image: Image, centre: tuple[int, int], radius_px: int, colour: Colour) -> None:
-    """Fill a circle."""
+    """Fill a circle in an image. centre: (x, y) in pixels."""
     cv2.circle(image, centre, radius_px, colour, -1, cv2.LINE_AA)
 
 
 def _bowl_of_rings(image: Image, centre: tuple[int, int], radius_px: int) -> None:
-    """Draw the front of a bowl, heaped with cereal rings."""
+    """Draw a bowl filled with cereal rings."""
     x, y = centre
     rng = np.random.default_rng(3)
     cv2.ellipse(image, (x, y), (radius_px, radius_px // 3), 0, 0, 360, (252, 250, 244), -1, cv2.LINE_AA)
@@ -246,7 +260,7 @@ def _bowl_of_rings(image: Image, centre: tuple[int, int], radius_px: int) -> Non
 
 
 def small_print(image: Image, corners: tuple[int, int, int, int], rows: int) -> None:
-    """Draw a white panel of small print."""
+    """Draw a white panel with lines of small text. corners: left, top, right, bottom in pixels."""
     left, top, right, bottom = corners
     image[top:bottom, left:right] = (250, 248, 240)
     rng = np.random.default_rng(rows)
@@ -259,7 +273,7 @@ def small_print(image: Image, corners: tuple[int, int, int, int], rows: int) -> 
 
 
 def bar_code(image: Image, corners: tuple[int, int, int, int]) -> None:
-    """Draw bars on white inside left, top, right, bottom."""
+    """Draw a bar code. corners: left, top, right, bottom in pixels."""
     left, top, right, bottom = corners
     image[top:bottom, left:right] = 250
     rng = np.random.default_rng(9)

@@ -1,6 +1,6 @@
-"""Household objects that are solids of revolution, or almost: cans, mugs, bowls, cups, flashlights, bottles.
+"""Models of round household objects: cans, mugs, bowls, cups, flashlights and bottles.
 
-Each object stands on z = 0 about its own z axis. Lengths are in metres.
+Each object stands on z = 0, and its axis is the z axis. Lengths are in metres.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Parts = tuple[Part, ...]
 
 
 def soda_can(rng: np.random.Generator) -> Parts:
-    """Return a 33 cl can, 66 mm in diameter and 115 to 122 mm high, with bare aluminium ends."""
+    """Create a 33 cl beverage can, 66 mm in diameter and 115 to 122 mm high."""
     r, tall = 0.033, rng.uniform(0.115, 0.122)
     foot = [line((0.0, 0.004), (0.022, 0.002)), line((0.022, 0.002), (0.025, 0.0)), line((0.025, 0.0), (r, 0.011))]
     neck = arc((r - 0.007, tall - 0.011), 0.007, 0, 75, 8)
@@ -38,7 +38,7 @@ def soda_can(rng: np.random.Generator) -> Parts:
 
 
 def coffee_mug(rng: np.random.Generator) -> Parts:
-    """Return a hollow glazed mug with a handle, 76 to 86 mm in diameter."""
+    """Create a hollow mug with a handle, 76 to 86 mm in diameter."""
     r, tall, wall, foot_m = rng.uniform(0.038, 0.043), rng.uniform(0.085, 0.105), 0.004, 0.006
     taper = rng.choice([0.0, 0.0, 0.006])
     foot = arc((r - taper - foot_m, foot_m), foot_m, -90, 0, 8)
@@ -63,7 +63,7 @@ def coffee_mug(rng: np.random.Generator) -> Parts:
 
 
 def bowl(rng: np.random.Generator) -> Parts:
-    """Return a hollow glazed bowl, 14 to 18 cm in diameter, with a foot ring and a wall of 4 mm."""
+    """Create a hollow bowl with a foot ring, 14 to 18 cm in diameter."""
     size, deep = rng.uniform(0.82, 1.06), rng.uniform(0.85, 1.25)
     t = np.linspace(0.0, 1.0, 32)
     outside = np.column_stack([0.036 + 0.049 * np.sin(t * np.pi / 2) ** 0.9, 0.008 + 0.060 * t**1.7])
@@ -75,7 +75,7 @@ def bowl(rng: np.random.Generator) -> Parts:
 
 
 def coffee_cup(rng: np.random.Generator) -> Parts:
-    """Return a paper cup, 12 cm high, with a white lid."""
+    """Create a paper cup with a white lid, 13 cm high."""
     tall, low_r, high_r = 0.112, 0.029, 0.0415
     cup = lathe([line((0.0, 0.0), (low_r, 0.0)), np.linspace((low_r, 0.0), (high_r, tall), 6)])
     lid = lathe(
@@ -93,10 +93,7 @@ def coffee_cup(rng: np.random.Generator) -> Parts:
 
 
 def flashlight(rng: np.random.Generator) -> Parts:
-    """Return a flashlight, 15 to 20 cm long, with its tail at z = 0. The head is wider than the barrel.
-
-    See `FLASHLIGHT_TILT_DEG`.
-    """
+    """Create a flashlight, 17 cm long, whose head is wider than its barrel. The rear end is at z = 0."""
     long, r, head = 0.17, 0.014, 0.021
     profile = [
         line((0.0, 0.0), (r - 0.002, 0.0)),
@@ -115,11 +112,11 @@ def flashlight(rng: np.random.Generator) -> Parts:
 
 FLASHLIGHT_TILT_DEG = 90 - float(np.degrees(np.arcsin((0.021 - 0.014) / (0.85 * 0.17))))
 CUP_TILT_DEG = 90 - float(np.degrees(np.arcsin((0.0445 - 0.029) / 0.108)))
-"""Lean of the axis of a lying cup, which rests on its rim and foot, degrees."""
+"""Angle between the axis of a lying cup and the vertical, degrees. The cup lies on its lid and its foot."""
 
 
 def shampoo(rng: np.random.Generator) -> Parts:
-    """Return a flat oval bottle, 19 cm high, with a screw cap."""
+    """Create a flat oval bottle with a screw cap, 19 cm high."""
     size_m, half_m, tall = (0.066, 0.038), 0.019, 0.155
     shoulder = arc((-0.012, tall - 0.012), 0.012, 0, 80, 8)
     body = tub(
@@ -137,7 +134,7 @@ def shampoo(rng: np.random.Generator) -> Parts:
 
 
 def glue_bottle(rng: np.random.Generator) -> Parts:
-    """Return a white bottle of school glue, 14 cm high, with a pointed cap."""
+    """Create a glue bottle with a pointed cap, 14 cm high."""
     colours = palette(rng, dark=0.1)
     half_m = 0.017
     side = line((0.0, 0.0), (0.0, 0.098), (-0.008, 0.108), (-half_m, 0.110))
@@ -154,12 +151,12 @@ def glue_bottle(rng: np.random.Generator) -> Parts:
 
 
 def _round_bottle(colours: Palette, rng: np.random.Generator) -> Image:
-    """Return a wrap for `meshes.tub`, whose texture begins at the foot."""
+    """Draw a printed texture for a mesh from `meshes.tub`, whose first image row is at the foot."""
     return np.ascontiguousarray(wrap(rng, colours)[::-1])
 
 
 def _decorated(colour: Colour, rng: np.random.Generator) -> Image:
-    """Return glaze of one colour, plain or with a print or bands."""
+    """Draw glaze of one colour, with or without bands or text."""
     image = np.full((256, 1024, 3), colour, np.uint8)
     kind, ink = int(rng.integers(4)), _glaze(rng)
     if kind == 0:
@@ -173,7 +170,7 @@ def _decorated(colour: Colour, rng: np.random.Generator) -> Image:
 
 
 def _glaze(rng: np.random.Generator) -> Colour:
-    """Return a colour of glaze, most often white or cream."""
+    """Return a random colour of glaze, in 30 % of the cases white."""
     if rng.uniform() < 0.3:
         return 238, 234, 222
     return palette(rng, dark=0.5)[0]

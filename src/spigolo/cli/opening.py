@@ -1,4 +1,4 @@
-"""Opening of sources for the verbs, from words of the command line."""
+"""Opening of sources of frames from the words of the command line."""
 
 from __future__ import annotations
 
@@ -22,7 +22,10 @@ def opened(
     max_pixels: int = MAX_PIXELS,
     quiet: bool = False,
 ) -> Source:
-    """Return the source that words name. quiet: no warnings about units, as `doctor` reports them itself."""
+    """Return the source of frames that the words of the command line name.
+
+    quiet: suppress warnings about units of depth, if `doctor` reports the units itself.
+    """
     from spigolo.sources.opening import open_source
 
     if quiet:
@@ -31,9 +34,10 @@ def opened(
 
 
 def first_frame(source: Source, index: int | None = None) -> Frame:
-    """Return one frame of a source, or the only frame of a folder. index: number of the frame, from 0.
+    """Return one frame of a source.
 
-    Raises the error of reading it.
+    index: number of the frame, counted from 0, or None for the first frame of a source and the only frame of a folder.
+    Raises FileError if a folder holds several frames and `index` is None, or if the frame does not exist.
     """
     from spigolo.sources.folders import FolderSource
 

@@ -1,4 +1,4 @@
-"""Verb `render`, which renders stand-ins for data sets."""
+"""Verb `render`, which renders labelled frames similar to those of published data sets."""
 
 from __future__ import annotations
 
@@ -17,10 +17,12 @@ def render(
     layout: str = "folders",
     out: Out = Path("spigolo-rendered"),
 ) -> int:
-    """Render household scenes with exact masks and poses, as a structured-light camera would record them.
+    """Render household scenes as a structured-light camera would record them, with exact masks and poses of the
+    objects.
 
-    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. Another one is
-    `spigolo render shelf --count 72 --layout original --out stand-ins`. Requires the extra `synthetic`.
+    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. Another example
+    is `spigolo render shelf --count 72 --layout original --out stand-ins`. This verb requires `pip install
+    "spigolo[synthetic]"`.
 
     Parameters
     ----------
@@ -29,14 +31,14 @@ def render(
         several categories, as in RGB-D Scenes. multi: three instances of one object in clutter, as in the data set of
         Tejani et al.
     count
-        Number of frames. The scenes of the family alternate.
+        Number of frames to render. The scenes of the family alternate.
     seed
-        Seed of the scenes. Equal seeds give equal frames.
+        Seed of the random scenes. Equal seeds give equal frames.
     layout
         Layout of the files. folders: one folder for each frame. bop: the layout of the BOP challenge. original: the
-        layout of the data set that the frames stand in for.
+        layout of the data set that the rendered frames replace.
     out
-        Output folder. Its file `rendered.json` marks the frames as rendered.
+        Output folder. The file `rendered.json` in this folder marks the frames as rendered.
 
     """
     from spigolo.lab.synthetic.layouts import write_family

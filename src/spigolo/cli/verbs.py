@@ -60,9 +60,9 @@ app.command(compare, group=MEASURING, sort_key=9)
 
 @app.command(group=USING, sort_key=4)
 def presets(name: str | None = None, *, toml: bool = False) -> int:
-    """List the presets, or every field of one preset with its value and meaning.
+    """List the presets, or list every field of one preset with its value and meaning.
 
-    Any field is a flag of `spigolo segment`, `trace`, `evaluate` and `fit`.
+    Any field of a preset is also a flag of `spigolo segment`, `trace`, `evaluate` and `fit`.
 
     Parameters
     ----------
@@ -92,9 +92,9 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
 
 @app.command(group=USING, sort_key=6)
 def warmup() -> int:
-    """Compile the kernels now, so that the first frame does not wait.
+    """Compile the numerical kernels now, so that the first frame is segmented without delay.
 
-    Run it once when you build a container or set up a robot.
+    Run this verb once when you build a container image or set up a robot.
     """
     import time
 
@@ -108,12 +108,12 @@ def warmup() -> int:
 
 @app.command(group=USING, sort_key=5)
 def demo(*, out: Out = Path("spigolo-demo")) -> int:
-    """Segment the bundled scene and draw colour, depth, boundaries and objects with their boxes.
+    """Segment the bundled demo scene and draw colour, depth, boundaries and objects with their boxes.
 
     Parameters
     ----------
     out
-        Output folder. The picture is demo.png.
+        Output folder. The drawn picture is demo.png in this folder.
 
     """
     from spigolo import pipeline

@@ -1,4 +1,4 @@
-"""Export of a coloured point cloud for each object, in the camera's frame and in metres."""
+"""Export of a coloured point cloud for each object, in metres in the camera's frame."""
 
 from __future__ import annotations
 
@@ -40,7 +40,9 @@ DATA binary
 
 
 def ply(result: Segmentation, folder: PathLike) -> list[Path]:
-    """Write `object_N.ply` for each object N and return the paths. Raises CameraError without intrinsics."""
+    """Write a point cloud `object_N.ply` for each object N and return the paths. Raises CameraError without
+    intrinsics.
+    """
     return [
         _write(Path(folder) / f"object_{o.label}.ply", PLY_HEADER, o, _records(points, PLY_POINT, colors))
         for o, points, colors in _clouds(result)
@@ -48,7 +50,9 @@ def ply(result: Segmentation, folder: PathLike) -> list[Path]:
 
 
 def pcd(result: Segmentation, folder: PathLike) -> list[Path]:
-    """Write `object_N.pcd` for each object N and return the paths. Raises CameraError without intrinsics."""
+    """Write a point cloud `object_N.pcd` for each object N and return the paths. Raises CameraError without
+    intrinsics.
+    """
     shifts = np.array([16, 8, 0], np.uint32)
     return [
         _write(
@@ -62,7 +66,7 @@ def pcd(result: Segmentation, folder: PathLike) -> list[Path]:
 
 
 def _clouds(result: Segmentation) -> Iterator[tuple[ObjectMask, npt.NDArray[np.float32], npt.NDArray[np.uint8]]]:
-    """Yield each object with its points (N, 3) and their colours (N, 3) RGB."""
+    """Yield each object with its points (N, 3) in metres and the RGB colours (N, 3) of these points."""
     for o in result:
         yield o, o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)]
 

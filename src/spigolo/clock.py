@@ -1,5 +1,7 @@
 """Timing of the stages: `stopwatch` measures the functions that the decorator `stage` marks.
 
+In this example, two stages of one frame are timed:
+
     with sp.clock.stopwatch() as times:
         sp.segment(frame)
     times["partition"]  # CPU time and wall time of each run, in seconds

@@ -51,8 +51,7 @@ Roi = npt.NDArray[np.bool_] | Sequence[int] | MetricBox
 
 
 def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
-    """Return a point (y, x) as two integers. Raises IndexError if the point is not a pixel of an image of size (H, W).
-    """
+    """Return a point (y, x) as two integers. Raises IndexError if the point lies outside an image of size (H, W)."""
     height, width = shape
     try:
         y, x = point

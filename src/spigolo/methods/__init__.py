@@ -1,12 +1,13 @@
-"""Segmentation methods for comparison, including ours. Each takes a frame and returns a segmentation.
+"""Segmentation methods with a common interface, to compare them. Every method is called with a frame and returns a
+Segmentation.
 
     import spigolo as sp
 
-    sp.METHODS["rao2010"](frame)  # with its own parameters
+    sp.METHODS["rao2010"](frame)  # with default parameters
     sp.METHODS["rao2010"].replace(k=200)(frame)
 
-All methods return the same type, and their regions are judged by the same rules. `segment_around` is `mishra2009`,
-which segments around a given point instead of a whole frame.
+The same rules reject regions in all methods. The function `segment_around` is the method `mishra2009`, which segments
+only the object around a given point.
 """
 
 from __future__ import annotations
@@ -42,4 +43,6 @@ __all__ = [
 METHODS: dict[str, Method] = {
     method.name: method for method in (Toscana2016(), Felzenszwalb2004(), Rao2010(), Abramov2012(), Mishra2012())
 }
-"""Methods with default parameters, indexed by name. `replace` returns a method with other parameters."""
+"""Methods with default parameters, indexed by name. The function `replace` of a method returns the method with other
+parameters.
+"""

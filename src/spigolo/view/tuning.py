@@ -1,4 +1,4 @@
-"""The tuning page: every parameter as a control, and the answer next to it, in a browser on this machine."""
+"""Web page to tune parameters interactively, with a control for each parameter next to the segmentation result."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ WIDTH_PX = 360
 PHONE = """<style>@media (max-width: 600px) {
 .mantine-Paper-root[style*="position: fixed"][style*="bottom: 0px"], .mantine-Paper-root div[style*="width: 20em"]
 { width: 100% !important; } }</style>"""
-"""On a phone the controls take the whole width."""
+"""Style sheet that makes the controls as wide as the screen of a phone."""
 BRAND = (46, 134, 222)
 
 
@@ -49,11 +49,12 @@ def tune(
     folder: Path | str = ".",
     block: bool = True,
 ) -> TuningPage:
-    """Show a page on which parameters are tuned by looking at frames.
+    """Open a web page to tune the parameters of the segmentation interactively.
 
-    frames: a frame, a list of frames, a source, or any stream. config: the configuration to start from. host: the
-    address to listen on, this machine alone by default. folder: where presets are saved. block: return only when the
-    page is closed or Ctrl-C is pressed. Needs `pip install "spigolo[tune]"`. Raises SpigoloError without it.
+    frames: a frame, a list of frames, a source, or an iterator of frames. config: configuration to start from. port:
+    port of the web server. host: network address of the web server, by default only this machine. open_browser: open
+    the page in a browser. folder: folder for saved presets. block: wait until the page is closed or Ctrl-C is pressed.
+    Requires `pip install "spigolo[tune]"`. Raises SpigoloError if the package viser is missing.
     """
     page = TuningPage(Session(frames, config), port, host, Path(folder))
     if open_browser:
@@ -64,15 +65,17 @@ def tune(
 
 
 class TuningPage:
-    """A page in the browser. Close it with `close`, or use it in a `with` block."""
+    """Web server and state of one tuning page. Call `close` to stop the server, or use the page as a context
+    manager.
+    """
 
     def __init__(self, session: Session, port: int = 8080, host: str = "127.0.0.1", folder: Path = Path()) -> None:
         self.session = session
         self.server = _server(host, port)
         self.url = f"http://{host}:{self.server.get_port()}"
-        """Address of the page."""
+        """URL of the page."""
         self.drawn = 0
-        """Number of pictures drawn so far."""
+        """Number of pictures that were drawn so far."""
         self._folder, self._saved = folder, set[Path]()
         self._stage, self._merging = scene.STAGES[0], False
         self._stand: scene.Stand | None = None
@@ -93,21 +96,23 @@ class TuningPage:
         self.close()
 
     def wait(self) -> None:
-        """Return when the page is closed or Ctrl-C is pressed."""
+        """Wait until the page is closed or Ctrl-C is pressed."""
         try:
             self._closed.wait()
         except KeyboardInterrupt:
             self.close()
 
     def close(self) -> None:
-        """Stop the server and the worker."""
+        """Stop the web server and the segmentation thread."""
         self._playing.value = False
         self.worker.close()
         self.server.stop()
         self._closed.set()
 
     def select(self, pixel: Pixel | None) -> None:
-        """Highlight the object or rejected region at a pixel (y, x), or merge it with the one chosen before."""
+        """Select the object or rejected region at a pixel (y, x). After the action "merge", merge it with the previous
+        selection.
+        """
         if self._merging and pixel is not None and self.session.selected is not None:
             self.session.correct("merge", self.session.selected, pixel)
         self._merging = False
@@ -115,7 +120,7 @@ class TuningPage:
         self._draw()
 
     def act(self, action: str) -> None:
-        """Keep, drop or merge what is selected, or undo the last correction."""
+        """Keep, drop or merge the selected object or region, or undo the last correction."""
         pixel = self.session.selected
         self._merging = action == MERGE and pixel is not None
         if action == UNDO:
@@ -203,11 +208,11 @@ class TuningPage:
             self._status.content = text.trouble(error)
 
     def _go(self, position: int) -> None:
-        if self.session.go(position):  # not where `_show_place` has set the slider
+        if self.session.go(position):  # False if `_show_place` set the slider
             self.worker.ask()
 
     def _show_place(self) -> None:
-        """Set the slider of frames to where the session is. It follows buttons and play, and leads only by hand."""
+        """Set the slider to the number of the current frame."""
         if self._place is not None:
             self._place.value = self.session.reel.position + 1
 
@@ -228,18 +233,20 @@ class TuningPage:
         self._saved.add(path)
 
     def _run(self) -> bool:
-        """Segment and draw, on the worker's thread. Return whether the next frame follows at once."""
+        """Segment the current frame and draw the result, on the segmentation thread. Return True to continue with the
+        next frame.
+        """
         try:
             if self._playing.value and self.session.answer is not None:
                 self._play()
             first = self.session.answer is None
             self.session.run()
             self._draw()
-            if first:  # it loaded the kernels: measured again
+            if first:  # the first run loaded the kernels, so that its time is measured again
                 return True
         except SpigoloError as error:
             self._status.content = text.trouble(error)
-        except Exception as error:  # the page goes on
+        except Exception as error:  # the page must continue after any error
             self._status.content = text.trouble(error)
         return bool(self._playing.value)
 
@@ -250,7 +257,7 @@ class TuningPage:
             self._playing.value = False
 
     def _draw(self) -> None:
-        """Draw the answer, and what is selected in it."""
+        """Draw the segmentation result and the selected object or region."""
         with self._drawing:
             answer = self.session.answer
             if answer is None:
@@ -313,5 +320,5 @@ def _server(host: str, port: int) -> viser.ViserServer:
         import viser
     except ImportError:
         raise SpigoloError('the tuning page needs viser: pip install "spigolo[tune]"') from None
-    with contextlib.redirect_stdout(io.StringIO()):  # its banner
+    with contextlib.redirect_stdout(io.StringIO()):  # hides the start message of viser
         return viser.ViserServer(host=host, port=port, label="spigolo", verbose=False)

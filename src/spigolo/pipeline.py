@@ -105,9 +105,13 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
 def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:
     """Segment a frame into objects.
 
-    frame: colour image, depth map and camera. config: a preset or your own configuration. roi: region of interest,
-    outside of which regions are rejected, as a mask (H, W), a pixel box (y0, x0, y1, x1) or a MetricBox. Returns the
-    label image, the objects with their measurements in the image and in space, and the rejected regions with reasons.
+    - frame: colour image, depth map and camera.
+    - config: a preset or your own configuration.
+    - roi: region of interest, outside of which regions are rejected, as a mask (H, W), a pixel box (y0, x0, y1, x1) or
+      a MetricBox.
+
+    Returns the label image, the objects with their measurements in the image and in space, and the rejected regions
+    with reasons.
     """
     return trace(frame, config, roi).segmentation
 

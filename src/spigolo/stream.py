@@ -27,8 +27,10 @@ class Segmenter:
     Create one Segmenter for each thread. Segmenters on several threads run in parallel, because the kernels release
     Python's global interpreter lock.
 
-    config: parameters of the segmentation. ids: True to give objects ids that stay the same while the objects are in
-    view (`ObjectMask.id`). Raises SpigoloError if two threads call one Segmenter at the same time.
+    - config: parameters of the segmentation.
+    - ids: True to give objects ids that stay the same while the objects are in view (`ObjectMask.id`).
+
+    Raises SpigoloError if two threads call one Segmenter at the same time.
     """
 
     def __init__(self, config: Config = OBJECTS, ids: bool = False) -> None:

@@ -6,7 +6,7 @@ noise. Four rules join regions above the support plane by comparing both sides o
 
 - vessel: the wall and the inside of a cup. The front region is convex, the region behind it is hollow, and both
   have the same top height.
-- cap: a lid and its box, or a filled cup. The border has almost no depth gap and no valley, one region is above the
+- cap: a lid and its box, or a filled cup. The border has almost no depth gap and no valley. One region is above the
   other, both have the same top height, and both together are nearly convex.
 - smooth: two parts of one surface that noise separated. The border has almost no depth gap and is not a valley.
 - enclosed: a region on the support plane, or without depth, that an object surrounds, such as the bottom of a bowl.
@@ -49,9 +49,10 @@ Counts = npt.NDArray[np.int64]
 class Border:
     """Measurements of the border between region a and region b behind it.
 
-    gap_m: mean absolute depth difference across the border, metres. behind_m: mean signed depth difference across the
-    border, metres, positive if region b is behind region a. bend_m: mean depth of the border behind the straight line
-    between its two sides, metres, positive in a valley. boundary: mean value of the boundary map along the border.
+    - gap_m: mean absolute depth difference across the border, metres.
+    - behind_m: mean signed depth difference across the border, metres, positive if region b is behind region a.
+    - bend_m: mean depth of the border behind the straight line between its two sides, metres, positive in a valley.
+    - boundary: mean value of the boundary map along the border.
     """
 
     a: int

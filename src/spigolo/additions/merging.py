@@ -1,8 +1,8 @@
 """Merging of regions over their whole common border (`settings.Merging`).
 
-Eq. 3 compares two regions by the lightest edge between them, so that noise at a short part of the border can split a
-surface. In this module, regions merge in the order of the mean boundary value along their whole common border. Regions
-above the support plane do not merge with the support plane.
+Equation 3 compares two regions by the lightest edge between them, so that noise at a short part of the border can split
+a surface. In this module, regions merge in the order of the mean boundary value along their whole common border.
+Regions above the support plane do not merge with the support plane.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ def merge_regions(
 ) -> Regions:
     """Merge neighbouring regions if the mean boundary value along their common border is small.
 
-    boundary: boundary map (H, W) with values from 0 to 1. depth: (H, W) in metres. above: mask (H, W) of the pixels
-    above the support plane, or None without a support plane.
+    - boundary: boundary map (H, W) with values from 0 to 1.
+    - depth: (H, W) in metres.
+    - above: mask (H, W) of the pixels above the support plane, or None without a support plane.
     """
     graph = _Borders(regions, boundary, depth, above, config.line)
     graph.merge(lambda mean, a, b: mean < config.max_mean and graph.are_alike(a, b))

@@ -33,8 +33,10 @@ HALVED_BAND_PX = 3
 class Claimed:
     """Labels after the pixels near borders were reassigned.
 
-    labels: (H, W) int32. source_of: (H * W,) int32, index y * W + x of the seed pixel that gave each pixel in `opened`
-    its label, undefined elsewhere. opened: mask (H, W) of the pixels that got their label from a seed.
+    - labels: (H, W) int32.
+    - source_of: (H * W,) int32, index y * W + x of the seed pixel that gave each pixel in `opened` its label, undefined
+      elsewhere.
+    - opened: mask (H, W) of the pixels that got their label from a seed.
     """
 
     labels: Labels
@@ -45,8 +47,10 @@ class Claimed:
 def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
     """Move the borders of objects to colour differences, within a band where depth is smeared or missing.
 
+    Each object keeps its innermost pixels. Lengths in `config` must be scaled to the image size.
+
     labels: (H, W), 0 = background, 1..N = objects. color: (H, W, 3) uint8 RGB. depth: measured depth (H, W) in metres,
-    0 where missing. Each object keeps its innermost pixels. Lengths in `config` must be scaled to the image size.
+    0 where missing.
     """
     width = band_width_px(labels, depth, config)
     near_hole = _widen(np.asarray(depth == 0), config.near_hole_px)
@@ -81,10 +85,13 @@ def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: floa
 
 
 def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
-    """Place the borders of labels from the image at half resolution at colour differences and depth steps.
+    """Move the borders of labels from the image at half resolution to colour differences and depth steps.
 
-    labels: (H, W), each label repeated in a block of 2x2 pixels. color: (H, W, 3) uint8 RGB. depth: measured depth (H,
-    W) in metres, 0 where missing. Only pixels within `HALVED_BAND_PX` of a border are reassigned.
+    Only pixels within `HALVED_BAND_PX` pixels of a border are reassigned.
+
+    - labels: (H, W), each label repeated in a block of 2x2 pixels.
+    - color: (H, W, 3) uint8 RGB.
+    - depth: measured depth (H, W) in metres, 0 where missing.
     """
     opened, count = open_band(
         labels, np.zeros(labels.shape, np.uint8), HALVED_BAND_PX, HALVED_BAND_PX, config.max_opened

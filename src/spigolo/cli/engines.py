@@ -15,8 +15,10 @@ LOCAL = "local"
 def choose_cluster(scheduler: str, workers: int | None, flag: str) -> Engine:
     """Return an engine that runs jobs on a Dask cluster.
 
-    scheduler: the address of a running cluster, or "local" for a new cluster on this machine. workers: number of worker
-    processes of a local cluster, None for one per core. flag: name of the command-line flag for `workers` in messages.
+    - scheduler: the address of a running cluster, or "local" for a new cluster on this machine.
+    - workers: number of worker processes of a local cluster, None for one per core.
+    - flag: name of the command-line flag for `workers` in messages.
+
     Raises ConfigError if `workers` is given together with an address.
     """
     from spigolo.batch import dask_cluster, dask_local

@@ -47,8 +47,11 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
     """Return a preset with the field values that were given as flags.
 
-    preset: name or TOML file. flags: values as text, indexed by field name. verb: function of the verb, whose flags are
-    suggested for a misspelt flag. Raises ConfigError for an unknown flag.
+    - preset: name or TOML file.
+    - flags: values as text, indexed by field name.
+    - verb: function of the verb, whose flags are suggested for a misspelt flag.
+
+    Raises ConfigError for an unknown flag.
     """
     from spigolo.settings.fields import field_names, value_of_text
     from spigolo.settings.presets import preset as find

@@ -15,8 +15,14 @@ from spigolo.objects.segmentation import Segmentation
 def contact_graspnet(result: Segmentation, path: PathLike) -> None:
     """Write the .npz file that the grasp planner Contact-GraspNet reads.
 
-    The file contains `depth` (H, W) float32 in metres, 0 where missing, the camera matrix `K` (3, 3) float64, `rgb` (H,
-    W, 3) uint8, and `segmap` (H, W) int32, 0 = background. Raises CameraError for a frame without intrinsics.
+    The file contains these arrays:
+
+    - `depth` (H, W) float32: depth in metres, 0 where missing
+    - `K` (3, 3) float64: camera matrix
+    - `rgb` (H, W, 3) uint8: colour image
+    - `segmap` (H, W) int32: labels, 0 = background
+
+    Raises CameraError for a frame without intrinsics.
     """
     camera = result.frame.camera
     if camera is None:

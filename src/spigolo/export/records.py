@@ -16,9 +16,12 @@ def sam(result: Segmentation) -> list[dict[str, Any]]:
     """Return a list of dicts like those of SAM's automatic mask generator, one dict for each object in the order of
     labels.
 
-    `segmentation` is the mask (H, W) bool of the object and `bbox` is its box (x, y, width, height) in pixels.
-    `predicted_iou` and `stability_score` are both the object's score. `point_coords` is the object's centroid (x, y) in
-    pixels.
+    Keys of each dict:
+
+    - `segmentation`: mask (H, W) bool of the object
+    - `bbox`: bounding box (x, y, width, height) in pixels
+    - `predicted_iou`, `stability_score`: score of the object
+    - `point_coords`: centroid (x, y) in pixels
     """
     height, width = result.labels.shape
     return [

@@ -63,8 +63,10 @@ def read_camera(
 
     A depth_scale is read as millimetres per unit in BOP files and as units per metre in Open3D files.
 
-    width, height: image size in pixels, for camera files without an image size. image: name of the colour image, for
-    files that contain the cameras of many images. Raises FileError or CameraError.
+    - width, height: image size in pixels, for camera files without an image size.
+    - image: name of the colour image, for files that contain the cameras of many images.
+
+    Raises FileError or CameraError.
     """
     values = camera_fields(path, image)
     try:

@@ -33,8 +33,11 @@ class Frame:
     Depth is missing where it is 0, NaN, infinite, negative, masked or farther than 50 m, or where an integer has the
     largest value of its type. If the camera has distortion, both images are undistorted when the frame is created.
 
-    color: (H, W, 3) uint8 RGB. depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
-    depth_scale: may also be a field of `camera`. camera: any form that `as_camera` accepts, or None without intrinsics.
+    - color: (H, W, 3) uint8 RGB.
+    - depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
+    - depth_scale: may also be a field of `camera`.
+    - camera: any form that `as_camera` accepts, or None without intrinsics.
+
     Raises FrameError if both images do not have the same size or have more than `max_pixels` pixels. Raises CameraError
     for an invalid camera.
     """

@@ -44,8 +44,10 @@ def model_name(value: object) -> str:
 def check_model(value: object, certain: bool, coefficients: Sequence[float], camera: Camera) -> None:
     """Raise CameraError for a lens model that OpenCV cannot undistort.
 
-    value: content of the field with the lens model. certain: False if the field can also hold something else, such as
-    the name of a device. coefficients: distortion coefficients. camera: camera without distortion.
+    - value: content of the field with the lens model.
+    - certain: False if the field can also hold something else, such as the name of a device.
+    - coefficients: distortion coefficients.
+    - camera: camera without distortion.
     """
     name = model_name(value)
     if name in OPENCV_MODELS or (name in POLYNOMIALS and not coefficients):

@@ -26,9 +26,10 @@ LARGEST_UINT16 = 65535
 class OutOfReach:
     """Description of positive depth values that count as missing.
 
-    value: the most frequent of these values, as stored. pixels: number of pixels with these values. share: share of
-    these pixels in the frame. kind: name of the integer type whose largest value is `value`, or "" if `value` is a
-    distance beyond REACH_M.
+    - value: the most frequent of these values, as stored.
+    - pixels: number of pixels with these values.
+    - share: share of these pixels in the frame.
+    - kind: name of the integer type whose largest value is `value`, or "" if `value` is a distance beyond REACH_M.
     """
 
     value: float

@@ -35,9 +35,11 @@ def register_depth(
     Small squares of surface are mapped instead of points, so that surfaces have no holes in a larger colour image.
     Where surfaces overlap, the nearest surface is kept. No surface is drawn across a depth step.
 
-    depth: depth map (h, w) of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
-    depth_camera: depth is undistorted first if this camera has distortion. color_camera: must have no distortion.
-    T_color_depth: transform (4, 4) from the depth camera's frame to the colour camera's frame, translation in metres.
+    - depth: depth map (h, w) of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
+    - depth_camera: depth is undistorted first if this camera has distortion.
+    - color_camera: must have no distortion.
+    - T_color_depth: transform (4, 4) from the depth camera's frame to the colour camera's frame, translation in metres.
+
     Raises FrameError or CameraError.
     """
     for camera in (depth_camera, color_camera):

@@ -24,8 +24,10 @@ LEAST_INSIDE = 0.5
 class MetricBox:
     """Box in space, aligned with the axes of the camera's frame or, with T_base_camera, of the robot's base frame.
 
-    low_m, high_m: smallest and largest (X, Y, Z) of the box in metres. T_base_camera: transform (4, 4) from the
-    camera's frame to the robot's base frame. Raises FrameError or CameraError.
+    - low_m, high_m: smallest and largest (X, Y, Z) of the box in metres.
+    - T_base_camera: transform (4, 4) from the camera's frame to the robot's base frame.
+
+    Raises FrameError or CameraError.
     """
 
     low_m: Sequence[float]

@@ -1,7 +1,7 @@
 """Interface to the compiler numba: the decorator `kernel` compiles a function on its first call and caches it on disk.
 
-Each kernel module has its own cache folder. The folder name contains a hash of the module's source and of all kernel
-modules that the module imports, because numba does not notice changes of called functions.
+Each kernel module has its own cache folder, because numba does not notice changes of called functions. The folder name
+contains a hash of the module's source and of all kernel modules that the module imports.
 """
 
 from __future__ import annotations

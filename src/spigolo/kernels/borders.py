@@ -45,8 +45,14 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     if both samples lie inside the image and in the two regions of the border. Depth differences are clipped to
     gap_limit, and bends to bend_limit.
 
-    labels (H, W) int32. number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped. depth (H,
-    W) metres. boundary (H, W). sums (S, S, 6) float64, initially zero, with these sums at [a, b]:
+    - labels (H, W) int32.
+    - number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped.
+    - depth (H, W) metres.
+    - boundary (H, W): boundary map.
+    - sums (S, S, 6) float64, initially zero.
+
+    The array sums[a, b] contains six values of the border between regions a and b:
+
 
     - number of pairs of 4-neighbours on the border
     - number of pairs with depth at both samples and at the border
@@ -119,8 +125,12 @@ def collect_pairs(labels, boundary, pairs, strength):
 
     A pair is stored as lower region number * 2^32 + higher region number.
 
-    labels (H, W) int32. boundary (H, W). pairs (K,) int64. strength (K,): larger boundary value of each pair. Returns
-    the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.
+    - labels (H, W) int32.
+    - boundary (H, W).
+    - pairs (K,) int64.
+    - strength (K,): larger boundary value of each pair.
+
+    Returns the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.
     """
     height, width = labels.shape
     count = 0

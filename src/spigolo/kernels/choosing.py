@@ -28,9 +28,14 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
     Edges keep the order of their numbers. With `detours=False`, the heaviest edge of each triangle or square of
     neighbouring pixels is skipped.
 
-    weights (P, H W) float32. width: number of image columns. parent (H W,): root of every pixel. flags (H W,) uint8, 0
-    or 1. offsets (P,) int64: index difference from a pixel to its neighbour in each direction. out: buffer that must
-    hold one edge more than are packed. Returns the number of packed edges, or -1 if out is too small.
+    - weights (P, H W) float32.
+    - width: number of image columns.
+    - parent (H W,): root of every pixel.
+    - flags (H W,) uint8, 0 or 1.
+    - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
+    - out: buffer that must hold one edge more than are packed.
+
+    Returns the number of packed edges, or -1 if out is too small.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)

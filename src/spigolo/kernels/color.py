@@ -1,4 +1,4 @@
-"""Kernels that convert RGB colours to points in the HSV cone (eq. 4), in float32."""
+"""Kernels that convert RGB colours to points in the HSV cone (equation 4), in float32."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def hsv_points(rgb, k_dv, k_ds, out):
 
 @inlined
 def color_difference(a, b, c, a_other, b_other, c_other):
-    """Return the colour difference delta_hsv of two points (eq. 4), clipped to at most 1."""
+    """Eq. 4. Return the colour difference delta_hsv of two points, clipped to at most 1."""
     a, b, c = a - a_other, b - b_other, c - c_other
     distance = np.sqrt(a * a + b * b + c * c)
     return distance if distance < f32(1.0) else f32(1.0)

@@ -65,8 +65,8 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     """Return a lower bound of the distance of a crease behind the chord between its two sides, as a share of its depth.
 
     The bound holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at least
-    crease_px d / f long, and the crease lies behind the chord by this length times cos(angle / 2). Pixels below the
-    bound need no computation of the angle.
+    crease_px d / f long. The crease lies behind the chord by this length times cos(angle / 2). Pixels below the bound
+    need no computation of the angle.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -106,7 +106,9 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe
 
 @inlined
 def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
-    """Return True if the surfaces on both sides of a pixel in the direction (n_y, n_x) form a contact (eqs. 14-19)."""
+    """Return True if the surfaces on both sides of a pixel in the direction (n_y, n_x) form a contact (equations
+    14-19).
+    """
     v, u = crease_px * n_y, crease_px * n_x
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 
@@ -135,11 +137,13 @@ def mark_contours(
     """Mark depth steps and concave creases in four directions: horizontal, vertical and both diagonals.
 
     At a depth step, the second difference of samples step_px away is at least max(step_m, step_per_m d^2). At a crease,
-    samples crease_px away form a contact (eqs. 14-19), and the pixel lies behind their chord by at least noise_per_m
-    d^2. A pixel is not marked if depth is missing at the pixel and at both samples step_px away.
+    samples crease_px away form a contact (equations 14-19), and the pixel lies behind their chord by at least
+    noise_per_m d^2. A pixel is not marked if depth is missing at the pixel and at both samples step_px away.
 
-    depth (H, W) in metres. filled (H, W): depth with filled shadows, from which the samples are taken. camera (fx, fy,
-    cx, cy). steps, creases (H, W) uint8, initially zero.
+    - depth (H, W) in metres.
+    - filled (H, W): depth with filled shadows, from which the samples are taken.
+    - camera (fx, fy, cx, cy).
+    - steps, creases (H, W) uint8, initially zero.
     """
     height, width = depth.shape
     margin = max(step_px, crease_px)

@@ -1,4 +1,4 @@
-"""Kernels that select the Canny pixels that are boundaries of objects (eqs. 12-19)."""
+"""Kernels that select the Canny pixels that are boundaries of objects (equations 12-19)."""
 
 from __future__ import annotations
 
@@ -42,16 +42,14 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Return rho of eq. 12: the depth of an edge pixel minus the depth of a sample, m, or 0 if one of both is
-    missing.
-    """
+    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample, m, or 0 if one of both is missing."""
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
 
 @inlined
 def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
-    """Return True for a depth boundary (eq. 13), where at least one of both depth gradients reaches the threshold."""
+    """Eq. 13. Return True for a depth boundary, where at least one of both depth gradients reaches the threshold."""
     if not signed:
         rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
     return not ((rho_plus < step_m) & (rho_minus < step_m))
@@ -59,7 +57,7 @@ def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
 
 @inlined
 def back_project(depth, y, x, fx, fy, cx, cy):
-    """Return the point (X, Y, Z), in metres, that a pixel shows (eq. 14)."""
+    """Eq. 14. Return the point (X, Y, Z), in metres, that a pixel shows."""
     d = float(depth[y, x])
     return (x - cx) * d / fx, (y - cy) * d / fy, d
 
@@ -72,7 +70,7 @@ def difference(point, origin):
 
 @inlined
 def unit_vector(point, origin):
-    """Return the unit vector from `origin` to `point` (eqs. 15, 16), or the zero vector if both points coincide."""
+    """Eqs. 15, 16. Return the unit vector from `origin` to `point`, or the zero vector if both points coincide."""
     a, b, c = difference(point, origin)
     norm = np.sqrt(a * a + b * b + c * c)
     if norm == 0.0:
@@ -94,11 +92,12 @@ def cross(a, b):
 
 @inlined
 def along_edge(c, n_y, n_x, sign_rule):
-    """Return a number that is positive in a valley and negative on a ridge (eq. 19).
+    """Eq. 19. Return a number that is positive in a valley and negative on a ridge.
 
-    c: cross product of the directions from the edge to both sides. n_y, n_x: normal of the edge. sign_rule:
-    SIGN_TANGENT for the component of c along the edge, SIGN_X for the x component of c as in the paper, SIGN_NONE for
-    0. The x component of c is 0 at vertical edges, where its sign would be random.
+    - c: cross product of the directions from the edge to both sides.
+    - n_y, n_x: normal of the edge.
+    - sign_rule: SIGN_TANGENT for the component of c along the edge, SIGN_X for the x component of c as in the paper,
+      SIGN_NONE for 0. The x component of c is 0 at vertical edges, where its sign would be random.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -109,7 +108,7 @@ def along_edge(c, n_y, n_x, sign_rule):
 
 @inlined
 def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
-    """Return the angle between two directions in degrees (eqs. 17 and 19), negative at a convex boundary."""
+    """Eqs. 17 and 19. Return the angle between two directions in degrees, negative at a convex boundary."""
     c = cross(v_plus, v_minus)
     angle = np.arctan2(np.sqrt(dot(c, c)), dot(v_plus, v_minus)) * 180.0 / np.pi
     return -angle if along_edge(c, n_y, n_x, sign_rule) < 0.0 else angle
@@ -117,7 +116,7 @@ def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
 
 @inlined
 def is_contact(angle_deg, low_deg, high_deg):
-    """Return True if an angle lies between both thresholds of a contact boundary (eq. 18)."""
+    """Eq. 18. Return True if an angle lies between both thresholds of a contact boundary."""
     return not (angle_deg > high_deg or angle_deg < low_deg)
 
 
@@ -134,15 +133,15 @@ def cosine_limits(low_deg, high_deg):
 
 @inlined
 def scaled_point(depth, y, x, fx, fy, cx, cy):
-    """Return the point of eq. 14 multiplied by fx fy, which needs no division and leaves angles unchanged."""
+    """Return the point of equation 14 multiplied by fx fy, which needs no division and leaves angles unchanged."""
     d = float(depth[y, x])
     return (x - cx) * d * fy, (y - cy) * d * fx, d * fx * fy
 
 
 @inlined
 def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
-    """Return True for a contact at the edge pixel (y, x) between the surfaces at offsets (v, u) and (-v, -u) (eqs.
-    14-19).
+    """Eqs. 14-19. Return True for a contact at the edge pixel (y, x) between the surfaces at offsets (v, u) and (-v,
+    -u).
 
     The cosine of the angle is compared with the limits of `cosine_limits`. The angle is computed only close to a limit.
     """
@@ -166,12 +165,15 @@ def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_
 @kernel
 def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missing_is_boundary, contact_px, low_deg,
                    high_deg, sign_rule, depth_boundary, contact):  # fmt: skip
-    """Classify every edge pixel as a depth boundary, a contact, both or neither (eqs. 12-19).
+    """Eqs. 12-19. Classify every edge pixel as a depth boundary, a contact, both or neither.
 
     Edge pixels whose samples would lie outside the image are skipped.
 
-    edges (H, W) uint8. gx, gy (H, W) int16: colour gradient. depth (H, W) metres. camera (fx, fy, cx, cy).
-    depth_boundary, contact (H, W) uint8, initially zero.
+    - edges (H, W) uint8.
+    - gx, gy (H, W) int16: colour gradient.
+    - depth (H, W) metres.
+    - camera (fx, fy, cx, cy).
+    - depth_boundary, contact (H, W) uint8, initially zero.
     """
     height, width = edges.shape
     margin = max(step_px, contact_px) + 1

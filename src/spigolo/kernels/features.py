@@ -1,4 +1,4 @@
-"""Kernel that computes edge weights from feature vectors of pixels (eq. 1), in float32."""
+"""Kernel that computes edge weights from feature vectors of pixels (equation 1), in float32."""
 
 from __future__ import annotations
 
@@ -19,10 +19,11 @@ def squared_difference(a, b):
 
 @kernel
 def feature_plane(features, apart, dy, dx, out):
-    """Compute the Euclidean distance of the features of both pixels, for all edges with the offset (dy, dx) (eq. 1).
+    """Eq. 1. Compute the Euclidean distance of the features of both pixels, for all edges with the offset (dy, dx).
 
-    features (C, H, W) float32, NaN = missing. apart: squared distance that the pixel coordinates add to every edge. out
-    (H, W) float32, +inf where an edge leaves the image.
+    - features (C, H, W) float32, NaN = missing.
+    - apart: squared distance that the pixel coordinates add to every edge.
+    - out (H, W) float32, +inf where an edge leaves the image.
     """
     components, height, width = features.shape
     out[:] = np.inf

@@ -117,8 +117,11 @@ def join_runs(runs, parent, gaps):
 def measure_gaps(depth, runs, gaps, area, near, far, on_border):
     """Measure each gap: number of pixels, minimum and maximum depth around the gap, and contact with the image border.
 
-    runs (N, 3), gaps (N,): as in `join_runs`. area (G,) int64, initially zero. near (G,) float32 metres, initially
-    +inf. far (G,) float32 metres, initially zero. on_border (G,) uint8, initially zero.
+    - runs (N, 3), gaps (N,): as in `join_runs`.
+    - area (G,) int64, initially zero.
+    - near (G,) float32 metres, initially +inf.
+    - far (G,) float32 metres, initially zero.
+    - on_border (G,) uint8, initially zero.
     """
     height, width = depth.shape
     for k in range(len(runs)):

@@ -1,4 +1,5 @@
-"""Kernels that merge pixels into regions by their internal difference (Felzenszwalb & Huttenlocher 2004, eqs. 2, 3).
+"""Kernels that merge pixels into regions by their internal difference (Felzenszwalb & Huttenlocher 2004, equations 2,
+3).
 
 A packed edge has 64 bits: 32 bits for its float32 weight, 30 bits for its pixel and 2 bits for its direction. The
 record of a region has 32 bits for its number of pixels and 32 bits for its merge bound. docs/performance.md explains
@@ -66,7 +67,7 @@ def find_deep(parent, node):
 
 @inlined
 def may_merge(weight, bound_a, bound_b):
-    """Return True if the weight of an edge is at most the merge bound of both regions (eq. 3)."""
+    """Eq. 3. Return True if the weight of an edge is at most the merge bound of both regions."""
     return weight <= bound_a and weight <= bound_b
 
 
@@ -129,10 +130,12 @@ def ask_ahead(edges, k, offsets, parent, records):
 def plant(weights, width, gamma, parent, records, flags):
     """Merge pixels that are connected by horizontal or vertical edges of weight 0 into regions.
 
-    Edges of weight 0 always merge two regions (eq. 3), so that their order does not matter.
+    Edges of weight 0 always merge two regions (equation 3), so that their order does not matter.
 
-    weights (P, H W) float32. parent (H W,) uint32: root of each pixel. records (H W,) uint64: records of the roots.
-    flags (H W,) uint8: set to 1.
+    - weights (P, H W) float32.
+    - parent (H W,) uint32: root of each pixel.
+    - records (H W,) uint64: records of the roots.
+    - flags (H W,) uint8: set to 1.
     """
     right, down = weights[0], weights[1]
     for pixel in range(np.uint64(parent.size)):
@@ -160,12 +163,14 @@ def hang_below_first(parent, a, b):
 
 @kernel
 def merge(edges, offsets, gamma, stop, parent, records):
-    """Merge regions over packed edges (K,) in the order of their weights (eqs. 2, 3).
+    """Eqs. 2, 3. Merge regions over packed edges (K,) in the order of their weights.
 
     The internal difference I(R) of a region is the weight of the last edge that merged it, because edges are sorted.
 
-    offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64. stop: end at the first edge that
-    does not merge its two regions. Returns the number of processed edges.
+    - offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64.
+    - stop: end at the first edge that does not merge its two regions.
+
+    Returns the number of processed edges.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:

@@ -51,7 +51,10 @@ def sum_outlines(
     depth that lies between `near` and `near` + `shadow` pixels outside. The region's slope is measured up to `deep`
     pixels inside. The height above the support plane is (slope_x[x] + slope_y[y] + slope) * depth + offset.
 
-    labels (H, W) int32. depth (H, W) float32 metres. sums (R, 6) float64, initially zero, with these columns:
+    labels (H, W) int32. depth (H, W) float32 metres. sums (R, 6) float64, initially zero.
+
+    The columns of sums are numbers of:
+
 
     - pairs of 4-neighbours across the outline
     - pairs with depth at both samples

@@ -27,10 +27,12 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
     Pixels within `radius` pixels of the edge pixel are used. Pixels nearer than `strip` pixels to the edge have the
     weight `weak`, and other pixels the weight 1. Both sides require a total weight of at least `least`.
 
-    edges (H, W) uint8. direction (H, W) uint8: index into normals. normals (K, 2) float64: unit vectors (n_y, n_x).
-    disparity (H, W) float32, 0 where missing. out (H, W, 4) float32, initially zero: disparity at the edge and slope
-    per pixel on the side of the normal, then both values on the other side. All four values stay 0 if a side has too
-    little weight.
+    - edges (H, W) uint8.
+    - direction (H, W) uint8: index into normals.
+    - normals (K, 2) float64: unit vectors (n_y, n_x).
+    - disparity (H, W) float32, 0 where missing.
+    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel on the side of the normal, then
+      both values on the other side. All four values stay 0 if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -67,8 +69,10 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
 def advance(total, across, low, high, reached, origin):
     """Compute the cheapest path from any radius on one ray to each radius low..high - 1 on the next ray.
 
-    total: cost of the path to each radius on this ray. across: cost of a step between radius k and k + 1. reached: cost
-    of the path to each radius on the next ray. origin: radius on this ray from which that path comes.
+    - total: cost of the path to each radius on this ray.
+    - across: cost of a step between radius k and k + 1.
+    - reached: cost of the path to each radius on the next ray.
+    - origin: radius on this ray from which that path comes.
     """
     best, source = np.inf, low
     for k in range(low, high):
@@ -109,9 +113,12 @@ def closed_path(radial, angular, least, most, best):
     The cheapest path through one radius on ray 0 divides the search, because cheapest paths need not cross each other.
     A start radius is skipped if a lower bound of its cost exceeds the cost of the best path.
 
-    radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k. angular (T, R) float32, not
-    negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the last ray. best (T,) int32:
-    radius of the path on each ray. Returns the cost of the path.
+    - radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k.
+    - angular (T, R) float32, not negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the
+      last ray.
+    - best (T,) int32: radius of the path on each ray.
+
+    Returns the cost of the path.
     """
     rays, radii = radial.shape
     paths = np.empty((radii + 2, rays), np.int32)

@@ -56,8 +56,12 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
 
     Across a depth step of more than max(step, step_per_m d^2), the interaction is `-penalty`.
 
-    distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image. depth (H, W) metres, 0 =
-    missing. mean, repulsion: as in `color_interaction`. step: m. step_per_m: 1/m. out (H, W) float32.
+    - distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image.
+    - depth (H, W) metres, 0 = missing.
+    - mean, repulsion: as in `color_interaction`.
+    - step: m.
+    - step_per_m: 1/m.
+    - out (H, W) float32.
     """
     height, width = depth.shape
     mean, repulsion, penalty = np.float32(mean), np.float32(repulsion), np.float32(penalty)
@@ -125,8 +129,11 @@ def sweep(spins, planes, values, temperature, seed, number):
     temperature). Pixels are updated in four groups, each with every second pixel of every second row. Pixels of one
     group are not neighbours, so that their order does not matter.
 
-    spins (H, W) int32: spins from 0 to values - 1, changed in place. planes (4, H, W) float32: interactions. seed,
-    number: seed and number of the sweep, which determine the random bits. Returns the number of changed spins.
+    - spins (H, W) int32: spins from 0 to values - 1, changed in place.
+    - planes (4, H, W) float32: interactions.
+    - seed, number: seed and number of the sweep, which determine the random bits.
+
+    Returns the number of changed spins.
     """
     height, width = spins.shape
     spin, force = np.empty(NEIGHBOURS, np.int32), np.empty(NEIGHBOURS, np.float32)

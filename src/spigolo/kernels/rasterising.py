@@ -14,8 +14,10 @@ def draw_mesh(points, triangles, out):
 
     Triangles with a corner too near the camera are skipped.
 
-    points (V, 3): image position (u, v) in pixels and 1 / Z of each vertex, with 1 / Z = 0 if it is too near the
-    camera. triangles (T, 3) int32: indices of the vertices. out (H, W) metres, initially zero.
+    - points (V, 3): image position (u, v) in pixels and 1 / Z of each vertex, with 1 / Z = 0 if it is too near the
+      camera.
+    - triangles (T, 3) int32: indices of the vertices.
+    - out (H, W) metres, initially zero.
     """
     height, width = out.shape
     for t in range(triangles.shape[0]):

@@ -41,8 +41,9 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
     the image row or column. A profile counts if the depth at its ends differs by more than max(step_m, step_share *
     nearer depth).
 
-    labels (H, W) int32, 0 = background. depth (H, W) float32 metres, 0 = missing. sums (2,) int64, initially zero:
-    number of profiles, number of pixels between both depths of a step.
+    - labels (H, W) int32, 0 = background.
+    - depth (H, W) float32 metres, 0 = missing.
+    - sums (2,) int64, initially zero: number of profiles, number of pixels between both depths of a step.
     """
     height, width = labels.shape
     flat = depth.reshape(-1)
@@ -122,9 +123,10 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
 
     The maximum layer is width_px, or hole_width_px where near_hole is nonzero.
 
-    labels (H, W) int32. near_hole (H, W) uint8: nonzero near missing depth. layer (H, W) uint8: 255 in pixels beyond
-    the maximum layer. inner (N,) int32: number of layers of each label, or 255 if the label has pixels beyond the
-    maximum layer.
+    - labels (H, W) int32.
+    - near_hole (H, W) uint8: nonzero near missing depth.
+    - layer (H, W) uint8: 255 in pixels beyond the maximum layer.
+    - inner (N,) int32: number of layers of each label, or 255 if the label has pixels beyond the maximum layer.
     """
     height, width = labels.shape
     layer[:] = UNREACHED
@@ -266,16 +268,20 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     """Give each open pixel the label of a seed, by a spanning forest whose roots are the seeds.
 
     The forest grows by Prim's algorithm, always along the lightest edge from a labelled to an open pixel. The weight of
-    an edge is the RGB distance between the open pixel and the mean colour of the tree, plus the cost of a depth step,
-    plus `carry` times the weight of the previous edge of the tree. The last term makes a blurred image edge as heavy as
-    a sharp one. The mean colour of a tree is `memory` times the previous mean plus (1 - memory) times the colour of the
-    new pixel, which reduces noise. With memory = carry = 0 the result is a minimum spanning forest. Weights are rounded
-    down to whole grey levels. Among edges of equal weight, the edge that was found first is used.
+    an edge is a sum of three terms: the RGB distance between the open pixel and the mean colour of the tree, the cost
+    of a depth step, and `carry` times the weight of the previous edge of the tree. The third term makes a blurred image
+    edge as heavy as a sharp image edge. The mean colour of a tree is `memory` times the previous mean plus (1 - memory)
+    times the colour of the new pixel, which reduces noise. With memory = carry = 0 the result is a minimum spanning
+    forest. Weights are rounded down to whole grey levels. Among edges of equal weight, the edge that was found first is
+    used.
 
-    color (H, W, 3) uint8. depth (H, W) float32 metres, 0 = missing. labels (H, W) int32: changed at open pixels. opened
-    (H, W) uint8: flags of `open_layers`, set to 0 at pixels that get a label. count: number of open pixels. step_m,
-    step_per_m float32: a depth step of max(step_m, step_per_m z^2) costs step_weight. source_of (H * W,) int32: index y
-    * W + x of the seed of each open pixel.
+    - color (H, W, 3) uint8.
+    - depth (H, W) float32 metres, 0 = missing.
+    - labels (H, W) int32: changed at open pixels.
+    - opened (H, W) uint8: flags of `open_layers`, set to 0 at pixels that get a label.
+    - count: number of open pixels.
+    - step_m, step_per_m float32: a depth step of max(step_m, step_per_m z^2) costs step_weight.
+    - source_of (H * W,) int32: index y * W + x of the seed of each open pixel.
     """
     width = labels.shape[1]
     points, flat, label, state = color.reshape(-1, 3), depth.reshape(-1), labels.reshape(-1), opened.reshape(-1)
@@ -321,8 +327,10 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
 def follow_seeds(before, after, source_of, regions, out, areas):
     """Give each pixel whose label changed the region number of its seed, and count the pixels of each region.
 
-    before, after: labels (H, W) int32 before and after `grow_seeds`. source_of (H * W,) int32: result of `grow_seeds`.
-    regions, out: old and new region numbers (H, W) int32. areas (R,) int64, initially zero.
+    - before, after: labels (H, W) int32 before and after `grow_seeds`.
+    - source_of (H * W,) int32: result of `grow_seeds`.
+    - regions, out: old and new region numbers (H, W) int32.
+    - areas (R,) int64, initially zero.
     """
     width, flat = before.shape[1], regions.reshape(-1)
     for y in range(before.shape[0]):

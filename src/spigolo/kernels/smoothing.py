@@ -1,4 +1,4 @@
-"""Kernels that smooth a depth map with a window size that depends on depth (Holzer et al. 2012, eqs. 5-8)."""
+"""Kernels that smooth a depth map with a window size that depends on depth (Holzer et al. 2012, equations 5-8)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from spigolo.kernels._jit import inlined, kernel
 def mark_steps(depth, error_per_m, step_factor, out):
     """Compute the inverted depth-change map of Holzer et al.: 0 at depth steps and missing depth, 1 elsewhere.
 
-    A depth step is a difference of at least step_factor * error_per_m * d^2 to the right or lower neighbour, where d is
+    A depth step is a difference of at least step_factor * error_per_m * d^2 to the right or lower neighbour. Here, d is
     the depth of the pixel in metres. The map is inverted, because the distance transform measures the distance to the
     nearest zero.
     """
@@ -71,8 +71,8 @@ def distance_to_zero(mask, cap, steps, out):
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
     """Compute the half-width of the smoothing window of each pixel, in pixels: min(beta alpha d^2, T / sqrt 2).
 
-    In the formula, alpha = error_per_m, beta = radius_per_error, d is the depth in metres, and T is the distance in
-    pixels to the nearest depth step or missing pixel. The result is rounded and limited to max_radius and to the image.
+    Here, alpha = error_per_m, beta = radius_per_error, and d is the depth in metres. T is the distance in pixels to the
+    nearest depth step or missing pixel. The half-width is rounded and limited to max_radius and to the image.
     """
     height, width = depth.shape
     for y in range(height):
@@ -104,7 +104,7 @@ def box_row(integral, y, x, r, n, out):
 
 @kernel
 def count_boxes(integral, radius, out):
-    """Count the pixels of the mask I_B in the smoothing window of each pixel: gamma_0 of eq. 7.
+    """Eq. 7. Count the pixels of the mask I_B in the smoothing window of each pixel (gamma_0).
 
     integral: integral image of I_B. radius (H, W): half-width of each window, px.
     """
@@ -116,14 +116,15 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Compute the mean depth in the smoothing window of each pixel, without excluded pixels (eq. 8, or eq. 5 without
-    exclusions).
+    """Eqs. 5 and 8. Compute the mean depth in the smoothing window of each pixel, without excluded pixels (equation 8,
+    or equation 5 without exclusions).
 
     Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the
     loop.
 
-    depth_integral (H+1, W+1) float64: integral image of depth. left_out_integral (H+1, W+1) int32: integral image of
-    the mask of excluded pixels. radius (H, W): half-width of each window, px.
+    - depth_integral (H+1, W+1) float64: integral image of depth.
+    - left_out_integral (H+1, W+1) int32: integral image of the mask of excluded pixels.
+    - radius (H, W): half-width of each window, px.
     """
     height, width = depth.shape
     total, counted = np.empty(width), np.empty(width)

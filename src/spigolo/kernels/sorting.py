@@ -22,8 +22,11 @@ def digit_of(edge, base, shift, mask):
 def scatter(edges, base, shift, mask, starts, out):
     """Run one stable pass of a radix sort, which sorts packed edges (E,) by one digit of their weight.
 
-    base: uint64, subtracted from the bits of the weight. shift: position of the digit in bits. mask: 2^b - 1 for digits
-    of b bits. starts (2^b,) uint32: scratch memory. out (E,): sorted edges.
+    - base: uint64, subtracted from the bits of the weight.
+    - shift: position of the digit in bits.
+    - mask: 2^b - 1 for digits of b bits.
+    - starts (2^b,) uint32: scratch memory.
+    - out (E,): sorted edges.
     """
     starts[:] = 0
     for k in range(edges.size):

@@ -34,8 +34,9 @@ def connected_areas(spins: Spins) -> Regions:
 class Borders(NamedTuple):
     """Borders between neighbouring domains. Every border is listed twice, once from each side.
 
-    domain: (2, B), number of this domain and of the other domain. area: (2, B), numbers of pixels of both domains.
-    mean: (B,), mean interaction of the pixel pairs across the border.
+    - domain: (2, B), number of this domain and of the other domain.
+    - area: (2, B), numbers of pixels of both domains.
+    - mean: (B,), mean interaction of the pixel pairs across the border.
     """
 
     domain: Counts

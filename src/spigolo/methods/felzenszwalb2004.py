@@ -1,6 +1,7 @@
 """Felzenszwalb & Huttenlocher 2004, *Efficient Graph-Based Image Segmentation*.
 
-This method uses only colour. Edge weights are computed by eq. 1, and pixels are merged into regions by eqs. 2 and 3.
+This method uses only colour. Edge weights are computed by equation 1, and pixels are merged into regions by equations 2
+and 3.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ class FelzenszwalbConfig(MethodConfig):
     sigma_px: NotNegative = 0.8
     """Standard deviation of the Gaussian smoothing of colour, px. 0 does not smooth. The default is from the paper."""
     k: NotNegative = 800.0
-    """Threshold gamma of eq. 3, as a colour difference times a number of pixels. Larger values make larger regions. The
-    paper uses 150 to 500. The default was the best of several values on real frames.
+    """Threshold gamma of equation 3, as a colour difference times a number of pixels. Larger values make larger
+    regions. The paper uses 150 to 500. The default was the best of several values on real frames.
     """
     k_xy: NotNegative = 0.0
-    """Weight of the pixel coordinates in eq. 1, per pixel. With 0, only colour counts, as in Felzenszwalb &
+    """Weight of the pixel coordinates in equation 1, per pixel. With 0, only colour counts, as in Felzenszwalb &
     Huttenlocher 2004. Toscana & Rosa 2016 print the weight 1.
     """
     connectivity: Literal[4, 8] = 8
@@ -44,12 +45,12 @@ class Felzenszwalb2004(Baseline[FelzenszwalbConfig]):
     config: FelzenszwalbConfig = field(default_factory=FelzenszwalbConfig)
 
     def graph(self, frame: Frame) -> Graph:
-        """Return the graph whose edge weights are colour differences of neighbouring pixels (eq. 1)."""
+        """Eq. 1. Return the graph whose edge weights are colour differences of neighbouring pixels."""
         features = color_features(frame.color, self.config.sigma_px)
         return feature_graph(features, self.config.connectivity, self.config.k_xy)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of a frame, which are merged by their internal difference (eqs. 2, 3)."""
+        """Return the regions of a frame, which are merged by their internal difference (equations 2, 3)."""
         graph = self.graph(frame)
         config = self.config.at_size(frame.shape)
         return Division(partition(graph, config.k, config.min_size_px2), weight_contour(graph))

@@ -1,8 +1,8 @@
 """Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: segmentation around automatically chosen points.
 
-A depth border belongs to the surface on its nearer side, the owner of the border, so that a point on this side probably
-lies inside an object. The method `mishra2009` finds the region around the point. The region is accepted if its contour
-consists mostly of contact boundaries and of borders that the region owns.
+A depth border belongs to the surface on its nearer side, called the owner of the border. A point on the owner's side
+probably lies inside an object. The method `mishra2009` finds the region around the point. The region is accepted if its
+contour consists mostly of contact boundaries and of borders that the region owns.
 
 Only an outline of the paper was available. The choice of points, the acceptance of objects and the default parameters
 are our reading. The paper detects contact with the table from the camera's pose. In this implementation, a contact is a

@@ -79,9 +79,11 @@ class BoundaryConfig(MethodConfig):
 class Boundary:
     """Edges of a frame and their owners.
 
-    value: (H, W) float32, border probability of edge pixels, 0 elsewhere. strong: mask (H, W) of edge pixels with a
-    border probability above 1/2. normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: (H, W) int8,
-    owner of the edge: 1 for the side of the normal, -1 for the other side, 0 if the owner is unknown.
+    - value: (H, W) float32, border probability of edge pixels, 0 elsewhere.
+    - strong: mask (H, W) of edge pixels with a border probability above 1/2.
+    - normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge.
+    - side: (H, W) int8, owner of the edge: 1 for the side of the normal, -1 for the other side, 0 if the owner is
+      unknown.
     """
 
     value: Floats

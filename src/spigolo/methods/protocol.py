@@ -12,8 +12,10 @@ from spigolo.objects.segmentation import Segmentation
 class Method(Protocol):
     """Segmentation method with its parameters. Methods can be pickled for worker processes.
 
-    name: name of the method. preset: name of the parameters, or "". digest: hash of the parameter values. parameters:
-    parameter values as a mapping that can be written as JSON.
+    - name: name of the method.
+    - preset: name of the parameters, or "".
+    - digest: hash of the parameter values.
+    - parameters: parameter values as a mapping that can be written as JSON.
     """
 
     @property

@@ -44,11 +44,14 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
     """Fit an oriented box to the measured depth inside a mask.
 
     The box covers only the visible surface. Pixels at the outline of the mask and the outermost points along each axis
-    are ignored, because their depth often mixes object and background (flying pixels).
+    are ignored. Their depth often mixes object and background (flying pixels).
 
-    mask: (H, W). depth: (H, W) in metres. up: unit vector (3,) that one axis of the box follows, such as the normal of
-    the support plane. If `up` is None, this axis is the direction in which the points vary least. Returns None if fewer
-    than 10 pixels have depth.
+    - mask: (H, W).
+    - depth: (H, W) in metres.
+    - up: unit vector (3,) that one axis of the box follows, such as the normal of the support plane. If `up` is None,
+      this axis is the direction in which the points vary least.
+
+    Returns None if fewer than 10 pixels have depth.
     """
     core = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
     points = camera.back_project(depth, core)

@@ -160,9 +160,12 @@ def measure_regions(
 ) -> list[RegionFacts]:
     """Measure every region. The result is indexed by region number.
 
-    depth: in-painted depth map (H, W) in metres. contour: boundary map (H, W) of `contour_cue`. above: mask (H, W) of
-    the measured pixels above the support plane. inside: the two masks (H, W) of `roi_mask`. stance: measurements of
-    walls and ledges. plane: support plane.
+    - depth: in-painted depth map (H, W) in metres.
+    - contour: boundary map (H, W) of `contour_cue`.
+    - above: mask (H, W) of the measured pixels above the support plane.
+    - inside: the two masks (H, W) of `roi_mask`.
+    - stance: measurements of walls and ledges.
+    - plane: support plane.
     """
     points = _sum_points(regions, frame)
     measured = points[:, 0]
@@ -238,9 +241,9 @@ def region_score(
     The score is contour * (1 - exp(-measured / 0.98 %)) * above. Large surfaces with a strong contour above the support
     plane are more often whole objects.
 
-    contour: mean boundary value (R,) along each region's border. measured: number of each region's measured pixels
-    (R,), as a share of the image. above: share (R,) of each region above the support plane, or None without a support
-    plane.
+    - contour: mean boundary value (R,) along each region's border.
+    - measured: number of each region's measured pixels (R,), as a share of the image.
+    - above: share (R,) of each region above the support plane, or None without a support plane.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

@@ -36,8 +36,12 @@ Verdict = tuple[Reason, str]
 def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
     """Return the first rule that a region violates, with an explanation, or None if the region is an object.
 
-    facts: measurements of the region. paper: limits of section III-F. ours: limits of our rules. support: parameters of
-    the support plane. Lengths and areas must be scaled to the image size.
+    Lengths and areas in the limits must be scaled to the image size.
+
+    - facts: measurements of the region.
+    - paper: limits of the paper, section III-F.
+    - ours: limits of our rules.
+    - support: parameters of the support plane, with the minimum share of a region above the plane.
     """
     return (
         _judge_place(facts, support)
@@ -72,8 +76,8 @@ def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     """Return the reason why a region is a wall, or None if the region is not a wall.
 
-    A region is a wall if depth steps back along too little of its outline, or if the region is long and the image
-    border cuts it off.
+    A region is a wall in two cases. In the first case, the depth beyond the outline is larger by a step along too
+    little of the outline. In the second case, the region is long and the image border cuts the region off.
     """
     lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)

@@ -234,8 +234,10 @@ def _frame_of(pair: Pair, info: Any, options: Options) -> Frame:
 def run(overrides: Mapping[str, Any], ros_args: Sequence[str]) -> None:
     """Run the ROS 2 node until it is interrupted.
 
-    overrides: values of node parameters, indexed by name. ros_args: arguments for ROS such as remappings. Raises
-    SpigoloError if rclpy is missing or a parameter is wrong.
+    - overrides: values of node parameters, indexed by name.
+    - ros_args: arguments for ROS such as remappings.
+
+    Raises SpigoloError if rclpy is missing or a parameter is wrong.
     """
     kinds = find_kinds()
     rclpy = kinds.rclpy

@@ -1,1 +1,1 @@
-"""Stages of the paper's method (eqs. 2-23), without our additions."""
+"""Stages of the paper's method (equations 2-23), without our additions."""

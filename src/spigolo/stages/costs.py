@@ -1,4 +1,4 @@
-"""Cost functions, which compute edge weights from the cues (eqs. 22, 23).
+"""Cost functions, which compute edge weights from the cues (equations 22, 23).
 
 To add a cost function, add a class of parameters to `settings.paper`, a kernel to `kernels.costs`, and an entry to
 COSTS.

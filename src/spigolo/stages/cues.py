@@ -1,7 +1,7 @@
-"""Cues from which edge weights are computed: depth, and saliency or boundary (eqs. 11, 21).
+"""Cues from which edge weights are computed: depth, and saliency or boundary (equations 11, 21).
 
-Only the cues that the cost function reads are computed. The cost function of eq. 22 reads saliency, and that of eq. 23
-reads the boundary map.
+Only the cues that the cost function reads are computed. The cost function of equation 22 reads saliency, and that of
+equation 23 reads the boundary map.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Weighing:
     missing: float | None
     """Share of the frame without depth within the working range. None if the cost function is fixed."""
     gamma: float
-    """Threshold gamma of eq. 3 for this cost function."""
+    """Threshold gamma of equation 3 for this cost function."""
 
     @property
     def reads_boundary(self) -> bool:
@@ -51,13 +51,13 @@ class Cues:
 
     @property
     def delta_sal(self) -> npt.NDArray[np.float32]:
-        """Return delta_sal (H, W), the saliency of each pixel after a power law (eq. 11)."""
+        """Eq. 11. Return delta_sal (H, W), the saliency of each pixel after a power law."""
         assert self.saliency is not None
         return self.saliency
 
     @property
     def delta_bound(self) -> npt.NDArray[np.float32]:
-        """Return delta_bound (H, W), the boundary value of each pixel (eq. 21)."""
+        """Eq. 21. Return delta_bound (H, W), the boundary value of each pixel."""
         assert self.boundary is not None
         return self.boundary
 
@@ -78,8 +78,9 @@ def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
 def gather_cues(image: Color, depth: DepthMap, lines: Mask | None, weighing: Weighing, config: Config) -> Cues:
     """Compute the cues that the cost function of a frame reads.
 
-    image: (H, W, 3) RGB. depth: prepared depth map (H, W) in metres. lines: mask (H, W) of the boundary lines E_F, or
-    None if the cost function does not read the boundary map.
+    - image: (H, W, 3) RGB.
+    - depth: prepared depth map (H, W) in metres.
+    - lines: mask (H, W) of the boundary lines E_F, or None if the cost function does not read the boundary map.
     """
     return Cues(
         depth=depth,

@@ -1,4 +1,4 @@
-"""Preparation of the depth map: in-painting of small gaps, and smoothing that does not fill shadows (eqs. 5-8).
+"""Preparation of the depth map: in-painting of small gaps, and smoothing that does not fill shadows (equations 5-8).
 
 In-painting comes first, because sampling holes would make all smoothing windows tiny. Large shadows stay 0.
 """
@@ -28,7 +28,7 @@ def prepare_depth(depth: DepthMap, config: DepthConfig) -> DepthMap:
 
 
 def missing_mask(depth: DepthMap) -> Mask:
-    """Return the mask B_D (H, W) of pixels without depth (eq. 6)."""
+    """Eq. 6. Return the mask B_D (H, W) of pixels without depth."""
     return np.asarray(depth == 0)
 
 
@@ -48,7 +48,7 @@ def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[
 
 
 def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-    """Return gamma_0 (H, W), the number of pixels of `mask` in the smoothing window of each pixel (eq. 7)."""
+    """Eq. 7. Return gamma_0 (H, W), the number of pixels of `mask` in the smoothing window of each pixel."""
     out = np.empty(mask.shape, np.int32)
     smoothing.count_boxes(_count_integral(mask), radius, out)
     return out
@@ -56,7 +56,7 @@ def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.i
 
 @stage("depth: smoothing")
 def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
-    """Return the mean depth (H, W) in the smoothing window of each pixel, in metres (eqs. 5 and 8).
+    """Eqs. 5 and 8. Return the mean depth (H, W) in the smoothing window of each pixel, in metres.
 
     The window of a pixel with radius r has (2r+1)^2 pixels. The mean is computed over valid pixels or, if `config.mean`
     is "plain", over all pixels with missing depth as 0. Missing depth stays missing.
@@ -135,10 +135,11 @@ def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.fl
 class Gaps:
     """Gaps of a depth map, which are 8-connected components of pixels without depth.
 
-    runs: (N, 3), row, first column and last column + 1 of every run of missing pixels in an image row. gap_of_run:
-    (N,), number of the gap of each run. area_px: (G,), pixels of each gap. near_m, far_m: (G,), smallest and largest
-    valid depth around each gap in metres, 0 if no neighbour is valid. on_border: (G,), True if the gap touches the
-    image border.
+    - runs: (N, 3), row, first column and last column + 1 of every run of missing pixels in an image row.
+    - gap_of_run: (N,), number of the gap of each run.
+    - area_px: (G,), pixels of each gap.
+    - near_m, far_m: (G,), smallest and largest valid depth around each gap in metres, 0 if no neighbour is valid.
+    - on_border: (G,), True if the gap touches the image border.
     """
 
     width: int

@@ -1,4 +1,4 @@
-"""Selection of the image edges that are boundaries of objects (eqs. 12-20).
+"""Selection of the image edges that are boundaries of objects (equations 12-20).
 
 A Canny edge is a depth boundary if the depth changes by a step across the edge. A Canny edge is a contact boundary if
 an object touches its support at the edge. All other edges are removed, such as edges of prints and convex edges of
@@ -90,14 +90,12 @@ def classify(
 
 
 def final_boundary(depth_boundary: Mask, contact_boundary: Mask) -> Mask:
-    """Return the mask E_F (H, W), the union of depth boundary and contact boundary (eq. 20)."""
+    """Eq. 20. Return the mask E_F (H, W), the union of depth boundary and contact boundary."""
     return depth_boundary | contact_boundary
 
 
 def boundary_cue(lines: Mask, config: EdgesConfig) -> npt.NDArray[np.float32]:
-    """Return the boundary map delta_bound (H, W) from 0 to 1, blurred or not blurred, from the lines of E_F (eq.
-    21).
-    """
+    """Eq. 21. Return the boundary map delta_bound (H, W) from 0 to 1, blurred or not blurred, from the lines of E_F."""
     return soften(lines, config.blur_px) if config.boundary == "soft" else lines.astype(np.float32)
 
 

@@ -1,4 +1,4 @@
-"""Graph of neighbouring pixels and its edge weights (eqs. 4, 9, 22, 23).
+"""Graph of neighbouring pixels and its edge weights (equations 4, 9, 22, 23).
 
 Edge weights are stored in planes, one for each direction. Plane p holds, at (y, x), the weight of the edge from pixel
 (y, x) to its neighbour at OFFSETS[p]. Edges are numbered plane by plane, row by row. Edges that leave the image have
@@ -55,7 +55,7 @@ def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_
 
 
 def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
-    """Return 1 / depth range for eq. 9, in 1/m, or 0 if all depths are equal.
+    """Return 1 / depth range for equation 9, in 1/m, or 0 if all depths are equal.
 
     depth: (H, W) in metres. depth_range: range in metres, or None for the range of the valid depths.
     """

@@ -1,4 +1,4 @@
-"""Partition of the graph of pixels into regions by their internal difference (eqs. 2, 3)."""
+"""Partition of the graph of pixels into regions by their internal difference (equations 2, 3)."""
 
 from __future__ import annotations
 
@@ -61,11 +61,13 @@ class Regions:
 def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: Workspace | None = None) -> Regions:
     """Merge pixels into regions along edges of increasing weight, and then join small regions with their neighbours.
 
-    Edges of equal weight are processed in the order of their numbers. The internal difference I(R) of eq. 2 is the
+    Edges of equal weight are processed in the order of their numbers. The internal difference I(R) of equation 2 is the
     largest weight in the minimum spanning tree of region R, as in Felzenszwalb & Huttenlocher 2004.
 
-    graph: edge weights, not negative and not NaN. Edges of weight +inf are ignored. gamma: threshold of eq. 3.
-    min_size_px: minimum number of pixels of a region. workspace: scratch memory to reuse from frame to frame.
+    - graph: edge weights, not negative and not NaN. Edges of weight +inf are ignored.
+    - gamma: threshold of eq. 3.
+    - min_size_px: minimum number of pixels of a region.
+    - workspace: scratch memory to reuse from frame to frame.
     """
     planes, height, width = graph.weights.shape
     workspace = Workspace() if workspace is None else workspace
@@ -107,8 +109,9 @@ class SortedEdges:
 
         If the buffer is too small for all edges, only edges below a smaller weight are returned.
 
-        forest: current regions. least: minimum number of flagged pixels of an edge, 1 or 2. detours: True to include
-        the heaviest edge of each triangle or square of neighbouring pixels.
+        - forest: current regions.
+        - least: minimum number of flagged pixels of an edge, 1 or 2.
+        - detours: True to include the heaviest edge of each triangle or square of neighbouring pixels.
         """
         width = self.offsets[1]
         while True:
@@ -160,7 +163,7 @@ class Forest:
         self._workspace = workspace
 
     def merge(self, edges: SortedEdges) -> None:
-        """Merge regions in several rounds of increasing edge weights (eqs. 2, 3)."""
+        """Eqs. 2, 3. Merge regions in several rounds of increasing edge weights."""
         merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
         low, *pivots = edges.pivots()
         if edges.weightless_share() < MANY_WEIGHTLESS:
@@ -172,7 +175,7 @@ class Forest:
                 self._merge(lightest, edges, stop=False)
 
     def _merge_freely(self, edges: SortedEdges, high: float) -> float:
-        """Merge regions along edges lighter than `high`, until eq. 3 rejects a merge. Return the weight that was
+        """Merge regions along edges lighter than `high`, until equation 3 rejects a merge. Return the weight that was
         reached.
 
         Before the first rejected merge, detours have no effect and are therefore not sorted.

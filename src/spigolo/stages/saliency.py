@@ -38,7 +38,7 @@ def _levels(image: Color, config: SaliencyConfig) -> npt.NDArray[np.uint8]:
 
 
 def power_law(saliency: Map, power: float) -> Map:
-    """Normalise a saliency map (H, W) to a maximum of 1 and raise it to `power` (eq. 10)."""
+    """Eq. 10. Normalise a saliency map (H, W) to a maximum of 1 and raise it to `power`."""
     largest = saliency.max(initial=0)
     return np.asarray((saliency / largest) ** np.float32(power), np.float32) if largest > 0 else np.zeros_like(saliency)
 

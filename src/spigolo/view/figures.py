@@ -33,10 +33,11 @@ CURVED = 2
 
 
 def figure2(frame: Frame, config: Config = TABLE) -> Color:
-    """Draw the effect of two smoothing methods next to missing depth: eq. 5 on the left, and eq. 8 on the right.
+    """Draw the effect of two smoothing methods next to missing depth: equation 5 on the left, and equation 8 on the
+    right.
 
-    The rows show the depth map, a point cloud from the side, and the detail where both depth maps differ most. Eq. 5
-    counts missing depth as 0, and eq. 8 ignores missing depth.
+    The rows show the depth map, a point cloud from the side, and the detail where both depth maps differ most. Equation
+    5 counts missing depth as 0, and equation 8 ignores missing depth.
     """
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")

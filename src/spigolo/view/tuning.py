@@ -51,10 +51,15 @@ def tune(
 ) -> TuningPage:
     """Open a web page to tune the parameters of the segmentation interactively.
 
-    frames: a frame, a list of frames, a source, or an iterator of frames. config: configuration to start from. port:
-    port of the web server. host: network address of the web server, by default only this machine. open_browser: open
-    the page in a browser. folder: folder for saved presets. block: wait until the page is closed or Ctrl-C is pressed.
-    Requires `pip install "spigolo[tune]"`. Raises SpigoloError if the package viser is missing.
+    - frames: a frame, a list of frames, a source, or an iterator of frames.
+    - config: configuration to start from.
+    - port: port of the web server.
+    - host: network address of the web server, by default only this machine.
+    - open_browser: open the page in a browser.
+    - folder: folder for saved presets.
+    - block: wait until the page is closed or Ctrl-C is pressed.
+
+    Raises SpigoloError if the package viser is missing (`pip install "spigolo[tune]"`).
     """
     page = TuningPage(Session(frames, config), port, host, Path(folder))
     if open_browser:

@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 class Controls:
     """Controls of all parameters on a tuning page.
 
-    gui: the page. values: values of all parameters. changed: function that is called with the key and the new value of
-    a changed control. The value is None if a rule is switched off, and True or False if a stage is switched on or off.
+    - gui: the page.
+    - values: values of all parameters.
+    - changed: function that is called with the key and the new value of a changed control. The value is None if a rule
+      is switched off, and True or False if a stage is switched on or off.
     """
 
     def __init__(self, gui: viser.GuiApi, values: Values, changed: Callable[[str, Any], None]) -> None:

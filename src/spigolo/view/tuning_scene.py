@@ -142,8 +142,9 @@ class Stand:
     def look(self, view: str, aspect: float) -> tuple[Vectors, Vectors]:
         """Return the position (3,) and the target point (3,) of the camera of the 3-D scene, in metres.
 
-        view: "picture", "cloud" or "both", the part of the scene that fills the window. aspect: width divided by height
-        of the window. On a phone (aspect at most 0.9), the picture is shown above the controls.
+        - view: "picture", "cloud" or "both", the part of the scene that fills the window.
+        - aspect: width divided by height of the window. On a phone (aspect at most 0.9), the picture is shown above the
+          controls.
         """
         (width, height), wanted = self.size, view if len(self.points) else "picture"
         lift = np.zeros(3)

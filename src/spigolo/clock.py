@@ -1,6 +1,6 @@
 """Timing of the stages: `stopwatch` measures the functions that the decorator `stage` marks.
 
-In this example, two stages of one frame are timed:
+The following code prints the times of the stage "partition":
 
     with sp.clock.stopwatch() as times:
         sp.segment(frame)

@@ -1,4 +1,4 @@
-"""Exceptions and warnings of spigolo. Each message says what was expected, what was given and how to correct the
+"""Exceptions and warnings of spigolo. An error message says what was expected, what was given and how to correct the
 input.
 """
 

@@ -32,7 +32,7 @@ from spigolo.stages.regions import Regions, partition
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trace:
-    """Results of all stages of one segmentation. If `additions.resolution` is "half", they refer to the halved
+    """Results of all stages of one segmentation. If `additions.resolution` is "half", the stages refer to the halved
     frame.
     """
 
@@ -47,7 +47,7 @@ class Trace:
     edges: EdgeMaps | None
     """Image edges and boundaries. None if the cost function does not read the boundary map."""
     contours: Contours | None
-    """Contours from the depth map (our addition). None without additions or if `edges` is None."""
+    """Contours from the depth map (our addition). None if the preset has no additions or if `edges` is None."""
     cues: Cues
     """Cues from which the edge weights were computed."""
     graph: Graph

@@ -81,7 +81,7 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
     """Return the noise of a depth map (H, W) in metres, divided by the squared depth, in 1/m.
 
     Noise is the deviation of a pixel's depth from the straight line between the pixels `reach_px` to its left and
-    right. The function returns the median deviation over the frame, or 0 if too few pixels have depth.
+    right. The result is the median noise of the frame, or 0 if too few pixels have depth.
     """
     rows = depth[::NOISE_ROWS]
     before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]
@@ -93,7 +93,9 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
 
 
 def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
-    """Return the mask (H, W) of pixels without depth, or None if their share of the frame is below `holes_from`."""
+    """Return the mask (H, W) of pixels without depth, or None if less than the share `holes_from` of the frame lacks
+    depth.
+    """
     if config.holes_from is None or np.count_nonzero(depth) > (1 - config.holes_from) * depth.size:
         return None
     return np.asarray(depth == 0)
@@ -109,8 +111,8 @@ def hole_contours(holes: Mask, canny: Mask, line_px: int) -> Mask:
 
 
 def widen(lines: Mask, line_px: int) -> Mask:
-    """Dilate the lines of a mask (H, W) to a width of `line_px` pixels, so that the Gaussian blur does not weaken
-    them.
+    """Dilate the lines of a mask (H, W) to a width of `line_px` pixels, because a Gaussian blur would weaken thin
+    lines.
     """
     if line_px <= 1:
         return lines

@@ -38,8 +38,8 @@ CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
 """Minimum overlap of two regions in image columns, as a share of the columns of one region.
 
-For a vessel, the share refers to the columns of its inside. For a cap, the share refers to the columns of the narrower
-region.
+For a vessel, the overlap is divided by the number of columns of the inside of the vessel. For a cap, the overlap is
+divided by the number of columns of the narrower region.
 """
 
 Counts = npt.NDArray[np.int64]
@@ -155,7 +155,8 @@ class _Parts:
     def _has_room(self, border: Border) -> bool:
         """Return True if region b fits into a vessel whose wall is region a.
 
-        The columns of b must overlap those of a, and b must not lie farther behind a than a is wide.
+        Region b must overlap region a in image columns. Region b must not lie farther behind region a than region a is
+        wide.
         """
         shared, across, own = self._columns(border)
         y0, x0, y1, x1 = self.boxes[border.a]
@@ -218,8 +219,8 @@ class _Parts:
         return self.labels[top:bottom, left:right]
 
     def _hollowness(self) -> npt.NDArray[np.float64]:
-        """Return the hollowness (R,) of each region: its mean depth behind its chords along image rows, divided by
-        their length.
+        """Return the hollowness (R,) of each region: the mean depth of the region behind its chords, divided by the
+        chord length.
         """
         sums = np.zeros((self.ids.size, 2))
         borders.sum_hollows(self.labels, self.number, self.cues.depth, self.focal_px, self.config.margin_px, sums)
@@ -244,7 +245,7 @@ class _Parts:
         return abs(a - b) <= max(tolerance_m, share * max(a, b))
 
     def _solidity(self, parts: Sequence[int]) -> float:
-        """Return the solidity of some regions together: the area inside their outlines divided by that of their convex
+        """Return the solidity of some regions together: the area of the regions divided by the area of their convex
         hull.
         """
         (y0, x0), (y1, x1) = self.boxes[parts, :2].min(0), self.boxes[parts, 2:].max(0)

@@ -79,9 +79,9 @@ class _Borders:
         return k
 
     def are_alike(self, a: int, b: int) -> bool:
-        """Return True if both regions lie on the same side: both above the support plane, or both on it.
+        """Return True if two regions both lie above the support plane, or both lie on the support plane.
 
-        Regions without measured depth may merge with any region, so that the result is True for them too.
+        If one region has no measured depth, the result is True too.
         """
         if not (self.measured[a] and self.measured[b]):
             return True

@@ -20,8 +20,8 @@ OUTLINE_PX = 9
 def warn_of_packing(
     edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> None:
-    """Warn if the support plane looks like a layer of packed objects: large, covered with image edges, with nothing on
-    it.
+    """Warn if the support plane looks like a layer of packed objects: a large plane, covered with image edges, without
+    objects.
     """
     support, rule = config.support, config.packing
     if rule is None or support is None or edges is None or plane is None or camera is None:
@@ -36,7 +36,7 @@ def warn_of_packing(
 
 
 def is_packed(edges: EdgeMaps, depth: DepthMap, camera: Camera, plane: Plane, support: Support, rule: Packing) -> bool:
-    """Return True if the support plane is large, is covered with image edges and has almost no objects on it."""
+    """Return True if the support plane is large, is covered with image edges and carries almost no objects."""
     if things_on(plane, depth, camera, support) > rule.max_things:
         return False
     on = support_mask(plane, depth, camera, support)

@@ -31,7 +31,7 @@ HALVED_BAND_PX = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Claimed:
-    """Labels after the pixels near borders were reassigned.
+    """Labels of all pixels after the labels near borders were reassigned.
 
     - labels: (H, W) int32.
     - source_of: (H * W,) int32, index y * W + x of the seed pixel that gave each pixel in `opened` its label, undefined
@@ -47,7 +47,7 @@ class Claimed:
 def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
     """Move the borders of objects to colour differences, within a band where depth is smeared or missing.
 
-    Each object keeps its innermost pixels. Lengths in `config` must be scaled to the image size.
+    The innermost pixels of each object are not reassigned. Lengths in `config` must be scaled to the image size.
 
     labels: (H, W), 0 = background, 1..N = objects. color: (H, W, 3) uint8 RGB. depth: measured depth (H, W) in metres,
     0 where missing.
@@ -135,7 +135,7 @@ def claim(
     depth: DepthMap,
     config: Refinement,
 ) -> Claimed:
-    """Give each marked pixel of `opened` the label of the seed pixel whose tree reaches it first.
+    """Give each marked pixel of `opened` the label of the seed pixel whose tree reaches the marked pixel first.
 
     Marked pixels that no tree reaches keep their label.
     """

@@ -31,8 +31,8 @@ class Stance:
     cut: npt.NDArray[np.float64]
     """Share (R,) of each region's outline that lies on the image border."""
     hides: npt.NDArray[np.float64]
-    """Share (R,) of each region's outline beyond which the depth is larger by a step. Outline parts that belong to an
-    object in front do not count.
+    """Share (R,) of each region's outline beyond which the depth is larger by a step. Parts of the outline next to a
+    nearer object do not count.
     """
     ledge: npt.NDArray[np.float64]
     """Share (R,) of each region's outline along which the height above the support plane changes by a step."""

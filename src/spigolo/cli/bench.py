@@ -57,7 +57,8 @@ def bench(
         measurement.
     peers
         Python interpreter that has opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python in
-        the current folder if it exists, else this interpreter. Algorithms of missing packages are skipped.
+        the current folder if this file exists, else the interpreter of spigolo. Algorithms of missing packages are
+        skipped.
     latency
         Number of frames that are segmented in a row to measure the median, the 99th percentile and the maximum of the
         latency.

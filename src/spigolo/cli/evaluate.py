@@ -39,9 +39,8 @@ def evaluate(
     """Segment labelled frames with one or more methods, and write a JSON line of scores and times for each frame and
     method.
 
-    An interrupted evaluation continues with the next call: results that are already in the file are not computed again.
-    `spigolo report` makes a page from the file. Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j
-    2 --out rows.jsonl`.
+    An interrupted evaluation continues with the next call. Results that are already in the file are not computed again.
+    Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
 
     Parameters
     ----------
@@ -59,8 +58,8 @@ def evaluate(
     jobs
         Number of worker processes. Default: no worker processes, all frames in this process.
     scheduler
-        Dask cluster that evaluates the frames: the address of a scheduler, such as tcp://127.0.0.1:8786, or the word
-        `local` for a new cluster of `--jobs` processes on this machine.
+        Dask cluster that evaluates the frames: the address of a scheduler, such as tcp://127.0.0.1:8786, or `local`.
+        With `local`, a new cluster of `--jobs` processes is started on this machine.
     out
         File to which the results are appended, one JSON line for each frame and method.
 
@@ -162,7 +161,7 @@ def report(
         method.
     paper
         Make the paper's Tables I, II and III instead, with the printed and the measured values. The files must contain
-        results on the paper's data sets or on their rendered stand-ins.
+        results on the paper's data sets or on rendered stand-ins for these data sets.
     out
         Output folder for index.html, report.md and the pictures.
 

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 
 Format = Literal["coco", "bop", "yolo", "labels", "contact-graspnet", "workspace-mask", "ply", "pcd"]
 SUFFIX = {"yolo": ".txt", "labels": ".png", "contact-graspnet": ".npz", "workspace-mask": ".png"}
-"""File suffix of each format that writes one file for each frame. Other formats write a folder for each frame, or one
-file for all frames.
+"""File suffix of each format that writes one file for each frame. Formats without an entry write a folder for each
+frame, or one file for all frames.
 """
 WHOLE = ("coco", "bop")
 """Formats that write one file for all frames."""

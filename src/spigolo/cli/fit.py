@@ -31,8 +31,8 @@ def fit(
     """Fit a preset to about twenty labelled frames of your own.
 
     Random sets of parameter values are tried on all frames. The best set is written as a TOML file, which every verb
-    accepts as a preset. The report contains cross-validated scores. An interrupted fit continues with the next call,
-    which may also ask for more trials. Example: `spigolo fit frames/ --preset TABLE --out fit`.
+    accepts as a preset. The report contains cross-validated scores. An interrupted fit continues with the next call.
+    The next call may also increase the number of trials. Example: `spigolo fit frames/ --preset TABLE --out fit`.
 
     Parameters
     ----------
@@ -56,8 +56,8 @@ def fit(
     jobs
         Number of worker processes. Default: no worker processes, all trials in this process.
     scheduler
-        Dask cluster that runs the trials: the address of a scheduler, such as tcp://127.0.0.1:8786, or the word `local`
-        for a new cluster of `--jobs` processes on this machine.
+        Dask cluster that runs the trials: the address of a scheduler, such as tcp://127.0.0.1:8786, or `local`. With
+        `local`, a new cluster of `--jobs` processes is started on this machine.
     out
         Output folder for the fitted preset, report.md and trials.jsonl.
 

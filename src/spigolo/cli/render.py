@@ -20,23 +20,23 @@ def render(
     """Render household scenes as a structured-light camera would record them, with exact masks and poses of the
     objects.
 
-    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. Another example
-    is `spigolo render shelf --count 72 --layout original --out stand-ins`. This verb requires `pip install
-    "spigolo[synthetic]"`.
+    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. To imitate a
+    published data set in its own layout, use `spigolo render shelf --count 72 --layout original`. This verb requires
+    `pip install "spigolo[synthetic]"`.
 
     Parameters
     ----------
     family
-        Family of scenes. shelf: products in a bin in low light, as in the Rutgers APC data set. table: table-tops with
-        several categories, as in RGB-D Scenes. multi: three instances of one object in clutter, as in the data set of
-        Tejani et al.
+        Family of scenes: `shelf`, `table` or `multi`. Scenes of `shelf` show products in a bin in low light, as in the
+        Rutgers APC data set. Scenes of `table` show table-tops with objects of several categories, as in RGB-D Scenes.
+        Scenes of `multi` show three instances of one object in clutter, as in the data set of Tejani et al.
     count
         Number of frames to render. The scenes of the family alternate.
     seed
         Seed of the random scenes. Equal seeds give equal frames.
     layout
-        Layout of the files. folders: one folder for each frame. bop: the layout of the BOP challenge. original: the
-        layout of the data set that the rendered frames replace.
+        Layout of the files: `folders` for one folder for each frame, `bop` for the layout of the BOP challenge, or
+        `original` for the layout of the imitated data set.
     out
         Output folder. The file `rendered.json` in this folder marks the frames as rendered.
 

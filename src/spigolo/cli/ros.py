@@ -46,7 +46,7 @@ def ros(
     unnamed, flags = split_flags(words[:at])
     own = {name: value for name, value in flags.items() if name in Options.model_fields}
     fields = {name: value for name, value in flags.items() if name not in own}
-    configure(preset, fields, ros)  # raises errors before the node starts
+    configure(preset, fields, ros)  # reports wrong flags before the node starts
     find_kinds()
     given = {name: value_of_text(value) for name, value in flags.items()}
     topics = {"color": color, "depth": depth, "camera_info": camera_info}

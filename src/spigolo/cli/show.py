@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from spigolo.sources.base import Source
 
 MOST_REJECTED = 10
-"""Maximum number of rejected regions that are printed, largest first. The file objects.json contains all of them."""
+"""Maximum number of rejected regions that are printed, largest first. The file objects.json contains all rejected
+regions.
+"""
 
 
 def progress(source: Source, what: str) -> Iterable[Frame]:
@@ -44,7 +46,7 @@ def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
 
 
 def write_array(path: Path, array: npt.NDArray[np.generic]) -> None:
-    """Write an array to a .npy file, which appears only when it is complete."""
+    """Write an array to a .npy file. An interrupted write leaves no incomplete file."""
     buffer = BytesIO()
     np.save(buffer, array)
     io.write_bytes(path, buffer.getvalue())

@@ -119,8 +119,8 @@ class Camera:
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
         """Return the nominal intrinsics of a camera model such as "kinect-v1", or of a field of view such as "60deg".
 
-        Nominal intrinsics are those of the colour image, and differ from the intrinsics of a single camera by one or
-        two per cent. Use nominal intrinsics for a first test, and calibrate the camera for accurate positions.
+        Nominal intrinsics refer to the colour image. They differ from the calibrated intrinsics of a single camera by
+        one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for accurate positions.
 
         width, height: image size in pixels. The default is the size of the camera model's colour image, or 640x480 for
         a field of view. Nominal intrinsics are scaled to `width` and `height`, which must have the same aspect ratio.
@@ -175,8 +175,8 @@ class Camera:
     def back_project(
         self, depth: npt.NDArray[Any], where: npt.NDArray[np.bool_] | None = None
     ) -> npt.NDArray[np.float32]:
-        """Return the points (N, 3), in metres, of all pixels with depth, or of those that are also in the mask `where`
-        (H, W).
+        """Return the points (N, 3), in metres, of all pixels with depth. where: mask (H, W) of the pixels to use, or
+        None.
         """
         valid = depth > 0 if where is None else (depth > 0) & where
         y, x = np.nonzero(valid)

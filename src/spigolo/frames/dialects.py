@@ -23,7 +23,7 @@ ATTRIBUTES = (
 COLOR_NAMES = ("color", "colour", "rgb", "color_intrinsics", "rgb_intrinsics", "color_camera", "rgb_camera")
 PREFIXES = ("Camera.", "Camera1.", "camera.")
 SHARED = ("depth_scale", "factor_depth", "width", "height")
-"""Names of camera fields that may stand outside the nested fields of the camera."""
+"""Names of camera fields that may lie outside the mapping with the intrinsics."""
 
 
 def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -30,8 +30,9 @@ Mask = npt.NDArray[np.bool_]
 class Frame:
     """Colour image with a registered depth map and a camera. A frame owns contiguous copies of both images.
 
-    Depth is missing where it is 0, NaN, infinite, negative, masked or farther than 50 m, or where an integer has the
-    largest value of its type. If the camera has distortion, both images are undistorted when the frame is created.
+    Depth of 0 means missing depth. NaN, infinite, negative and masked depth, depth above 50 m, and the largest value of
+    an integer type count as missing. If the camera has distortion, both images are undistorted when the frame is
+    created.
 
     - color: (H, W, 3) uint8 RGB.
     - depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
@@ -57,8 +58,8 @@ class Frame:
     unit_m: float | None = field(init=False, default=None)
     """Metres per unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
-    """Description of depth values that count as missing because no camera measures them. None if no such value
-    exists.
+    """Description of positive depth values beyond the range of cameras, which count as missing. None if all values are
+    plausible.
     """
     undistorted: bool = field(init=False, default=False)
     """True if the images were undistorted. Results then match `Frame.color`, not the original image."""
@@ -110,7 +111,7 @@ class Frame:
 
 
 def _own_scale(camera: CameraLike) -> float | None:
-    """Return the depth scale of a camera's fields in metres per unit, or None if no field gives it. Raises
+    """Return the depth scale in the fields of a camera, in metres per unit, or None without such a field. Raises
     CameraError.
     """
     plain = camera is None or isinstance(camera, Camera | str)
@@ -127,8 +128,8 @@ def depth_in_metres(
     """Convert depth to metres.
 
     Return a depth map (H, W) in metres, the number of pixels with negative depth, and a description of implausible
-    values. Depth is 0 where it is missing: NaN, infinite, nearer than NEAREST_M, farther than a camera measures, or the
-    largest value of an integer type.
+    values. Missing depth is 0 in the result. NaN, infinite depth, depth below NEAREST_M, depth beyond the range of
+    cameras, and the largest value of an integer type count as missing.
 
     depth: (H, W) floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
     """

@@ -15,7 +15,7 @@ def halve_frame(frame: Frame) -> Frame:
     """Return a frame of half the width and height, rounded up, in which each pixel stands for a block of 2x2 pixels.
 
     The colour of a pixel is the mean colour of its block. The depth of a pixel is the lower median of the measured
-    depths in its block.
+    depth values in its block.
     """
     height, width = ((n + 1) // 2 for n in frame.shape)
     even = cv2.copyMakeBorder(frame.color, 0, frame.shape[0] % 2, 0, frame.shape[1] % 2, cv2.BORDER_REPLICATE)

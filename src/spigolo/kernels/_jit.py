@@ -1,4 +1,5 @@
-"""Interface to the compiler numba: the decorator `kernel` compiles a function on its first call and caches it on disk.
+"""Interface to the compiler numba. The decorator `kernel` compiles a function on its first call and caches the compiled
+code.
 
 Each kernel module has its own cache folder, because numba does not notice changes of called functions. The folder name
 contains a hash of the module's source and of all kernel modules that the module imports.

@@ -43,7 +43,7 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
 
     For each pair of neighbouring pixels on a border, depth is sampled `reach` pixels to both sides. A pair counts only
     if both samples lie inside the image and in the two regions of the border. Depth differences are clipped to
-    gap_limit, and bends to bend_limit.
+    gap_limit. Depths of the border behind the line between both samples are clipped to bend_limit.
 
     - labels (H, W) int32.
     - number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped.
@@ -53,13 +53,12 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
 
     The array sums[a, b] contains six values of the border between regions a and b:
 
-
     - number of pairs of 4-neighbours on the border
     - number of pairs with depth at both samples and at the border
-    - absolute depth difference between both samples (m)
-    - distance of region b behind region a (m)
-    - depth of the border behind the straight line between both samples (m)
-    - larger boundary value of both pixels of a pair
+    - sum of absolute depth differences between both samples (m)
+    - sum of distances of region b behind region a (m)
+    - sum of depths of the border behind the straight line between both samples (m)
+    - sum of the larger boundary value of each pair
     """
     height, width = labels.shape
     for y in range(height):
@@ -95,9 +94,9 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
     """Sum the depth of each numbered region behind its chords along image rows: positive if concave, negative if
     convex.
 
-    A chord is the straight line between the ends of a run of pixels of one region in one image row. Both ends are
-    `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. Chords whose middle is farther from the
-    surface than in a half-circle are skipped, because one of their points belongs to another surface.
+    A chord is the straight line between the ends of a run of pixels of one region in one image row. The ends of a chord
+    are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. Chords whose middle is farther from
+    the surface than in a half-circle are skipped, because they span two surfaces.
 
     sums (S, 2) float64, initially zero: depth of the middle of each run behind its chord (m), and length of the chord
     (m).

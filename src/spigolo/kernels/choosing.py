@@ -17,13 +17,13 @@ from spigolo.kernels.merging import HALF_BITS, PLANE_BITS, bound_bits, ends, fin
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
 BLOCK = 4096
-"""Number of edges that are processed together, to stay in the processor's cache. The number is a multiple of 8."""
+"""Number of edges that are processed together, to stay in the processor's cache. BLOCK must be a multiple of 8."""
 
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
-    """Pack the edges with low <= weight < high that join two regions and have a flag at `least` or more of their two
-    pixels.
+    """Pack the edges with low <= weight < high between two regions. At least `least` of the two pixels of an edge must
+    be flagged.
 
     Edges keep the order of their numbers. With `detours=False`, the heaviest edge of each triangle or square of
     neighbouring pixels is skipped.
@@ -33,7 +33,7 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
     - parent (H W,): root of every pixel.
     - flags (H W,) uint8, 0 or 1.
     - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
-    - out: buffer that must hold one edge more than are packed.
+    - out: buffer for the packed edges, with room for one additional edge.
 
     Returns the number of packed edges, or -1 if out is too small.
     """

@@ -17,7 +17,7 @@ SIN1, SIN3, SIN5, SIN7 = f32(1.0471975), f32(-0.19139575), f32(0.010489378), f32
 
 @inlined
 def hue_in_sector(r, g, b, value, chroma):
-    """Return the hue relative to the nearest of red, green and blue, in units of 60 degrees, from -1 to 1."""
+    """Return the hue as an angle from the nearest of red, green and blue, from -1 to 1 in units of 60 degrees."""
     difference = g - b if value == r else (b - r if value == g else r - g)
     return difference / (chroma if chroma > TINY else TINY)
 

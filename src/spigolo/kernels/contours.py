@@ -17,7 +17,8 @@ WORD = 8
 
 @kernel
 def fill_shadows(depth, max_run, out):
-    """Fill each run of missing pixels in an image row with the larger depth of its two ends, which is the background.
+    """Fill each run of missing pixels in an image row with the depth of the background, the larger depth at both ends
+    of the run.
 
     Runs of more than max_run pixels and runs at the image border stay 0. depth, out (H, W) in metres.
     """
@@ -65,8 +66,8 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     """Return a lower bound of the distance of a crease behind the chord between its two sides, as a share of its depth.
 
     The bound holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at least
-    crease_px d / f long. The crease lies behind the chord by this length times cos(angle / 2). Pixels below the bound
-    need no computation of the angle.
+    crease_px d / f long. The crease lies behind the chord by this length times cos(angle / 2). The angle is not
+    computed at pixels below the bound.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -91,7 +92,7 @@ def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
 def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe):
     """Mark the pixels of row y that may be creases in the direction (n_y, n_x).
 
-    A marked pixel lies behind the chord between its two samples by more than the noise and than a lower bound.
+    A pixel is marked if its distance behind the chord between two samples exceeds both the noise and a lower bound.
     """
     v, u = crease_px * n_y, crease_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]

@@ -20,7 +20,7 @@ ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 
 @inlined
 def depth_difference(a, b, scale, noise):
-    """Eq. 9. Return the depth difference of an edge, from 0 to 1. The result is 0 if one of both depths is missing.
+    """Eq. 9. Return the depth difference of an edge, from 0 to 1. The difference is 0 if depth is missing at one pixel.
 
     - a, b: depths of both pixels, m.
     - scale: 1 / depth range, 1/m.

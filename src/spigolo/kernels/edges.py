@@ -10,7 +10,7 @@ SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
 """Value of tan 22.5 degrees."""
 ROUNDING = 1e-9
-"""Relative rounding error of a cosine. Within this distance of a threshold, the angle is compared instead of its
+"""Relative rounding error of a cosine. If a cosine is closer to a threshold, the angle is compared instead of the
 cosine.
 """
 
@@ -42,14 +42,14 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample, m, or 0 if one of both is missing."""
+    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample, m, or 0 if one depth is missing."""
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
 
 @inlined
 def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
-    """Eq. 13. Return True for a depth boundary, where at least one of both depth gradients reaches the threshold."""
+    """Eq. 13. Return True for a depth boundary, where at least one of two depth gradients reaches the threshold."""
     if not signed:
         rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
     return not ((rho_plus < step_m) & (rho_minus < step_m))
@@ -97,7 +97,7 @@ def along_edge(c, n_y, n_x, sign_rule):
     - c: cross product of the directions from the edge to both sides.
     - n_y, n_x: normal of the edge.
     - sign_rule: SIGN_TANGENT for the component of c along the edge, SIGN_X for the x component of c as in the paper,
-      SIGN_NONE for 0. The x component of c is 0 at vertical edges, where its sign would be random.
+      SIGN_NONE for 0. At vertical edges the x component of c is 0, so that its sign has no meaning.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0

@@ -11,7 +11,7 @@ ZERO = np.float32(0.0)
 
 @inlined
 def squared_difference(a, b):
-    """Return the squared difference of two values, or 0 if one of both is missing (NaN)."""
+    """Return the squared difference of two values, or 0 if one value is missing (NaN)."""
     difference = a - b
     square = difference * difference
     return square if square >= ZERO else ZERO

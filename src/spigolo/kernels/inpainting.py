@@ -20,7 +20,7 @@ def blend(near, far, mean, step_m, step_share):
 
 @inlined
 def around(depth, y, x):
-    """Return the minimum, maximum, sum and number of the valid depths among the 8 neighbours of a pixel."""
+    """Return the minimum, maximum, sum and number of the valid depth values of the 8 neighbours of a pixel."""
     near, far, total, count = np.inf, 0.0, 0.0, 0
     for v in range(max(y - 1, 0), min(y + 2, depth.shape[0])):
         for u in range(max(x - 1, 0), min(x + 2, depth.shape[1])):

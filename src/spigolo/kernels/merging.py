@@ -165,7 +165,7 @@ def hang_below_first(parent, a, b):
 def merge(edges, offsets, gamma, stop, parent, records):
     """Eqs. 2, 3. Merge regions over packed edges (K,) in the order of their weights.
 
-    The internal difference I(R) of a region is the weight of the last edge that merged it, because edges are sorted.
+    The internal difference I(R) of a region R is the weight of the last edge that merged R, because edges are sorted.
 
     - offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64.
     - stop: end at the first edge that does not merge its two regions.

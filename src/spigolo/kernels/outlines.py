@@ -45,7 +45,6 @@ def sum_outlines(
 ):
     """Count the steps of depth and of height across the outline of each region.
 
-
     At each outline pixel, depth is compared between an inner and an outer sample. The inner sample lies `near` pixels
     inside the outline, or on the outline if the region has no depth there. The outer sample is the first pixel with
     depth that lies between `near` and `near` + `shadow` pixels outside. The region's slope is measured up to `deep`
@@ -54,7 +53,6 @@ def sum_outlines(
     labels (H, W) int32. depth (H, W) float32 metres. sums (R, 6) float64, initially zero.
 
     The columns of sums are numbers of:
-
 
     - pairs of 4-neighbours across the outline
     - pairs with depth at both samples

@@ -43,8 +43,8 @@ def measure_heights(depth, slope_x, slope_y, slope, offset, out):
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
     """Classify every pixel as MISSING, BELOW, ON or ABOVE a plane: out (H, W) uint8.
 
-    A pixel is ON the plane if the absolute value of its height is at most max(least, noise * depth^2), and MISSING
-    without depth. The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32 metres.
+    A pixel is ON the plane if its absolute height is at most max(least, noise * depth^2). A pixel without depth is
+    MISSING. The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32 metres.
     """
     for y in range(depth.shape[0]):
         row, side, of_row = depth[y], out[y], slope_y[y]
@@ -68,7 +68,7 @@ def sum_normals(labels, depth, wanted, camera, reach, sums):
     - wanted (R,) uint8: 0 for regions that are skipped.
     - camera (4,): fx, fy, cx, cy.
     - sums (R, 7) float64, initially zero: number of pixels with a normal, sum of normals (X, Y, Z), sum of unit vectors
-      along the lines of sight (X, Y, Z).
+    of the lines of sight.
     """
     fx, fy, cx, cy = camera
     for y in range(reach, labels.shape[0] - reach):

@@ -25,14 +25,15 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
     """Fit a line to the disparity on each side of every edge pixel, along the normal of the edge.
 
     Pixels within `radius` pixels of the edge pixel are used. Pixels nearer than `strip` pixels to the edge have the
-    weight `weak`, and other pixels the weight 1. Both sides require a total weight of at least `least`.
+    weight `weak`, and other pixels the weight 1. The pixels on each side of the edge must have a total weight of at
+    least `least`.
 
     - edges (H, W) uint8.
     - direction (H, W) uint8: index into normals.
     - normals (K, 2) float64: unit vectors (n_y, n_x).
     - disparity (H, W) float32, 0 where missing.
-    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel on the side of the normal, then
-      both values on the other side. All four values stay 0 if a side has too little weight.
+    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel, first on the side of the normal,
+    then on the other side. All four values stay 0 if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -110,8 +111,8 @@ def go_around(radial, angular, low, high, total, reached, origin):
 def closed_path(radial, angular, least, most, best):
     """Find the cheapest closed path around the origin of a polar map, with a radius in least..most on every ray.
 
-    The cheapest path through one radius on ray 0 divides the search, because cheapest paths need not cross each other.
-    A start radius is skipped if a lower bound of its cost exceeds the cost of the best path.
+    The search is divided by the cheapest path through one radius on ray 0, because cheapest paths need not cross each
+    other. A start radius is skipped if a lower bound of its cost exceeds the cost of the best path.
 
     - radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k.
     - angular (T, R) float32, not negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the

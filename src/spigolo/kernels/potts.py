@@ -45,7 +45,7 @@ def color_interaction(distance, mean, repulsion):
 
 @inlined
 def is_step(z_here, z_there, step, step_per_m):
-    """Return True if two depths, in metres, differ by a depth step. The result is False if one of both is missing."""
+    """Return True if two depth values, in metres, differ by a depth step. Missing depth gives False."""
     near = min(z_here, z_there)
     return near > 0.0 and abs(z_here - z_there) > max(step, step_per_m * near * near)
 
@@ -127,7 +127,7 @@ def sweep(spins, planes, values, temperature, seed, number):
 
     A change of energy dE <= 0 is always accepted. A change dE > 0 is accepted with the probability exp(-dE /
     temperature). Pixels are updated in four groups, each with every second pixel of every second row. Pixels of one
-    group are not neighbours, so that their order does not matter.
+    group are not neighbours, so that the order of updates in a group does not matter.
 
     - spins (H, W) int32: spins from 0 to values - 1, changed in place.
     - planes (4, H, W) float32: interactions.

@@ -20,7 +20,7 @@ SMALLEST_PX2 = 1e-6
 def project(x, y, z, P):
     """Project pixel (x, y) of the source camera at depth z to (u, v, 1 / Z) in the target camera.
 
-    The result is (0, 0, 0) if the point is too near to the target camera or too far outside its image.
+    The result is (0, 0, 0) if the point is too near to the target camera or too far outside the target image.
     """
     Z = (P[2, 0] * x + P[2, 1] * y + P[2, 2]) * z + P[2, 3]
     if not Z >= NEAREST_M:
@@ -35,7 +35,9 @@ def project(x, y, z, P):
 
 @inlined
 def one_surface(a, b, step_m, step_share):
-    """Return True if two depths are valid and belong to one surface, because they differ by less than a depth step."""
+    """Return True if two depth values are valid and differ by less than a depth step, so that both belong to one
+    surface.
+    """
     return a > 0.0 and b > 0.0 and abs(a - b) <= max(step_m, step_share * min(a, b))
 
 

@@ -11,7 +11,7 @@ from spigolo.kernels._jit import inlined, kernel
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
-"""Depth values between these shares of the height of a depth step belong to the ramp, not to one side of the step."""
+"""Lower and upper limit of depth values on the ramp of a depth step, as a share of the height of the step."""
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
 """Bits that mark a pixel as open, as in the first image column, and as in the last image column."""
@@ -35,7 +35,7 @@ def outermost(depth, start, step, count):
 
 @kernel
 def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
-    """Measure the width of the ramps into which depth steps on the borders of objects are smeared.
+    """Measure the width in pixels over which depth steps on the borders of objects are smeared (ramps).
 
     For each pair of neighbours with different labels, a depth profile of reach_px pixels to both sides is read along
     the image row or column. A profile counts if the depth at its ends differs by more than max(step_m, step_share *
@@ -63,9 +63,7 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag the pixels of a row whose label differs from that of the next pixel or of the same pixel in the other
-    row.
-    """
+    """Flag the pixels of an image row whose label differs from the next pixel or from the pixel of the other row."""
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
     flags[row.size - 1] = row[-1] != other[-1]
@@ -75,7 +73,7 @@ def flag_differences(row, other, flags):
 def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, sums):
     """Add the depth profile between pixel p and its neighbour p + step to the sums of `count_ramps`.
 
-    flat (H * W,): depth map. place: position of pixel p in its image row or column. length: length of this row or
+    flat (H * W,): depth map. place: position of pixel p in its image row or column. length: length of this image row or
     column.
     """
     if place + 1 < reach_px or place + 1 + reach_px > length:
@@ -160,9 +158,9 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
 
 @kernel
 def open_layers(labels, layer, inner, share, opened):
-    """Open the pixels in the outer `share` of the layers of their label. Return the number of opened pixels.
+    """Mark the outer layers of each label as open, up to `share` of its layers. Return the number of open pixels.
 
-    All layers of a label are opened if the label has pixels beyond the maximum layer.
+    If a label has pixels beyond the maximum layer, all layers of this label become open.
 
     labels (H, W) int32. layer (H, W) uint8, inner (N,) int32: results of `measure_layers`. opened (H, W) uint8: flags
     of open pixels, 0 for other pixels.
@@ -268,12 +266,15 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     """Give each open pixel the label of a seed, by a spanning forest whose roots are the seeds.
 
     The forest grows by Prim's algorithm, always along the lightest edge from a labelled to an open pixel. The weight of
-    an edge is a sum of three terms: the RGB distance between the open pixel and the mean colour of the tree, the cost
-    of a depth step, and `carry` times the weight of the previous edge of the tree. The third term makes a blurred image
-    edge as heavy as a sharp image edge. The mean colour of a tree is `memory` times the previous mean plus (1 - memory)
-    times the colour of the new pixel, which reduces noise. With memory = carry = 0 the result is a minimum spanning
-    forest. Weights are rounded down to whole grey levels. Among edges of equal weight, the edge that was found first is
-    used.
+    an edge is a sum of three terms:
+
+    - the RGB distance between the open pixel and the mean colour of the tree
+    - the cost of a depth step between both pixels of the edge
+    - `carry` times the weight of the previous edge of the tree, so that a blurred image edge is as heavy as a sharp one
+
+    The mean colour of a tree is `memory` times the previous mean plus (1 - memory) times the colour of the new pixel.
+    With memory = carry = 0 the result is a minimum spanning forest. Weights are rounded down to whole grey levels.
+    Among edges of equal weight, the edge that was found first is used.
 
     - color (H, W, 3) uint8.
     - depth (H, W) float32 metres, 0 = missing.

@@ -11,9 +11,9 @@ from spigolo.kernels._jit import inlined, kernel
 def mark_steps(depth, error_per_m, step_factor, out):
     """Compute the inverted depth-change map of Holzer et al.: 0 at depth steps and missing depth, 1 elsewhere.
 
-    A depth step is a difference of at least step_factor * error_per_m * d^2 to the right or lower neighbour. Here, d is
-    the depth of the pixel in metres. The map is inverted, because the distance transform measures the distance to the
-    nearest zero.
+    A depth step is a difference of at least step_factor * error_per_m * d^2 to the right or lower neighbour. In this
+    formula, d is the depth of the pixel in metres. The map is inverted, because the distance transform measures the
+    distance to the nearest zero.
     """
     height, width = depth.shape
     for y in range(height):
@@ -45,7 +45,7 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    The distance is exact. It is computed along columns first, and then as the minimum over each row.
+    The distance is exact. The kernel first computes distances along columns, and then the minimum over each row.
 
     steps (H, W) int16: scratch memory. out (H, W) float32.
     """
@@ -71,8 +71,9 @@ def distance_to_zero(mask, cap, steps, out):
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
     """Compute the half-width of the smoothing window of each pixel, in pixels: min(beta alpha d^2, T / sqrt 2).
 
-    Here, alpha = error_per_m, beta = radius_per_error, and d is the depth in metres. T is the distance in pixels to the
-    nearest depth step or missing pixel. The half-width is rounded and limited to max_radius and to the image.
+    In this formula, alpha = error_per_m, beta = radius_per_error, d is the depth in metres, and T is the distance in
+    pixels to the nearest depth step or missing pixel. The half-width is rounded and limited to max_radius and to the
+    image.
     """
     height, width = depth.shape
     for y in range(height):

@@ -1,4 +1,4 @@
-"""Segmentation methods with a common interface, to compare them. Every method is called with a frame and returns a
+"""Segmentation methods with a common interface, for comparisons. Every method is called with a frame and returns a
 Segmentation.
 
     import spigolo as sp
@@ -6,8 +6,8 @@ Segmentation.
     sp.METHODS["rao2010"](frame)  # with default parameters
     sp.METHODS["rao2010"].replace(k=200)(frame)
 
-The same rules reject regions in all methods. The function `segment_around` is the method `mishra2009`, which segments
-only the object around a given point.
+All methods use the same rules to reject regions. The method `mishra2009`, which segments only the object around a given
+point, is the function `segment_around`.
 """
 
 from __future__ import annotations
@@ -43,6 +43,6 @@ __all__ = [
 METHODS: dict[str, Method] = {
     method.name: method for method in (Toscana2016(), Felzenszwalb2004(), Rao2010(), Abramov2012(), Mishra2012())
 }
-"""Methods with default parameters, indexed by name. The function `replace` of a method returns the method with other
+"""Methods with default parameters, indexed by name. `METHODS[name].replace(...)` returns a method with other
 parameters.
 """

@@ -91,7 +91,7 @@ class Abramov2012(Baseline[AbramovConfig]):
     config: AbramovConfig = field(default_factory=AbramovConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of equal spin, enlarged to the size of the frame. The strength of their borders is the
+        """Return the regions of equal spin, enlarged to the size of the frame. The border strength of a pixel is its
         repulsion.
         """
         height, width = frame.shape

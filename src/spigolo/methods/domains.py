@@ -48,7 +48,7 @@ def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders],
     """Join neighbouring domains until `may_join` allows no further border.
 
     In each round, every domain joins the allowed neighbour with the largest mean interaction. The mean interactions are
-    then computed again.
+    computed again after each round.
 
     planes: interactions (4, H, W). may_join: function that returns a mask (B,) of the borders that may be removed.
     """
@@ -82,8 +82,8 @@ def _join_best(count: int, domain: Counts, mean: npt.NDArray[np.float64]) -> Cou
     """Return the new number (count,) of each domain after every domain joined the neighbour with the largest mean
     interaction.
 
-    domain: (2, B), pairs of domains that may join. mean: (B,), mean interaction of each pair. Joined domains get the
-    smallest of their numbers.
+    domain: (2, B), pairs of domains that may join. mean: (B,), mean interaction of each pair. A joined domain gets the
+    smallest number of the domains that it contains.
     """
     one, other = domain
     order = np.lexsort((domain.max(0), domain.min(0), mean))  # the border with the largest mean is assigned last

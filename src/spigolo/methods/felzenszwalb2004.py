@@ -22,17 +22,19 @@ class FelzenszwalbConfig(MethodConfig):
     """Parameters of the method `felzenszwalb2004`. Colours range from 0 to 255."""
 
     sigma_px: NotNegative = 0.8
-    """Standard deviation of the Gaussian smoothing of colour, px. 0 does not smooth. The default is from the paper."""
+    """Standard deviation of the Gaussian smoothing of colour, px. 0 does not smooth. The default value is that of the
+    paper.
+    """
     k: NotNegative = 800.0
     """Threshold gamma of equation 3, as a colour difference times a number of pixels. Larger values make larger
-    regions. The paper uses 150 to 500. The default was the best of several values on real frames.
+    regions. The paper uses 150 to 500. The default was the best of several values in tests on real frames.
     """
     k_xy: NotNegative = 0.0
     """Weight of the pixel coordinates in equation 1, per pixel. With 0, only colour counts, as in Felzenszwalb &
     Huttenlocher 2004. Toscana & Rosa 2016 print the weight 1.
     """
     connectivity: Literal[4, 8] = 8
-    """Number of neighbours of a pixel. The default is from the paper."""
+    """Number of neighbours of a pixel, 4 or 8. The paper uses 8."""
     min_size_px2: Area_px2 = 1500.0
     """Minimum area of a region, px^2. Smaller regions join the neighbour at their lightest edge."""
 
@@ -50,7 +52,7 @@ class Felzenszwalb2004(Baseline[FelzenszwalbConfig]):
         return feature_graph(features, self.config.connectivity, self.config.k_xy)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of a frame, which are merged by their internal difference (equations 2, 3)."""
+        """Return the regions of a frame, found by merging pixels by internal difference (equations 2, 3)."""
         graph = self.graph(frame)
         config = self.config.at_size(frame.shape)
         return Division(partition(graph, config.k, config.min_size_px2), weight_contour(graph))

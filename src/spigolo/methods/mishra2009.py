@@ -3,9 +3,9 @@
 The boundary map is transformed to polar coordinates around the point, where small and large objects have borders of
 equal length. The contour of the object is the closed path of lowest cost in the polar map.
 
-Costs follow the paper and its released code. Two details differ from the released code. First, the contour crosses each
-ray only once, and dynamic programming replaces a minimum cut. Second, the polar map is sampled from a widened boundary
-map.
+Costs follow the paper and its released code. In this implementation, two details differ from the released code. The
+contour crosses each ray only once, so that dynamic programming replaces a minimum cut. The polar map is sampled from a
+widened boundary map.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class FixationConfig(BoundaryConfig):
     gap_cost: NotNegative = 50.0
     """Cost of a contour point without an edge (as in the released code)."""
     sharpness: NotNegative = 5.0
-    """Sharpness in the cost exp(-sharpness p) of an edge with the boundary value p. The default follows a public
+    """Sharpness in the cost exp(-sharpness p) of an edge with the boundary value p. The default is that of a public
     re-implementation (the released code: 20).
     """
 

@@ -1,8 +1,8 @@
 """Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: segmentation around automatically chosen points.
 
 A depth border belongs to the surface on its nearer side, called the owner of the border. A point on the owner's side
-probably lies inside an object. The method `mishra2009` finds the region around the point. The region is accepted if its
-contour consists mostly of contact boundaries and of borders that the region owns.
+probably lies inside an object. The method `mishra2009` finds the region around such a point. A region is accepted as an
+object if its contour consists mostly of contact boundaries and of borders that the region owns.
 
 Only an outline of the paper was available. The choice of points, the acceptance of objects and the default parameters
 are our reading. The paper detects contact with the table from the camera's pose. In this implementation, a contact is a
@@ -26,7 +26,7 @@ from spigolo.methods.ownership import Boundary, Floats, find_boundary
 from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 
 HARDLY = 0.5
-"""Share of `min_strong` that a contour must reach for a second segmentation, from another point of its region."""
+"""Share of `min_strong` that a contour must reach before the region is segmented again from its innermost point."""
 BESIDE_PX = 3.0
 """Maximum distance between a contour point and the edge that the contour follows, px."""
 VOTES_PX = 9
@@ -167,7 +167,7 @@ class Judge:
     def share(self, contour: Points, point: tuple[int, int]) -> float:
         """Return the share of a contour that follows strong edges whose owner is the inside of the contour or unknown.
 
-        The share is measured in length.
+        The share is the length of this part of the contour, divided by the length of the contour.
         """
         height, width = self.distance.shape
         y, x = np.rint(contour).astype(int).T

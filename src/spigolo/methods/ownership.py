@@ -51,7 +51,7 @@ class BoundaryConfig(MethodConfig):
     depth: bool = True
     """Use depth. If false, the boundary value of an edge depends only on colour contrast, and edges have no owner."""
     baseline_m: Positive = 0.075
-    """Baseline of the virtual stereo pair, m. The default is the baseline of a Kinect (our choice)."""
+    """Baseline of the virtual stereo pair, m. The default value is the baseline of a Kinect (our choice)."""
     half_disc: Positive = 0.015
     """Radius of the half-discs on both sides of an edge, as a share of the image diagonal (as in the released code)."""
     near_line: Share = 0.4
@@ -70,8 +70,8 @@ class BoundaryConfig(MethodConfig):
     max_shadow_px: Length_px = 60
     """Maximum width of a shadow that gets the depth of its farther side, px."""
     disparity_slope: Positive = 0.08
-    """Minimum gradient of the disparity at an edge of the disparity map, px per px. These edges are added to the image
-    edges (our choice).
+    """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are
+    added to the image edges (our choice).
     """
 
 

@@ -10,7 +10,7 @@ from spigolo.objects.segmentation import Segmentation
 
 
 class Method(Protocol):
-    """Segmentation method with its parameters. Methods can be pickled for worker processes.
+    """Interface of a segmentation method with its parameters. Methods can be pickled for worker processes.
 
     - name: name of the method.
     - preset: name of the parameters, or "".

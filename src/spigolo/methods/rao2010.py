@@ -31,7 +31,7 @@ class RaoConfig(FelzenszwalbConfig):
 class Rao2010(Felzenszwalb2004):
     """Segmentation by merging pixels with small differences of colour and depth.
 
-    The depth difference of an edge is 0 if one of both depths is missing (our reading).
+    The depth difference of an edge is 0 if depth is missing at one of its pixels (our reading).
     """
 
     name = "rao2010"

@@ -15,7 +15,7 @@ from spigolo.frames.frame import Camera, DepthMap, Mask
 Vectors = npt.NDArray[np.float64]
 
 TRIM_PERCENT = 1.0
-"""Per cent of the points that are ignored at each end of each axis, because they may be flying pixels (our choice)."""
+"""Per cent of the points that are ignored at each end of each axis, to remove flying pixels (our choice)."""
 LEAST_POINTS = 10
 
 
@@ -44,7 +44,7 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
     """Fit an oriented box to the measured depth inside a mask.
 
     The box covers only the visible surface. Pixels at the outline of the mask and the outermost points along each axis
-    are ignored. Their depth often mixes object and background (flying pixels).
+    are ignored. Depth at these places often mixes object and background (flying pixels).
 
     - mask: (H, W).
     - depth: (H, W) in metres.

@@ -109,8 +109,7 @@ class RegionFacts:
     def size_m(self) -> tuple[float, float] | None:
         """Approximate length and width of the region in metres. None without depth or intrinsics.
 
-        Both are the sides of a rectangle that faces the camera at the depth of the centroid and has the region's
-        spread.
+        Length and width are the sides of a rectangle at the centroid, facing the camera, with the spread of the region.
         """
         camera, center = self.frame.camera, self.centroid_m
         if camera is None or center is None:
@@ -134,7 +133,8 @@ class RegionFacts:
         return self.frame.camera.back_project(self.frame.depth, self.mask)
 
     def oriented_box(self) -> OrientedBox | None:
-        """Return the oriented box around the region's measured surface. One axis is the normal of the support plane.
+        """Return the oriented box around the region's measured surface. One axis of the box is the normal of the
+        support plane.
 
         The result is None if fewer than 10 pixels have depth, or without intrinsics.
         """
@@ -250,7 +250,9 @@ def region_score(
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """Return a map (H, W) of border strength from 0 to 1: the boundary map or, if it is None, a map of edge weights."""
+    """Return a map (H, W) of border strength from 0 to 1: the boundary map, or a map of edge weights without a boundary
+    map.
+    """
     return weight_contour(graph) if cues.boundary is None else cues.boundary
 
 

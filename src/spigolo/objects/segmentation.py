@@ -39,7 +39,7 @@ class ObjectMask(RegionFacts):
 
     @property
     def number(self) -> int:
-        """Number of the object in pictures and messages: its id or, without ids, its label."""
+        """Number of the object in pictures and messages: the id or, without ids, the label."""
         return self.label if self.id is None else self.id
 
     def _summary(self) -> str:

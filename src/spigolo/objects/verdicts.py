@@ -76,8 +76,8 @@ def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     """Return the reason why a region is a wall, or None if the region is not a wall.
 
-    A region is a wall in two cases. In the first case, the depth beyond the outline is larger by a step along too
-    little of the outline. In the second case, the region is long and the image border cuts the region off.
+    A region is a wall if depth steps back along too little of its outline. A long region that the image border cuts off
+    is a wall too.
     """
     lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)

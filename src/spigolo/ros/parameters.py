@@ -25,8 +25,8 @@ class Options(Settings):
     """Parameters of the node, in addition to the parameters of the method."""
 
     preset: str = "OBJECTS"
-    """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. A change sets all parameters of the method to those of the
-    preset.
+    """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. A new preset replaces the values of all parameters of the
+    method.
     """
     continuous: bool = True
     """Segment every pair of colour and depth images. If false, segment only on a call of the service `segment` and on
@@ -42,7 +42,7 @@ class Options(Settings):
     """Treat the images as rectified. If true, use the matrix P of CameraInfo and ignore the distortion D."""
     ids: bool = False
     """Give objects ids that stay the same while the objects are in view. If false, objects are numbered 1..N in the
-    order of their scores. A change restarts the ids at 1.
+    order of their scores. Ids restart at 1 when this parameter changes.
     """
     queue: Annotated[int, Field(ge=1, le=1000)] = 1
     """Maximum number of pairs of images that wait for segmentation. 1 keeps only the newest pair, for the shortest
@@ -143,7 +143,7 @@ class NodeParameters:
     def _descriptor(self, name: str, meaning: str) -> Any:
         descriptor = self._kinds.interfaces.ParameterDescriptor()
         descriptor.description = meaning
-        descriptor.dynamic_typing = True  # accepts integers for floats, and "none" for any type
+        descriptor.dynamic_typing = True  # dynamic types allow integers for floats, and "none" for any type
         descriptor.read_only = name in FIXED
         return descriptor
 

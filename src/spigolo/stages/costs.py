@@ -14,14 +14,16 @@ from spigolo.kernels import costs as kernel
 from spigolo.settings.paper import AutoCost, BoundaryCost, Cost, SaliencyCost
 
 PixelCost = SaliencyCost | BoundaryCost
-"""Parameters of a cost function that can be used for a frame. AutoCost chooses one of both for each frame."""
+"""Parameters of a cost function that can be used for a frame. AutoCost chooses one of these two cost functions for each
+frame.
+"""
 
 Reads = Literal["saliency", "boundary"]
 
 
 @dataclass(frozen=True, slots=True)
 class CostFunction:
-    """Description of a cost function: the cue that it reads, and its kernel."""
+    """Description of a cost function: its cue, its kernel and its weights."""
 
     reads: Reads
     """Name of the cue that the cost function reads in addition to colour and depth."""

@@ -1,7 +1,7 @@
 """Cues from which edge weights are computed: depth, and saliency or boundary (equations 11, 21).
 
-Only the cues that the cost function reads are computed. The cost function of equation 22 reads saliency, and that of
-equation 23 reads the boundary map.
+Only the cues that the cost function reads are computed. The cost function of equation 22 reads saliency. The cost
+function of equation 23 reads the boundary map.
 """
 
 from __future__ import annotations

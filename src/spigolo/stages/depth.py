@@ -183,8 +183,8 @@ def find_gaps(depth: DepthMap) -> Gaps:
 def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
     """Return the share of the frame without depth within the working range.
 
-    Gaps at the image border do not count, because they may lie outside the depth camera's view. Gaps do not count
-    either if all valid depth around them is larger than `max_distance_m`.
+    Gaps at the image border do not count, because such gaps may lie outside the depth camera's view. A gap does not
+    count either if all valid depth around the gap is larger than `max_distance_m`.
     """
     gaps = find_gaps(depth)
     counted = ~gaps.on_border & (gaps.far_m > 0)

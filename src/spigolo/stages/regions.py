@@ -20,7 +20,7 @@ MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
 """Minimum share of edges with weight 0 at which the first round does not stop at the first rejected merge."""
 ONE, BOTH = 1, 2
-"""Minimum number of flagged pixels of an edge: one of both, or both."""
+"""Minimum number of flagged pixels of an edge that is selected for sorting."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +51,7 @@ class Regions:
     def joined(self, root: npt.NDArray[np.int64]) -> Regions:
         """Join all regions with the same root, and number the joined regions anew.
 
-        root: (R,), for each region, the smallest number of the regions with which it is joined.
+        root: (R,), smallest region number in the group to which each region is joined.
         """
         kept, number = np.unique(root, return_inverse=True)
         return Regions(self.spread(number.astype(np.int32)), kept.size)

@@ -56,8 +56,8 @@ def depth_picture(depth: DepthMap) -> Color:
 def boundary_picture(trace: Trace) -> Color:
     """Draw the boundaries of objects over the Canny edges, or the saliency map if the cost function reads saliency.
 
-    Contours from the depth map are white. Canny edges that are depth or contact boundaries are orange. Other Canny
-    edges are grey.
+    Contours from the depth map are white. Canny edges that are depth or contact boundaries are orange. The remaining
+    Canny edges are grey.
     """
     if trace.edges is None:
         level = np.round(trace.cues.delta_sal * 255).astype(np.uint8)

@@ -115,8 +115,9 @@ class TuningPage:
         self._closed.set()
 
     def select(self, pixel: Pixel | None) -> None:
-        """Select the object or rejected region at a pixel (y, x). After the action "merge", merge it with the previous
-        selection.
+        """Select the object or rejected region at a pixel (y, x).
+
+        After the action "merge", the new selection is merged with the previous selection.
         """
         if self._merging and pixel is not None and self.session.selected is not None:
             self.session.correct("merge", self.session.selected, pixel)

@@ -43,7 +43,7 @@ class Numbered(Protocol):
 class Reel:
     """Cursor over a sequence or a stream of frames, which the user moves forwards and backwards.
 
-    Frames of a sequence are read when the cursor reaches them. Of a stream, the last 30 frames are kept.
+    A frame of a sequence is read when the cursor reaches the frame. The last 30 frames of a stream are kept.
     """
 
     def __init__(self, frames: Iterable[Frame] | Numbered) -> None:

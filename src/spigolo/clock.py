@@ -1,6 +1,6 @@
 """Timing of the stages: `stopwatch` measures the functions that the decorator `stage` marks.
 
-The following code prints the times of the stage "partition":
+The following code measures the stage "partition" of one frame:
 
     with sp.clock.stopwatch() as times:
         sp.segment(frame)

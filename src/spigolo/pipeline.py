@@ -81,18 +81,18 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
     wanted = None if roi is None else roi_mask(roi, frame)[0]
     reach_m = sized.rejection.max_distance_m
     plane = find_support(frame.depth, frame.camera, ours.support, reach_m, wanted) if ours else None  # ours
-    depth = prepare_depth(frame.depth, sized.depth)  # eqs. 5-8
-    weighing = choose_weighing(depth, sized)  # eq. 22 or 23
+    depth = prepare_depth(frame.depth, sized.depth)  # equations 5-8
+    weighing = choose_weighing(depth, sized)  # equation 22 or 23
     edges = find_edges(frame.color, depth, frame.camera, sized.edges) if weighing.reads_boundary else None  # eqs. 12-20
     contours = add_contours(edges, depth, frame.camera, plane, ours) if ours and edges else None  # ours
     if ours:
         warn_of_packing(edges, frame.depth, frame.camera, plane, ours)
     lines = contours.lines if contours else edges.final if edges else None
-    cues = gather_cues(frame.color, depth, lines, weighing, sized)  # eqs. 10, 11, 21
-    color = color_points(frame.color, sized.color)  # eq. 4
-    graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # eqs. 9, 22 or 23
+    cues = gather_cues(frame.color, depth, lines, weighing, sized)  # equations 10, 11, 21
+    color = color_points(frame.color, sized.color)  # equation 4
+    graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # equations 9, 22 or 23
     del color  # frees the memory of three images
-    regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # eqs. 2, 3
+    regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # equations 2, 3
     if ours and ours.merging and edges:
         regions = merge_regions(regions, cues.delta_bound, depth, find_above(frame, plane, ours), ours.merging)  # ours
     regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours

@@ -33,7 +33,7 @@ from spigolo.stages.regions import Regions
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
 MOST_PARTS = 1000
-"""Maximum number of regions that are compared with each other. Only the largest regions are kept, to limit memory."""
+"""Maximum number of regions that are compared with each other. Of more regions, only the largest are compared."""
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
 """Minimum overlap of two regions in image columns, as a share of the columns of one region.
@@ -229,7 +229,7 @@ class _Parts:
         return out
 
     def top_m(self, k: int) -> float:
-        """Return the height of the top of region k above the support plane, in metres. The height is cached."""
+        """Return the cached height of the top of region k above the support plane, in metres."""
         if k not in self._tops:
             self._tops[k] = self._find_top_m(k)
         return self._tops[k]

@@ -32,7 +32,7 @@ def merge_regions(
 
     - boundary: boundary map (H, W) with values from 0 to 1.
     - depth: (H, W) in metres.
-    - above: mask (H, W) of the pixels above the support plane, or None without a support plane.
+    - above: mask (H, W) of the pixels above the support plane, or None if the frame has no support plane.
     """
     graph = _Borders(regions, boundary, depth, above, config.line)
     graph.merge(lambda mean, a, b: mean < config.max_mean and graph.are_alike(a, b))
@@ -81,7 +81,7 @@ class _Borders:
     def are_alike(self, a: int, b: int) -> bool:
         """Return True if two regions both lie above the support plane, or both lie on the support plane.
 
-        If one region has no measured depth, the result is True too.
+        Return True also if one of the two regions has no measured depth.
         """
         if not (self.measured[a] and self.measured[b]):
             return True

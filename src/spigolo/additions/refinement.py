@@ -61,10 +61,10 @@ def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinem
 
 
 def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: float) -> int:
-    """Mark the background inside the convex hull of nearly convex objects for reassignment. Return the number of
+    """Mark the background inside the convex hull of nearly convex objects for reassignment. Return the number of marked
     pixels.
 
-    An example is the bottom of a bowl, which has nearly the same depth as the table.
+    For example, the bottom of a bowl has nearly the same depth as the table and is therefore missing in the object.
     """
     count = int(labels.max(initial=0)) + 1
     sums, boxes = np.zeros((count, 6)), np.zeros((count, 4), np.int32)
@@ -114,7 +114,8 @@ def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
 def open_band(
     labels: Labels, near_hole: npt.NDArray[np.uint8], width_px: int, hole_width_px: int, max_opened: float
 ) -> tuple[npt.NDArray[np.uint8], int]:
-    """Mark the pixels (H, W) uint8 near borders between labels for reassignment. Return the marks and their number.
+    """Mark the pixels (H, W) uint8 near borders between labels for reassignment. Return the marks and the number of
+    marked pixels.
 
     near_hole: (H, W), nonzero for pixels within which the band has the width hole_width_px instead of width_px. At most
     the share `max_opened` of the pixel layers of an object is marked, from outside. The background, label 0, may be

@@ -21,12 +21,12 @@ SLOPES_SHARE = 0.1
 REACH_INSIDE = 2.5
 """Distance from the outline at which a region's slope is measured, as a multiple of `Wall.reach_px`."""
 FLAT = Plane(np.zeros(3), 0.0)
-"""Placeholder for a missing support plane. All heights above this plane are 0."""
+"""Placeholder for a missing support plane, above which all heights are 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
-    """Measurements of each region for the rules `Wall` and `Ledge`. NaN where a value is unknown."""
+    """Measurements of each region for the rejection rules `Wall` and `Ledge`. Unknown values are NaN."""
 
     cut: npt.NDArray[np.float64]
     """Share (R,) of each region's outline that lies on the image border."""

@@ -53,8 +53,8 @@ def bench(
     quick
         Measure fewer rounds, image sizes and frames, in about 15 seconds.
     sizes
-        Image sizes to which the first frame is rescaled, such as `640x480,1280x960`. The word `none` skips this
-        measurement.
+        Image sizes to which the first frame is rescaled, such as `640x480,1280x960`. The word `none` skips the
+        measurement of image sizes.
     peers
         Python interpreter that has opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python in
         the current folder if this file exists, else the interpreter of spigolo. Algorithms of missing packages are

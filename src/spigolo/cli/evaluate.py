@@ -54,7 +54,8 @@ def evaluate(
     presets
         Presets of the method toscana2016: names or TOML files.
     full
-        Name patterns of data sets in which every object is labelled. Precision is reported only for these data sets.
+        Name patterns of data sets in which every object is labelled. Precision is reported only for data sets that
+        match a pattern.
     jobs
         Number of worker processes. Default: no worker processes, all frames in this process.
     scheduler

@@ -63,7 +63,7 @@ def export(
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels
-        Maximum number of pixels of an image. A larger limit requires more memory.
+        Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     frames
         Number of frames after which the program stops. Default: all frames.
 
@@ -113,7 +113,7 @@ def view(
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels
-        Maximum number of pixels of an image. A larger limit requires more memory.
+        Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     frames
         Number of frames after which the program stops. Default: all frames.
     show

@@ -51,8 +51,8 @@ def fit(
     seed
         Seed of the random parameter values and of the random folds.
     full
-        Name patterns of data sets in which every object is labelled. False objects lower the score only in these data
-        sets.
+        Name patterns of data sets in which every object is labelled. False objects lower the score only in data sets
+        that match a pattern.
     jobs
         Number of worker processes. Default: no worker processes, all trials in this process.
     scheduler

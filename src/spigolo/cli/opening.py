@@ -22,7 +22,7 @@ def opened(
     max_pixels: int = MAX_PIXELS,
     quiet: bool = False,
 ) -> Source:
-    """Return the source of frames that the words of the command line name.
+    """Return the source of frames that is named on the command line.
 
     quiet: suppress warnings about units of depth, if `doctor` reports the units itself.
     """

@@ -39,8 +39,8 @@ def tune(
     port
         Port of the web server. If the port is in use, the next free port is used.
     host
-        Network address on which the web server listens. The default allows only this machine, because the page has no
-        password.
+        Network address on which the web server listens. By default, only this machine can open the page, because the
+        page has no password.
     browser
         Open the page in a web browser.
     out

@@ -69,7 +69,7 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
     name
         Preset to show: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file.
     toml
-        Print the preset as a TOML file. Edit the file and pass it to `--preset`.
+        Print the preset as a TOML file. An edited TOML file can be passed to `--preset`.
 
     """
     from spigolo.settings.fields import field_names

@@ -15,7 +15,7 @@ from spigolo.objects.segmentation import Segmentation
 def contact_graspnet(result: Segmentation, path: PathLike) -> None:
     """Write the .npz file that the grasp planner Contact-GraspNet reads.
 
-    The file contains these arrays:
+    The file contains the following arrays:
 
     - `depth` (H, W) float32: depth in metres, 0 where missing
     - `K` (3, 3) float64: camera matrix

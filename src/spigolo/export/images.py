@@ -15,7 +15,8 @@ MIN_POINTS = 3
 def labels(result: Segmentation, path: PathLike) -> None:
     """Write the label image (H, W) as a 16-bit PNG: 0 = background, 1..N = objects.
 
-    Read the image with `cv2.imread(path, cv2.IMREAD_UNCHANGED)`. Without this flag OpenCV converts 16 bits to 8 bits.
+    Read the image with `cv2.imread(path, cv2.IMREAD_UNCHANGED)`. Without IMREAD_UNCHANGED, OpenCV converts 16 bits to 8
+    bits.
     """
     write_png(path, result.labels.astype(np.uint16))
 

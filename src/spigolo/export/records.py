@@ -16,7 +16,7 @@ def sam(result: Segmentation) -> list[dict[str, Any]]:
     """Return a list of dicts like those of SAM's automatic mask generator, one dict for each object in the order of
     labels.
 
-    Keys of each dict:
+    Each dict has the following keys:
 
     - `segmentation`: mask (H, W) bool of the object
     - `bbox`: bounding box (x, y, width, height) in pixels

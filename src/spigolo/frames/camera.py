@@ -26,9 +26,13 @@ MAX_SKEW = 1e-3
 MAX_ASPECT_CHANGE = 0.01
 """Maximum relative difference of two aspect ratios that count as equal, such as 848:480 and 16:9."""
 LEAST_FOCAL_SHARE = 0.05
-"""Minimum focal length as a share of the image width. At this limit the field of view is 169 degrees."""
+"""Minimum focal length as a share of the image width. A focal length of 5 % of the image width means a field of view of
+169 degrees.
+"""
 LEAST_WIDTH = 16
-"""Minimum image width, px, for the check of the field of view. Smaller images are usually crops."""
+"""Minimum image width, px, for the check of the field of view. Narrower images, which are usually crops, are not
+checked.
+"""
 FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 
@@ -51,8 +55,8 @@ class Camera:
     height: int
     """Image height, px."""
     distortion: tuple[float, ...] = ()
-    """Distortion coefficients k1 k2 p1 p2 k3 ... of OpenCV, either 4, 5, 8, 12 or 14 numbers. Empty without
-    distortion.
+    """Distortion coefficients k1 k2 p1 p2 k3 ... of OpenCV, either 4, 5, 8, 12 or 14 numbers. The tuple is empty
+    without distortion.
     """
 
     def __post_init__(self) -> None:
@@ -119,8 +123,9 @@ class Camera:
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
         """Return the nominal intrinsics of a camera model such as "kinect-v1", or of a field of view such as "60deg".
 
-        Nominal intrinsics refer to the colour image. They differ from the calibrated intrinsics of a single camera by
-        one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for accurate positions.
+        Nominal intrinsics refer to the colour image. Nominal intrinsics differ from the calibrated intrinsics of a
+        single camera by one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for
+        accurate positions.
 
         width, height: image size in pixels. The default is the size of the camera model's colour image, or 640x480 for
         a field of view. Nominal intrinsics are scaled to `width` and `height`, which must have the same aspect ratio.
@@ -206,7 +211,7 @@ def is_number(value: object) -> bool:
 
 
 def as_numbers(value: Any) -> npt.NDArray[np.float64]:
-    """Convert a value to an array of float64. Raises CameraError if this is not possible."""
+    """Convert a value to an array of float64. Raises CameraError if the value is not numeric."""
     try:
         return np.asarray(value, np.float64)
     except (TypeError, ValueError):

@@ -51,7 +51,7 @@ def read_camera(
     """Return the camera in a camera file, and the depth scale in metres per unit, or None if the file has no depth
     scale.
 
-    Supported formats:
+    The following formats are supported:
 
     - JSON of spigolo (fx, fy, cx, cy, width, height, depth_scale), RealSense (ppx, ppy, coeffs), Open3D
       (intrinsic_matrix) and BOP (cam_K), and JSON with a matrix K or camera_matrix

@@ -48,9 +48,10 @@ def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def of_image(values: Mapping[str, Any], image: str) -> Mapping[str, Any]:
-    """Return the camera fields of one image from the fields of a file that is indexed by image number.
+    """Return the camera fields of one image from a file that is indexed by image number, such as BOP's
+    scene_camera.json.
 
-    An example is BOP's scene_camera.json. Fields without image numbers are returned unchanged.
+    Fields that are not indexed by image number are returned unchanged.
     """
     digits = "".join(letter for letter in image if letter.isdecimal())
     numbered = {int(key): one for key, one in values.items() if str(key).isdecimal()}

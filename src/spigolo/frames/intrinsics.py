@@ -57,7 +57,7 @@ CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequ
 def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
     """Convert intrinsics in any common form to a Camera for images of width x height pixels. None stays None.
 
-    value: one of
+    value: one of the following
 
     - a Camera, which is returned unchanged
     - a matrix K (3, 3), nine numbers of K row by row, a matrix P (3, 4), or (fx, fy, cx, cy), also as text
@@ -127,7 +127,7 @@ def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | N
 def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, height: int | None = None) -> Camera:
     """Return a camera from the fields of a camera file.
 
-    Supported fields:
+    The following fields are supported:
 
     - intrinsics as numbers: fx, fy, cx, cy, with ppx, ppy instead of cx, cy for RealSense, or kalibr's intrinsics
     - intrinsics as a matrix: K, k, camera_matrix or cam_K row by row, or Open3D's intrinsic_matrix column by column
@@ -156,8 +156,8 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
 
 def _through(window: Window, camera: Camera, width: int | None, height: int | None) -> Camera:
-    """Return the camera of the cropped or decimated image. Raises CameraError if its size differs from width x
-    height.
+    """Return the camera of the cropped or decimated image. Raises CameraError if this image is not width x height
+    pixels large.
     """
     seen = window.of(camera)
     if None not in (width, height) and (seen.width, seen.height) != (width, height):

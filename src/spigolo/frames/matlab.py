@@ -19,9 +19,9 @@ MATRIX, COMPRESSED = 14, 15
 KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 """NumPy type codes of numbers in MATLAB files, indexed by MATLAB's type number."""
 NUMERIC = range(6, 16)
-"""MATLAB's class numbers of numeric arrays. Other classes are text, cells and structures."""
+"""MATLAB's class numbers of numeric arrays. MATLAB's other classes are text, cells and structures."""
 MOST_BYTES = 2**26
-"""Maximum size in bytes of a variable that is read. Camera parameters are smaller."""
+"""Maximum size in bytes of a variable that is read. Larger variables are not camera parameters."""
 
 
 def numeric_arrays(data: bytes) -> dict[str, npt.NDArray[Any]]:

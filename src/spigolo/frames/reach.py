@@ -11,7 +11,7 @@ import numpy.typing as npt
 REACH_M = 50.0
 """Maximum distance in metres that an RGB-D camera measures. Larger depth counts as missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
-"""Minimum and maximum depth in metres. Depth outside this range counts as missing."""
+"""Minimum and maximum depth in metres. Smaller and larger depth values count as missing."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
@@ -24,11 +24,11 @@ LARGEST_UINT16 = 65535
 
 @dataclass(frozen=True, slots=True)
 class OutOfReach:
-    """Description of positive depth values that count as missing.
+    """Description of positive depth values that no camera measures. Such values count as missing.
 
-    - value: the most frequent of these values, as stored.
-    - pixels: number of pixels with these values.
-    - share: share of these pixels in the frame.
+    - value: the most frequent implausible depth value, as stored.
+    - pixels: number of pixels with implausible depth.
+    - share: share of the frame with implausible depth.
     - kind: name of the integer type whose largest value is `value`, or "" if `value` is a distance beyond REACH_M.
     """
 
@@ -51,7 +51,9 @@ def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
 
 
 def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32]) -> OutOfReach | None:
-    """Set depth that no camera measures to 0 in `metres` (H, W). Return a description, or None if no such depth exists.
+    """Set depth values that no camera measures to 0 in `metres` (H, W).
+
+    Return a description of the removed values, or None if all depth values are plausible.
 
     stored: the same depth map (H, W) before its conversion to metres.
     """

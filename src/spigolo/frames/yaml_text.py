@@ -34,8 +34,8 @@ def parse_yaml(yaml: Any, text: str) -> Any:
 
     This function replaces OpenCV's reader, which may crash the process on a damaged file.
 
-    yaml: the module. Raises YAMLError for invalid YAML, and for aliases that repeat too many values or contain
-    themselves.
+    yaml: module `yaml` of PyYAML. Raises YAMLError for invalid YAML, and for aliases that repeat too many values or
+    contain themselves.
     """
 
     class Loader(yaml.SafeLoader):  # type: ignore[misc]

@@ -12,8 +12,8 @@ from spigolo.kernels.contours import hollow
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
 MOST_ROUND = 0.6
-"""Maximum distance between the middle of a chord and the surface, as a share of the chord's length. A half-circle has
-0.5.
+"""Maximum distance between the middle of a chord and the surface, as a share of the chord's length. For a half-circle,
+the share is 0.5.
 """
 
 
@@ -96,7 +96,7 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
 
     A chord is the straight line between the ends of a run of pixels of one region in one image row. The ends of a chord
     are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. Chords whose middle is farther from
-    the surface than in a half-circle are skipped, because they span two surfaces.
+    the surface than in a half-circle are skipped, because such chords span two surfaces.
 
     sums (S, 2) float64, initially zero: depth of the middle of each run behind its chord (m), and length of the chord
     (m).

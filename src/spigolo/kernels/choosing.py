@@ -162,7 +162,7 @@ def drop_down_8(right, down, falling, rising, width, n, kept):
 
 @inlined
 def pack_edge(bits, plane, pixel):
-    """Pack an edge into 64 bits: the weight in the upper 32 bits, then the number of the pixel, then that of the
+    """Pack an edge into 64 bits: the weight in the upper 32 bits, then the number of the pixel, then the number of the
     direction.
     """
     without_sign = np.uint64(bits) & np.uint64(SIGN_BIT - 1)  # a weight of -0 must sort like 0

@@ -53,7 +53,7 @@ def hue_circle(r, g, b):
 
 @kernel
 def hsv_points(rgb, k_dv, k_ds, out):
-    """Map each RGB colour to a point, such that the distance of two points is the colour difference of eq. 4.
+    """Map each RGB colour to a point, such that the distance of two points is the colour difference of equation 4.
 
     The point is (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2) for hue h, saturation s and value v.
 

@@ -12,7 +12,7 @@ CLOSE, ROUNDING = 0.99, 1e-6
 """Relative and absolute margin of a fast test in float32. Values within the margin are tested again in float64."""
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8
-"""Number of marks that are tested together, because most marks are 0."""
+"""Number of pixel marks that are compared with 0 in one step, for speed."""
 
 
 @kernel
@@ -54,7 +54,7 @@ def is_step(before, here, after, step_m, step_per_m):
 
 @inlined
 def hollow(before, here, after):
-    """Return the distance of a pixel behind the straight line between the samples before and after it, m.
+    """Return the distance of a pixel behind the straight line between the samples on both sides of the pixel, m.
 
     Along a straight line in space, 1 / Z is linear in the image.
     """

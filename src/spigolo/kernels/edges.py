@@ -108,7 +108,7 @@ def along_edge(c, n_y, n_x, sign_rule):
 
 @inlined
 def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
-    """Eqs. 17 and 19. Return the angle between two directions in degrees, negative at a convex boundary."""
+    """Eqs. 17, 19. Return the angle between two directions in degrees, negative at a convex boundary."""
     c = cross(v_plus, v_minus)
     angle = np.arctan2(np.sqrt(dot(c, c)), dot(v_plus, v_minus)) * 180.0 / np.pi
     return -angle if along_edge(c, n_y, n_x, sign_rule) < 0.0 else angle

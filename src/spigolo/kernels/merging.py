@@ -73,8 +73,8 @@ def may_merge(weight, bound_a, bound_b):
 
 @inlined
 def merge_bound(internal, gamma, size):
-    """Return the merge bound I(R) + gamma / |R| of a region R: the maximum weight of an edge that merges the region
-    (eq. 3).
+    """Return the merge bound I(R) + gamma / |R| of a region R: the maximum weight of an edge that merges R (equation
+    3).
     """
     return internal + gamma / size
 
@@ -107,7 +107,7 @@ def bound_bits(node):
 
 @inlined
 def unite(parent, records, a, b, bound):
-    """Merge the regions of roots a and b. The root of the larger region becomes the root of both."""
+    """Merge the regions of roots a and b. The root of the larger region becomes the root of both regions."""
     size_a, size_b = size_of(records[a]), size_of(records[b])
     if size_a < size_b:
         a, b = b, a
@@ -156,7 +156,7 @@ def plant(weights, width, gamma, parent, records, flags):
 
 @inlined
 def hang_below_first(parent, a, b):
-    """Merge the trees of roots a and b. The root that comes first in the image becomes the root of both."""
+    """Merge the trees of roots a and b. The root that comes first in the image becomes the root of both trees."""
     if a != b:
         parent[max(a, b)] = np.uint32(min(a, b))
 

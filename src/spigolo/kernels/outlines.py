@@ -57,7 +57,7 @@ def sum_outlines(
     - pairs of 4-neighbours across the outline
     - pairs with depth at both samples
     - pairs whose outer sample is farther by more than step_m + step_share * depth + change of depth by the slope
-    - pairs whose outer sample is nearer by more than the same step
+    - pairs whose outer sample is nearer by more than step_m + step_share * depth + change of depth by the slope
     - pairs whose height changes by more than max(ledge_m, ledge_per_m * depth^2)
     - sides of the region's pixels on the image border
     """

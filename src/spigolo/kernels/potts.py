@@ -1,4 +1,4 @@
-"""Kernels for a Potts model of an image with Metropolis updates (Abramov et al. 2012).
+"""Kernels for a Potts model of an image with Metropolis updates (Abramov et al., 2012).
 
 In a Potts model, every pixel has a spin, which is an integer. The energy is E = -(sum of J over all pairs of
 neighbouring pixels with equal spins). The interaction J is positive if both pixels have similar colours and negative
@@ -59,8 +59,8 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
     - distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image.
     - depth (H, W) metres, 0 = missing.
     - mean, repulsion: as in `color_interaction`.
-    - step: m.
-    - step_per_m: 1/m.
+    - step: minimum depth step, m.
+    - step_per_m: minimum depth step per squared depth, 1/m.
     - out (H, W) float32.
     """
     height, width = depth.shape

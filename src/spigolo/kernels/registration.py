@@ -136,8 +136,8 @@ def splat_depth(depth, P, step_m, step_share, out):
     """Draw the surfaces of a depth map into the depth map of another camera, where the nearest surface is kept.
 
     Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. At a depth step of
-    more than max(step_m, step_share Z), each pixel draws only its own quarter. A surface then ends half a pixel beyond
-    its last pixel.
+    more than max(step_m, step_share Z), each pixel draws only its own quarter. At a depth step, a surface ends half a
+    pixel beyond its last pixel.
 
     depth (h, w) metres. P (3, 4): projection (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, initially zero.
     """

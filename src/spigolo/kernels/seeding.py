@@ -18,7 +18,7 @@ OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
 LEVELS = 2048
 """Number of integer weights that are distinguished, in grey levels. Larger weights count as LEVELS - 1."""
 WORD = 8
-"""Number of flags that are tested together, because most flags are 0."""
+"""Number of pixel flags that are compared with 0 in one step, for speed."""
 MARGIN = f32(0.01)
 """Upper bound of the rounding error of a weight, in grey levels."""
 
@@ -93,7 +93,7 @@ def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, su
 
 @inlined
 def mark_borders(labels, layer):
-    """Set layer to 1 at the pixels next to another label. Return the indices y * width + x of these pixels."""
+    """Set layer to 1 at the pixels next to another label. Return the indices y * width + x of the pixels in layer 1."""
     height, width = labels.shape
     queue, size = np.empty(labels.size, np.int64), 0
     flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
@@ -227,7 +227,8 @@ def neighbour(p, k, flags, width, size):
 def offer(bucket, p, s, size, least, head, tail, edges):
     """Add the edge from labelled pixel s to open pixel p to the queue, unless a lighter edge to p is known.
 
-    bucket: weight of the edge in whole grey levels. size: number of edges in the queue. Returns the new number.
+    bucket: weight of the edge in whole grey levels. size: number of edges in the queue. Returns the new number of edges
+    in the queue.
     """
     if bucket >= least[p]:
         return size

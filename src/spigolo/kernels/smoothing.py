@@ -1,4 +1,4 @@
-"""Kernels that smooth a depth map with a window size that depends on depth (Holzer et al. 2012, equations 5-8)."""
+"""Kernels that smooth a depth map with a window size that depends on depth (Holzer et al., 2012, equations 5-8)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from spigolo.kernels._jit import inlined, kernel
 def mark_steps(depth, error_per_m, step_factor, out):
     """Compute the inverted depth-change map of Holzer et al.: 0 at depth steps and missing depth, 1 elsewhere.
 
-    A depth step is a difference of at least step_factor * error_per_m * d^2 to the right or lower neighbour. In this
-    formula, d is the depth of the pixel in metres. The map is inverted, because the distance transform measures the
-    distance to the nearest zero.
+    A depth step at depth d (m) is a difference of at least step_factor * error_per_m * d^2 to the right or lower
+    neighbour. The depth-change map is inverted, because the distance transform measures the distance to the nearest
+    zero.
     """
     height, width = depth.shape
     for y in range(height):
@@ -71,9 +71,9 @@ def distance_to_zero(mask, cap, steps, out):
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
     """Compute the half-width of the smoothing window of each pixel, in pixels: min(beta alpha d^2, T / sqrt 2).
 
-    In this formula, alpha = error_per_m, beta = radius_per_error, d is the depth in metres, and T is the distance in
-    pixels to the nearest depth step or missing pixel. The half-width is rounded and limited to max_radius and to the
-    image.
+    The parameters of the formula are alpha = error_per_m and beta = radius_per_error. The depth d is in metres. T is
+    the distance to the nearest depth step or missing pixel, in pixels. The half-width is rounded and limited to
+    max_radius and to the image.
     """
     height, width = depth.shape
     for y in range(height):
@@ -117,7 +117,7 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eqs. 5 and 8. Compute the mean depth in the smoothing window of each pixel, without excluded pixels (equation 8,
+    """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel, without excluded pixels (equation 8,
     or equation 5 without exclusions).
 
     Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the

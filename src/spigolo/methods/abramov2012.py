@@ -1,4 +1,4 @@
-"""Abramov et al. 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
+"""Abramov et al., 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
 Only the abstract and the timings of the papers were available. The interactions, the penalty of a depth step and the
 joining of domains follow a public re-implementation. The default parameters are our choice. Frames are processed
@@ -52,8 +52,8 @@ class AbramovConfig(MethodConfig):
     (our choice, the public re-implementation: 0.3).
     """
     step_per_m: NotNegative = 0.0083
-    """Minimum depth difference per squared distance at which neighbours repel each other, 1/m. The larger of this limit
-    and `step_m` applies (our choice).
+    """Minimum depth difference per squared distance at which neighbours repel each other, 1/m. The larger of two limits
+    applies: `step_m`, or `step_per_m` times the squared distance (our choice).
     """
     penalty: NotNegative = 20.0
     """Repulsion of two neighbours across a depth step (our choice, the public re-implementation: 250)."""
@@ -70,8 +70,8 @@ class AbramovConfig(MethodConfig):
     last_temperature: Positive = 0.05
     """Temperature of the Metropolis sweeps after domains are joined (our choice)."""
     piece_px2: Area_px2 = 20000.0
-    """Maximum area of two small regions that are joined with each other, px^2, such as the pieces of a print. 0 joins
-    no such regions (our addition).
+    """Maximum area of two small regions that are joined with each other, px^2, such as the pieces of a print. 0
+    switches the joining of small regions off (our addition).
     """
     piece_above: float = -2.0
     """Minimum mean interaction across the border of two small regions that are joined (our addition)."""

@@ -61,7 +61,9 @@ def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders],
 
 
 def find_borders(domains: Regions, planes: Planes) -> Borders:
-    """Return the borders between domains, with the mean interactions (4, H, W) across the borders."""
+    """Return the borders between domains, with the mean interaction across each border. planes: interactions (4, H,
+    W).
+    """
     keys, forces = [], []
     for pairs, offset in zip(planes, OFFSETS, strict=True):
         here, there = pair_ends(domains.labels.shape, offset)

@@ -1,4 +1,4 @@
-"""Feature vectors of pixels, and a graph whose edge weights are distances of features (eq. 1)."""
+"""Feature vectors of pixels, and a graph whose edge weights are distances of features (equation 1)."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.fl
 
 
 def feature_graph(features: Features, connectivity: int, k_xy: float = 0.0) -> Graph:
-    """Return the graph whose edge weights are the distances of features (C, H, W) of neighbouring pixels (eq. 1).
+    """Return the graph whose edge weights are the distances of features (C, H, W) of neighbours (equation 1).
 
     connectivity: 4 or 8 neighbours. k_xy: weight of the pixel coordinates among the features, per pixel.
     """

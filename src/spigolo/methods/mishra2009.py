@@ -1,4 +1,4 @@
-"""Mishra et al. 2009, *Active Segmentation With Fixation*: segmentation of the object around a given point.
+"""Mishra et al., 2009, *Active Segmentation With Fixation*: segmentation of the object around a given point.
 
 The boundary map is transformed to polar coordinates around the point, where small and large objects have borders of
 equal length. The contour of the object is the closed path of lowest cost in the polar map.

@@ -1,4 +1,4 @@
-"""Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: segmentation around automatically chosen points.
+"""Mishra et al., 2012, *Segmenting "Simple" Objects Using RGB-D*: segmentation around automatically chosen points.
 
 A depth border belongs to the surface on its nearer side, called the owner of the border. A point on the owner's side
 probably lies inside an object. The method `mishra2009` finds the region around such a point. A region is accepted as an
@@ -53,8 +53,8 @@ class SimpleConfig(FixationConfig):
     owns.
     """
     max_iou: Share = 0.5
-    """Maximum intersection over union of two objects. If two objects overlap more, the object with the smaller
-    supported share of its contour is removed.
+    """Maximum intersection over union of two objects. If two objects overlap more, the object whose contour has the
+    smaller share of contact boundaries and owned edges is removed.
     """
     min_area_px2: Area_px2 = 500.0
     """Minimum area of an object, px^2."""
@@ -90,7 +90,10 @@ class Mishra2012(Baseline[SimpleConfig]):
 
 
 def find_simple(boundary: Boundary, config: SimpleConfig) -> list[Found]:
-    """Return the objects of a frame, in descending order of the supported share of their contours."""
+    """Return the objects of a frame, best contour first.
+
+    The best contour has the largest share of contact boundaries and of edges that the object owns.
+    """
     kept: list[Found] = []
     for found in sorted(_look_around(boundary, config), key=lambda f: -f.strong):
         if all(_iou(found.mask, other.mask) <= config.max_iou for other in kept):
@@ -150,8 +153,8 @@ class Judge:
         self.number[self.nearest[self.y, self.x]] = np.arange(self.y.size)
 
     def __call__(self, edges: Floats, point: tuple[int, int]) -> Found | None:
-        """Return the object around a pixel (y, x), or None if its area or the supported share of its contour is out of
-        range.
+        """Return the object around a pixel (y, x), or None if the area or the contour of the region does not pass the
+        tests.
 
         edges: boundary map (H, W) of `edge_map`.
         """
@@ -167,7 +170,7 @@ class Judge:
     def share(self, contour: Points, point: tuple[int, int]) -> float:
         """Return the share of a contour that follows strong edges whose owner is the inside of the contour or unknown.
 
-        The share is the length of this part of the contour, divided by the length of the contour.
+        The share is measured by length along the contour.
         """
         height, width = self.distance.shape
         y, x = np.rint(contour).astype(int).T

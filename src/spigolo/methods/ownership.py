@@ -1,9 +1,10 @@
-"""Probability that an edge is the border of an object, and the side that owns the border (Mishra et al. 2009, 2012).
+"""Probability that an edge is the border of an object, and the side that owns the border (Mishra et al., 2009 and
+2012).
 
 In the papers, the probability is a logistic function of the difference in mean disparity between the half-discs on both
 sides of an edge. In this implementation, a line is fitted to the disparity in each half-disc, and both lines are
-compared at the edge. The slope of a table is then not a depth step. If both lines form a valley, the edge is a contact
-boundary.
+compared at the edge. With fitted lines, the slope of a table is not mistaken for a depth step. If both lines form a
+valley, the edge is a contact boundary.
 """
 
 from __future__ import annotations
@@ -62,8 +63,8 @@ class BoundaryConfig(MethodConfig):
     step_px: Positive = 0.3
     """Disparity step beta_2 at which the border probability is 1/2, px (as in the released code)."""
     valley_px: Positive | None = 0.6
-    """Depth of a valley at which the contact probability is 1/2, px of disparity. The depth is the sum of the rises of
-    both lines over the radius. None: no contact boundaries.
+    """Depth of a valley at which the contact probability is 1/2, px of disparity. The depth of a valley is the sum of
+    the rises of both lines over the radius. None finds no contact boundaries.
     """
     texture: Share = 50 / 255
     """Minimum boundary value of every edge, even without a depth difference (as in the released code)."""

@@ -1,4 +1,4 @@
-"""Rao et al. 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth channel in addition to R, G, B.
+"""Rao et al., 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth channel in addition to R, G, B.
 
 This module implements the segmentation, but not the trained classifier that selects graspable segments. Only a summary
 of the paper was available. The scale of depth, the treatment of missing depth and the default parameters are our
@@ -38,7 +38,7 @@ class Rao2010(Felzenszwalb2004):
     config: RaoConfig = field(default_factory=RaoConfig)
 
     def graph(self, frame: Frame) -> Graph:
-        """Return the graph whose edge weights are differences of colour and depth of neighbouring pixels (eq. 1)."""
+        """Return the graph whose edge weights are differences of colour and depth of neighbours (equation 1)."""
         config = self.config
         color = color_features(frame.color, config.sigma_px)
         depth = depth_feature(frame.depth, config.sigma_px, config.levels_per_m)

@@ -44,12 +44,12 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
     """Fit an oriented box to the measured depth inside a mask.
 
     The box covers only the visible surface. Pixels at the outline of the mask and the outermost points along each axis
-    are ignored. Depth at these places often mixes object and background (flying pixels).
+    are ignored. Depth at outlines often mixes object and background (flying pixels).
 
     - mask: (H, W).
     - depth: (H, W) in metres.
     - up: unit vector (3,) that one axis of the box follows, such as the normal of the support plane. If `up` is None,
-      this axis is the direction in which the points vary least.
+    one axis of the box is the direction in which the points vary least.
 
     Returns None if fewer than 10 pixels have depth.
     """

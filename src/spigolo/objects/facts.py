@@ -44,7 +44,7 @@ class RegionFacts:
     centroid_px: tuple[float, float]
     """Centroid (y, x) of the region in pixels."""
     centroid_m: tuple[float, float, float] | None
-    """Mean (X, Y, Z) of the region's measured points in metres. None without measured points or intrinsics."""
+    """Mean (X, Y, Z) of the region's measured points in metres. None if measured points or intrinsics are missing."""
     spread_px2: tuple[float, float]
     """Eigenvalues (lambda1, lambda2) of the covariance of the region's pixel coordinates, px^2, largest first."""
     eccentricity: float
@@ -56,9 +56,9 @@ class RegionFacts:
     dark: float
     """Share of the region's pixels that are dark: brightness max(R, G, B) in the three lowest of 32 bins."""
     above: float | None
-    """Share of the region's measured pixels above the support plane. None without a support plane."""
+    """Share of the region's measured pixels above the support plane. None if the frame has no support plane."""
     inside: float | None
-    """Share of the region's pixels inside the region of interest. None without a region of interest."""
+    """Share of the region's pixels inside the region of interest. None if no region of interest is given."""
     contour: float
     """Mean boundary value along the region's border, from 0 to 1."""
     cut: float | None
@@ -66,14 +66,14 @@ class RegionFacts:
     low.
     """
     hides: float | None
-    """Share of the region's outline beyond which the depth is larger by a step. Outline parts of nearer objects do not
-    count.
+    """Share of the region's outline beyond which the depth is larger by a step. Parts of the outline next to a nearer
+    object do not count.
 
     None if walls are not checked, the region is low, or too little of its outline has depth.
     """
     ledge: float | None
-    """Share of the region's outline along which the height above the support plane changes by a step. None without a
-    support plane or enough depth.
+    """Share of the region's outline along which the height above the support plane changes by a step. None if the
+    support plane or enough depth is missing.
     """
     lean_deg: float | None
     """Angle between the region's mean surface normal and the line of sight, degrees.
@@ -102,12 +102,12 @@ class RegionFacts:
 
     @property
     def distance_m(self) -> float | None:
-        """Distance of the region's centroid from the camera in metres. None without depth or intrinsics."""
+        """Distance of the region's centroid from the camera in metres. None if depth or intrinsics are missing."""
         return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
 
     @property
     def size_m(self) -> tuple[float, float] | None:
-        """Approximate length and width of the region in metres. None without depth or intrinsics.
+        """Approximate length and width of the region in metres. None if depth or intrinsics are missing.
 
         Length and width are the sides of a rectangle at the centroid, facing the camera, with the spread of the region.
         """
@@ -243,7 +243,7 @@ def region_score(
 
     - contour: mean boundary value (R,) along each region's border.
     - measured: number of each region's measured pixels (R,), as a share of the image.
-    - above: share (R,) of each region above the support plane, or None without a support plane.
+    - above: share (R,) of each region above the support plane, or None if the frame has no support plane.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

@@ -32,7 +32,7 @@ class Scene:
     rejection: Rejection
     """Rejection rules of the paper, with lengths and areas scaled to the image size."""
     additions: Additions | None
-    """Our additions, with lengths and areas scaled to the image size. None without additions."""
+    """Our additions, with lengths and areas scaled to the image size. None if the preset has no additions."""
     preset: str
     """Name of the preset that produced the regions."""
     digest: str
@@ -40,10 +40,10 @@ class Scene:
     left_out: tuple[str, ...] = ()
     """Names of cues that were not computed because intrinsics are missing."""
     above: Mask | None = None
-    """Mask (H, W) of the measured pixels above the support plane. None without a support plane."""
+    """Mask (H, W) of the measured pixels above the support plane. None if the frame has no support plane."""
     inside: tuple[Mask, Mask] | None = None
     """Mask (H, W) of the pixels inside the region of interest, and mask (H, W) of the pixels that can be judged. None
-    without a region of interest.
+    if no region of interest is given.
     """
 
     @property
@@ -64,7 +64,9 @@ class Scene:
         )
 
     def on_support(self, labels: Labels) -> Mask | None:
-        """Return the mask (H, W) of background pixels on the support plane, or None without a support plane."""
+        """Return the mask (H, W) of background pixels on the support plane, or None if the frame has no support
+        plane.
+        """
         camera = self.frame.camera
         if self.plane is None or self.support is None or camera is None:
             return None
@@ -90,12 +92,12 @@ class Scene:
 
 
 def find_above(frame: Frame, plane: Plane | None, additions: Additions | None) -> Mask | None:
-    """Return the mask (H, W) of measured pixels above the support plane, or None without a support plane."""
+    """Return the mask (H, W) of measured pixels above the support plane, or None if the frame has no support plane."""
     if plane is None or additions is None or additions.support is None or frame.camera is None:
         return None
     return above_mask(plane, frame.depth, frame.camera, additions.support)
 
 
 def find_inside(frame: Frame, roi: Roi | None) -> tuple[Mask, Mask] | None:
-    """Return the two masks (H, W) of `roi_mask` for a region of interest, or None without a region of interest."""
+    """Return the two masks (H, W) of `roi_mask` for a region of interest, or None if no region of interest is given."""
     return None if roi is None else roi_mask(roi, frame)

@@ -35,7 +35,7 @@ class ObjectMask(RegionFacts):
     label: int
     """Number of the object in the label image `Segmentation.labels`, from 1."""
     id: int | None = None
-    """Id that the object keeps from frame to frame, from 1. None without `Segmenter(ids=True)`."""
+    """Id that the object keeps from frame to frame, from 1. None unless `Segmenter(ids=True)` is used."""
 
     @property
     def number(self) -> int:
@@ -106,8 +106,8 @@ class Segmentation:
 
     @property
     def support(self) -> Mask | None:
-        """Mask (H, W) of background pixels on the support plane. None without a support plane. Each access creates a
-        new array.
+        """Mask (H, W) of background pixels on the support plane. None if the frame has no support plane. Each access
+        creates a new array.
         """
         return self.scene.on_support(self.labels)
 

@@ -99,7 +99,7 @@ def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
 def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
     """Check the size and the eccentricity of a region.
 
-    Sizes are compared with the limits in metres if intrinsics are known. The limits in pixels apply too, unless
+    Sizes are compared with the limits in metres if intrinsics are known. The limits in pixels apply unless
     `ours.metric` is set and intrinsics are known.
     """
     large, small = facts.spread_px2

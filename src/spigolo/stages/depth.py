@@ -1,6 +1,7 @@
 """Preparation of the depth map: in-painting of small gaps, and smoothing that does not fill shadows (equations 5-8).
 
-In-painting comes first, because sampling holes would make all smoothing windows tiny. Large shadows stay 0.
+In-painting comes first, because sampling holes would make all smoothing windows tiny. Large shadows are not filled and
+stay 0.
 """
 
 from __future__ import annotations
@@ -56,7 +57,7 @@ def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.i
 
 @stage("depth: smoothing")
 def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
-    """Eqs. 5 and 8. Return the mean depth (H, W) in the smoothing window of each pixel, in metres.
+    """Eqs. 5, 8. Return the mean depth (H, W) in the smoothing window of each pixel, in metres.
 
     The window of a pixel with radius r has (2r+1)^2 pixels. The mean is computed over valid pixels or, if `config.mean`
     is "plain", over all pixels with missing depth as 0. Missing depth stays missing.

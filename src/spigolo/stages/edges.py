@@ -34,11 +34,11 @@ class EdgeMaps:
     canny: Mask
     """Mask E_E (H, W) of all Canny edges of the colour image."""
     depth_boundary: Mask
-    """Mask E_B (H, W) of Canny edges at a depth step (eq. 13)."""
+    """Mask E_B (H, W) of Canny edges at a depth step (equation 13)."""
     contact_boundary: Mask
-    """Mask E_C (H, W) of Canny edges where an object touches its support (eq. 18)."""
+    """Mask E_C (H, W) of Canny edges where an object touches its support (equation 18)."""
     final: Mask
-    """Mask E_F (H, W), the union of E_B and E_C (eq. 20)."""
+    """Mask E_F (H, W), the union of E_B and E_C (equation 20)."""
 
 
 @stage("edges")

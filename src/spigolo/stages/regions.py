@@ -18,7 +18,9 @@ PIVOT_QUANTILES = (0.3, 0.6)
 """Quantiles of the positive edge weights at which the next round of sorting and merging begins."""
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""Minimum share of edges with weight 0 at which the first round does not stop at the first rejected merge."""
+"""If at least this share of the edges has weight 0, the first merging round continues after the first rejected
+merge.
+"""
 ONE, BOTH = 1, 2
 """Minimum number of flagged pixels of an edge that is selected for sorting."""
 
@@ -65,7 +67,7 @@ def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: W
     largest weight in the minimum spanning tree of region R, as in Felzenszwalb & Huttenlocher 2004.
 
     - graph: edge weights, not negative and not NaN. Edges of weight +inf are ignored.
-    - gamma: threshold of eq. 3.
+    - gamma: threshold of equation 3.
     - min_size_px: minimum number of pixels of a region.
     - workspace: scratch memory to reuse from frame to frame.
     """
@@ -178,7 +180,8 @@ class Forest:
         """Merge regions along edges lighter than `high`, until equation 3 rejects a merge. Return the weight that was
         reached.
 
-        Before the first rejected merge, detours have no effect and are therefore not sorted.
+        Before the first rejected merge, edges whose two pixels are connected by lighter edges have no effect and are
+        not sorted.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)

@@ -56,7 +56,7 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure3(frame: Frame, config: Config = SHELF) -> Color:
-    """Draw the colour image, and the saliency map before and after the power law (eq. 10)."""
+    """Draw the colour image, and the saliency map before and after the power law (equation 10)."""
     config = config.at_size(frame.shape)
     saliency = fine_grained_saliency(frame.color, config.saliency)
     pictures = {

@@ -65,7 +65,7 @@ class Leaf:
     optional: bool
     """True if the parameter may be None, which switches a rule off."""
     limits: tuple[float | None, float | None]
-    """Minimum and maximum of the parameter. None without a limit."""
+    """Minimum and maximum of the parameter. None means no limit."""
     choices: tuple[str | int, ...]
     """Allowed values of a parameter of the kind "choice"."""
     above: bool
@@ -73,7 +73,7 @@ class Leaf:
     odd: bool
     """True if the parameter must be an odd number."""
     default: Any
-    """Default value of the parameter in its model. None without a default value."""
+    """Default value of the parameter in its model. None if the model has no default value."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,10 +4,10 @@ The graph partition splits an object at a depth step within the object, between 
 noise. Four rules join regions above the support plane by comparing both sides of their common border. The class
 `Joining` holds the parameters of these rules.
 
-- vessel: the wall and the inside of a cup. The front region is convex, the region behind it is hollow, and both
-  have the same top height.
-- cap: a lid and its box, or a filled cup. The border has almost no depth gap and no valley. One region is above the
-  other, both have the same top height, and both together are nearly convex.
+- vessel: the wall and the inside of a cup. The front region is convex, the region behind is hollow, and both regions
+have the same top height.
+- cap: a lid and its box, or a filled cup. The border has almost no depth gap and no valley. One region lies above the
+other, both regions have the same top height, and both regions together are nearly convex.
 - smooth: two parts of one surface that noise separated. The border has almost no depth gap and is not a valley.
 - enclosed: a region on the support plane, or without depth, that an object surrounds, such as the bottom of a bowl.
 """

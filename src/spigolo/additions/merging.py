@@ -31,7 +31,7 @@ def merge_regions(
     """Merge neighbouring regions if the mean boundary value along their common border is small.
 
     - boundary: boundary map (H, W) with values from 0 to 1.
-    - depth: (H, W) in metres.
+    - depth: depth map (H, W) in metres.
     - above: mask (H, W) of the pixels above the support plane, or None if the frame has no support plane.
     """
     graph = _Borders(regions, boundary, depth, above, config.line)

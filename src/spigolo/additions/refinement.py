@@ -33,7 +33,7 @@ HALVED_BAND_PX = 3
 class Claimed:
     """Labels of all pixels after the labels near borders were reassigned.
 
-    - labels: (H, W) int32.
+    - labels: (H, W) int32, object at each pixel, 0 = background.
     - source_of: (H * W,) int32, index y * W + x of the seed pixel that gave each pixel in `opened` its label, undefined
       elsewhere.
     - opened: mask (H, W) of the pixels that got their label from a seed.

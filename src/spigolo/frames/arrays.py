@@ -44,7 +44,9 @@ def _check_unpacked(stored: Any) -> None:
 
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:
-    """Return the first array with one of the names, or the only array of the file. Raises FileError if none fits."""
+    """Return the first array with one of the names, or the only array of the file. Raises FileError if no array
+    fits.
+    """
     lower = {name.lower(): array for name, array in arrays.items()}
     found = next((lower[name] for name in names if name in lower), None)
     if found is None and len(arrays) == 1:

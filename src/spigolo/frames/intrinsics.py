@@ -137,8 +137,9 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
     - distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d, or k1, k2, p1, p2, k3
     - lens model: distortion_model or model
 
-    The fields of the colour camera may be nested in another field. width, height: image size in pixels, used if the
-    fields contain no image size. Raises CameraError.
+    The fields of the colour camera may be nested in another field.
+
+    width, height: image size in pixels, used if the fields contain no image size. Raises CameraError.
     """
     values = own_fields(values)
     window = window_of(values)

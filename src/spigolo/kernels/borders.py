@@ -45,11 +45,11 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     if both samples lie inside the image and in the two regions of the border. Depth differences are clipped to
     gap_limit. Depths of the border behind the line between both samples are clipped to bend_limit.
 
-    - labels (H, W) int32.
+    - labels (H, W) int32: region of each pixel.
     - number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped.
-    - depth (H, W) metres.
+    - depth (H, W): depth map in metres.
     - boundary (H, W): boundary map.
-    - sums (S, S, 6) float64, initially zero.
+    - sums (S, S, 6) float64, initially zero: result.
 
     The array sums[a, b] contains six values of the border between regions a and b:
 
@@ -124,9 +124,9 @@ def collect_pairs(labels, boundary, pairs, strength):
 
     A pair is stored as lower region number * 2^32 + higher region number.
 
-    - labels (H, W) int32.
-    - boundary (H, W).
-    - pairs (K,) int64.
+    - labels (H, W) int32: region of each pixel.
+    - boundary (H, W): boundary map.
+    - pairs (K,) int64: pairs of regions.
     - strength (K,): larger boundary value of each pair.
 
     Returns the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.

@@ -28,7 +28,7 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
     Edges keep the order of their numbers. With `detours=False`, the heaviest edge of each triangle or square of
     neighbouring pixels is skipped.
 
-    - weights (P, H W) float32.
+    - weights (P, H W) float32: edge weights.
     - width: number of image columns.
     - parent (H W,): root of every pixel.
     - flags (H W,) uint8, 0 or 1.

@@ -66,8 +66,8 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     """Return a lower bound of the distance of a crease behind the chord between its two sides, as a share of its depth.
 
     The bound holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at least
-    crease_px d / f long. The crease lies behind the chord by this length times cos(angle / 2). The angle is not
-    computed at pixels below the bound.
+    crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle / 2). The
+    angle is not computed at pixels below the bound.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -141,10 +141,10 @@ def mark_contours(
     samples crease_px away form a contact (equations 14-19), and the pixel lies behind their chord by at least
     noise_per_m d^2. A pixel is not marked if depth is missing at the pixel and at both samples step_px away.
 
-    - depth (H, W) in metres.
+    - depth (H, W): depth map in metres.
     - filled (H, W): depth with filled shadows, from which the samples are taken.
-    - camera (fx, fy, cx, cy).
-    - steps, creases (H, W) uint8, initially zero.
+    - camera (fx, fy, cx, cy): intrinsics.
+    - steps, creases (H, W) uint8, initially zero: marks of depth steps and of creases.
     """
     height, width = depth.shape
     margin = max(step_px, crease_px)

@@ -10,8 +10,8 @@ SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
 """Value of tan 22.5 degrees."""
 ROUNDING = 1e-9
-"""Relative rounding error of a cosine. If a cosine is closer to a threshold, the angle is compared instead of the
-cosine.
+"""Relative rounding error of a cosine. If a cosine differs from a threshold by less, the angle is compared with the
+threshold instead of the cosine.
 """
 
 
@@ -169,11 +169,11 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
 
     Edge pixels whose samples would lie outside the image are skipped.
 
-    - edges (H, W) uint8.
+    - edges (H, W) uint8: edge pixels, nonzero.
     - gx, gy (H, W) int16: colour gradient.
-    - depth (H, W) metres.
-    - camera (fx, fy, cx, cy).
-    - depth_boundary, contact (H, W) uint8, initially zero.
+    - depth (H, W): depth map in metres.
+    - camera (fx, fy, cx, cy): intrinsics.
+    - depth_boundary, contact (H, W) uint8, initially zero: marks of both kinds of boundaries.
     """
     height, width = edges.shape
     margin = max(step_px, contact_px) + 1

@@ -118,10 +118,10 @@ def measure_gaps(depth, runs, gaps, area, near, far, on_border):
     """Measure each gap: number of pixels, minimum and maximum depth around the gap, and contact with the image border.
 
     - runs (N, 3), gaps (N,): as in `join_runs`.
-    - area (G,) int64, initially zero.
-    - near (G,) float32 metres, initially +inf.
-    - far (G,) float32 metres, initially zero.
-    - on_border (G,) uint8, initially zero.
+    - area (G,) int64, initially zero: number of pixels of each gap.
+    - near (G,) float32, initially +inf: minimum depth around each gap, m.
+    - far (G,) float32, initially zero: maximum depth around each gap, m.
+    - on_border (G,) uint8, initially zero: 1 if a gap touches the image border.
     """
     height, width = depth.shape
     for k in range(len(runs)):

@@ -132,7 +132,7 @@ def plant(weights, width, gamma, parent, records, flags):
 
     Edges of weight 0 always merge two regions (equation 3), so that their order does not matter.
 
-    - weights (P, H W) float32.
+    - weights (P, H W) float32: edge weights.
     - parent (H W,) uint32: root of each pixel.
     - records (H W,) uint64: records of the roots.
     - flags (H W,) uint8: set to 1.

@@ -44,7 +44,7 @@ def sum_regions(labels, sums, boxes):
     """Compute the number of pixels, the first and second moments of pixel coordinates, and the bounding box of every
     region.
 
-    - labels (H, W) int32.
+    - labels (H, W) int32: region of each pixel.
     - sums (R, 6) float64, initially zero: number of pixels, sums of y, x, y^2, y x and x^2.
     - boxes (R, 4) int32: first row, first column, last row + 1, last column + 1.
     """

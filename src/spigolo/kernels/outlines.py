@@ -50,7 +50,9 @@ def sum_outlines(
     depth that lies between `near` and `near` + `shadow` pixels outside. The region's slope is measured up to `deep`
     pixels inside. The height above the support plane is (slope_x[x] + slope_y[y] + slope) * depth + offset.
 
-    labels (H, W) int32. depth (H, W) float32 metres. sums (R, 6) float64, initially zero.
+    - labels (H, W) int32: region of each pixel.
+    - depth (H, W) float32: depth map in metres.
+    - sums (R, 6) float64, initially zero: result.
 
     The columns of sums are numbers of:
 

@@ -13,10 +13,10 @@ MISSING, BELOW, ON, ABOVE = range(4)
 def count_near(points, planes, tolerance, counts):
     """Count the points near each of P planes.
 
-    - points (3, N) float32 metres.
+    - points (3, N) float32: X, Y and Z of each point in metres.
     - planes (P, 4) float32: unit normal and offset in metres.
     - tolerance (N,) float32: maximum distance of each point from a plane, m.
-    - counts (P,) int64.
+    - counts (P,) int64: number of points near each plane.
     """
     xs, ys, zs = points
     for k in range(len(planes)):
@@ -63,8 +63,8 @@ def sum_normals(labels, depth, wanted, camera, reach, sums):
     The normal of a pixel is computed from depth samples `reach` pixels away in the same region. Normals and lines of
     sight point away from the camera.
 
-    - labels (H, W) int32.
-    - depth (H, W) float32 metres.
+    - labels (H, W) int32: region of each pixel.
+    - depth (H, W) float32: depth map in metres.
     - wanted (R,) uint8: 0 for regions that are skipped.
     - camera (4,): fx, fy, cx, cy.
     - sums (R, 7) float64, initially zero: number of pixels with a normal, sum of normals (X, Y, Z), sum of unit vectors

@@ -28,7 +28,7 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
     weight `weak`, and other pixels the weight 1. The pixels on each side of the edge must have a total weight of at
     least `least`.
 
-    - edges (H, W) uint8.
+    - edges (H, W) uint8: edge pixels, nonzero.
     - direction (H, W) uint8: index into normals.
     - normals (K, 2) float64: unit vectors (n_y, n_x).
     - disparity (H, W) float32, 0 where missing.

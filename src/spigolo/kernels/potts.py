@@ -61,7 +61,7 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
     - mean, repulsion: as in `color_interaction`.
     - step: minimum depth step, m.
     - step_per_m: minimum depth step per squared depth, 1/m.
-    - out (H, W) float32.
+    - out (H, W) float32: interaction of each pair.
     """
     height, width = depth.shape
     mean, repulsion, penalty = np.float32(mean), np.float32(repulsion), np.float32(penalty)

@@ -17,7 +17,7 @@ def draw_mesh(points, triangles, out):
     - points (V, 3): image position (u, v) in pixels and 1 / Z of each vertex, with 1 / Z = 0 for vertices too near the
     camera.
     - triangles (T, 3) int32: indices of the vertices.
-    - out (H, W) metres, initially zero.
+    - out (H, W), initially zero: depth map in metres.
     """
     height, width = out.shape
     for t in range(triangles.shape[0]):

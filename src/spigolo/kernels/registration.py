@@ -139,7 +139,9 @@ def splat_depth(depth, P, step_m, step_share, out):
     more than max(step_m, step_share Z), each pixel draws only its own quarter. At a depth step, a surface ends half a
     pixel beyond its last pixel.
 
-    depth (h, w) metres. P (3, 4): projection (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, initially zero.
+    - depth (h, w): depth map in metres.
+    - P (3, 4): projection (u Z, v Z, Z) = P (x z, y z, z, 1).
+    - out (H, W), initially zero: depth map of the other camera in metres.
     """
     height, width = depth.shape
     above, here = np.zeros((width, 3)), np.zeros((width, 3))

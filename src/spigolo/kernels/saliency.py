@@ -85,7 +85,7 @@ def center_surround(gray, integral, surrounds, on, off):
 def join_levels(on, off, out):
     """Scale two maps on and off (H, W) int32 to a maximum of 255 each, and add both, clipped to 255.
 
-    out (H, W) uint8. A map that is 0 everywhere adds 0.
+    out (H, W) uint8: sum of both maps. A map that is 0 everywhere adds 0.
     """
     inverse_on, inverse_off = 1.0 / max(on.max(), 1), 1.0 / max(off.max(), 1)
     for y in range(on.shape[0]):

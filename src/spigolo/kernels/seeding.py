@@ -121,7 +121,7 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
 
     The maximum layer is width_px, or hole_width_px where near_hole is nonzero.
 
-    - labels (H, W) int32.
+    - labels (H, W) int32: label of each pixel.
     - near_hole (H, W) uint8: nonzero near missing depth.
     - layer (H, W) uint8: 255 in pixels beyond the maximum layer.
     - inner (N,) int32: number of layers of each label, or 255 if the label has pixels beyond the maximum layer.
@@ -277,7 +277,7 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
     With memory = carry = 0 the result is a minimum spanning forest. Weights are rounded down to whole grey levels.
     Among edges of equal weight, the edge that was found first is used.
 
-    - color (H, W, 3) uint8.
+    - color (H, W, 3) uint8: RGB image.
     - depth (H, W) float32 metres, 0 = missing.
     - labels (H, W) int32: changed at open pixels.
     - opened (H, W) uint8: flags of `open_layers`, set to 0 at pixels that get a label.
@@ -319,7 +319,7 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             room = f32(least[q]) - before
             colors_2 = distance_2(red, green, blue, points, q)
             if room <= f32(0.0) or colors_2 > (room + MARGIN) * (room + MARGIN):
-                continue  # a lighter edge is known, even without a depth step
+                continue  # the edge is heavier than a known edge, even without the cost of a depth step
             bucket = min(int(before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight)), LEVELS - 1)
             size = offer(bucket, q, p, size, least, head, tail, edges)
             level = min(level, bucket)
@@ -332,7 +332,7 @@ def follow_seeds(before, after, source_of, regions, out, areas):
     - before, after: labels (H, W) int32 before and after `grow_seeds`.
     - source_of (H * W,) int32: result of `grow_seeds`.
     - regions, out: old and new region numbers (H, W) int32.
-    - areas (R,) int64, initially zero.
+    - areas (R,) int64, initially zero: number of pixels of each region.
     """
     width, flat = before.shape[1], regions.reshape(-1)
     for y in range(before.shape[0]):

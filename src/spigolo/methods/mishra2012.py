@@ -5,8 +5,8 @@ probably lies inside an object. The method `mishra2009` finds the region around 
 object if its contour consists mostly of contact boundaries and of borders that the region owns.
 
 Only an outline of the paper was available. The choice of points, the acceptance of objects and the default parameters
-are our reading. The paper detects contact with the table from the camera's pose. In this implementation, a contact is a
-valley in the depth map.
+are our interpretation. The paper detects contact with the table from the camera's pose. In this implementation, a
+contact is a valley in the depth map.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 This module implements the segmentation, but not the trained classifier that selects graspable segments. Only a summary
 of the paper was available. The scale of depth, the treatment of missing depth and the default parameters are our
-reading.
+interpretation.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class RaoConfig(FelzenszwalbConfig):
 class Rao2010(Felzenszwalb2004):
     """Segmentation by merging pixels with small differences of colour and depth.
 
-    The depth difference of an edge is 0 if depth is missing at one of its pixels (our reading).
+    The depth difference of an edge is 0 if depth is missing at one of its pixels (our interpretation).
     """
 
     name = "rao2010"

@@ -46,8 +46,8 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
     The box covers only the visible surface. Pixels at the outline of the mask and the outermost points along each axis
     are ignored. Depth at outlines often mixes object and background (flying pixels).
 
-    - mask: (H, W).
-    - depth: (H, W) in metres.
+    - mask: mask (H, W) of the pixels of the object.
+    - depth: depth map (H, W) in metres.
     - up: unit vector (3,) that one axis of the box follows, such as the normal of the support plane. If `up` is None,
     one axis of the box is the direction in which the points vary least.
 

@@ -117,9 +117,9 @@ def open_band(
     """Mark the pixels (H, W) uint8 near borders between labels for reassignment. Return the marks and the number of
     marked pixels.
 
-    near_hole: (H, W), nonzero for pixels within which the band has the width hole_width_px instead of width_px. At most
-    the share `max_opened` of the pixel layers of an object is marked, from outside. The background, label 0, may be
-    marked entirely.
+    near_hole: (H, W) uint8, nonzero near missing depth, where the width of the band is hole_width_px instead of
+    width_px. At most the share `max_opened` of the pixel layers of an object is marked, from outside. The background,
+    label 0, may be marked entirely.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     kernel.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)

@@ -102,8 +102,9 @@ def losses(
     preset: str = "OBJECTS",
     each: bool = False,
 ) -> int:
-    """Count the labelled objects that were not found, by cause: rejected, merged, flooded, split, or with another
-    outline.
+    """Count the labelled objects that were not found, by cause.
+
+    Causes are: rejected, merged with another object, merged with background (flooded), split, and wrong outline.
 
     Example: `spigolo losses frames/ --preset TABLE --each`.
 

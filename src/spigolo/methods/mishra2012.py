@@ -59,9 +59,7 @@ class SimpleConfig(FixationConfig):
     min_area_px2: Area_px2 = 500.0
     """Minimum area of an object, px^2."""
     max_area: Share = 0.2
-    """Maximum area of an object as a share of the frame. Larger regions are probably surfaces on which objects
-    stand.
-    """
+    """Maximum area of an object as a share of the frame. Larger regions are probably tables or walls."""
 
 
 class Found(NamedTuple):

@@ -94,7 +94,7 @@ def _stored(state: State, name: str) -> Any:
 
 
 def changed(state: State, changes: Mapping[str, Any]) -> State:
-    """Return the parameter values after some changes. A change of the preset is applied first.
+    """Return the values of all parameters after some parameters were changed. A change of the preset is applied first.
 
     changes: new values, indexed by parameter name. Raises ConfigError for a wrong name or value.
     """

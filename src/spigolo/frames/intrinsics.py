@@ -55,7 +55,8 @@ CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequ
 
 
 def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
-    """Convert intrinsics in any common form to a Camera for images of width x height pixels. None stays None.
+    """Convert intrinsics in any common form to a Camera for images of width x height pixels. If `value` is None, the
+    result is None.
 
     value: one of the following
 

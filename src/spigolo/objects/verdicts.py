@@ -34,7 +34,7 @@ Verdict = tuple[Reason, str]
 
 
 def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
-    """Return the first rule that a region violates, with an explanation, or None if the region is an object.
+    """Return the first rule that a region violates, with an explanation, or None if the region violates no rule.
 
     Lengths and areas in the limits must be scaled to the image size.
 

@@ -169,7 +169,9 @@ def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
 
 
 def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
-    """Clip a depth map to the range of another depth map, so that both have the same colour scale. 0 stays 0."""
+    """Clip a depth map to the range of another depth map, so that both have the same colour scale. Missing depth stays
+    0.
+    """
     if not like.any():
         return depth
     low, high = np.percentile(like[like > 0], [1, 99])

@@ -28,7 +28,7 @@ from spigolo.view.tuning_values import SHOWN, Values, nearest_preset
 
 Pixel = tuple[int, int]
 REMEMBERED = 30
-"""Number of the last frames of a stream that are kept, so that the user can go back."""
+"""Number of past frames of a stream that are kept, so that the user can go back."""
 
 
 @runtime_checkable

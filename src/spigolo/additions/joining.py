@@ -33,7 +33,9 @@ from spigolo.stages.regions import Regions
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
 MOST_PARTS = 1000
-"""Maximum number of regions that are compared with each other. Of more regions, only the largest are compared."""
+"""Maximum number of regions that are compared with each other. If a frame has more regions, only the largest regions
+are compared.
+"""
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
 """Minimum overlap of two regions in image columns, as a share of the columns of one region.

@@ -51,11 +51,13 @@ def export(
         Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
         a flag.
     format
-        File format. coco, bop: one JSON file for all frames. yolo: text. labels: 16-bit PNG. contact-graspnet: .npz
-        file with depth, K, rgb and segmap. workspace-mask: 1-bit PNG. ply, pcd: a point cloud for each object.
+        File format. The formats `coco` and `bop` are one JSON file for all frames. For each frame, `yolo` is a text
+        file, `labels` a 16-bit PNG, and `workspace-mask` a 1-bit PNG. The format `contact-graspnet` is an .npz file
+        with depth, K, rgb and segmap. The formats `ply` and `pcd` are a point cloud for each object.
     out
-        File or folder to write. coco, bop: the JSON file. ply, pcd: a folder, with a subfolder for each frame if there
-        are several frames. Other formats: a file for one frame, or a folder for several frames.
+        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder, with a
+        subfolder for each frame of several frames. For other formats, give a file for one frame, or a folder for
+        several frames.
     camera
         Intrinsics of the camera, as for `spigolo segment`.
     preset

@@ -35,8 +35,8 @@ def render(
     seed
         Seed of the random scenes. Equal seeds give equal frames.
     layout
-        Layout of the files: `folders` for one folder for each frame, `bop` for the layout of the BOP challenge, or
-        `original` for the layout of the imitated data set.
+        Layout of the files: `folders`, `bop` or `original`. The layout `folders` has one folder for each frame, `bop`
+        is the layout of the BOP challenge, and `original` is the layout of the imitated data set.
     out
         Output folder. The file `rendered.json` in this folder marks the frames as rendered.
 

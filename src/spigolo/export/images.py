@@ -24,7 +24,7 @@ def labels(result: Segmentation, path: PathLike) -> None:
 def yolo(result: Segmentation, path: PathLike) -> None:
     """Write the object outlines as YOLO segmentation text, one line `0 x1 y1 x2 y2 ...` for each object.
 
-    Coordinates are divided by the image size. Of an object with several outlines, only the largest outline is written.
+    Coordinates are divided by the image size. If an object has several outlines, only the largest outline is written.
     """
     height, width = result.labels.shape
     outlines = (_outline(o) / (width, height) for o in result)

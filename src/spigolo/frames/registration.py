@@ -33,7 +33,7 @@ def register_depth(
     """Return the depth map (H, W) of the colour camera, float32 in metres, 0 where depth is unknown.
 
     Small squares of surface are mapped instead of points, so that surfaces have no holes in a larger colour image.
-    Where surfaces overlap, the nearest surface is kept. No surface is drawn across a depth step.
+    If surfaces overlap in the image, the nearest surface is kept. No surface is drawn across a depth step.
 
     - depth: depth map (h, w) of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
     - depth_camera: depth is undistorted first if this camera has distortion.

@@ -129,7 +129,7 @@ def innermost(mask: Mask) -> tuple[int, int]:
 def paint(masks: list[Mask], shape: tuple[int, int]) -> Regions:
     """Return one region for each mask (H, W), and one region for all other pixels.
 
-    Where masks overlap, the last mask is used. Regions are numbered in the order of their first pixels.
+    If masks overlap, the last mask is used. Regions are numbered in the order of their first pixels.
     """
     labels = np.zeros(shape, np.int32)
     for k, mask in enumerate(masks, start=1):

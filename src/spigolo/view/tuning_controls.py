@@ -18,8 +18,8 @@ class Controls:
 
     - gui: the page.
     - values: values of all parameters.
-    - changed: function that is called with the key and the new value of a changed control. `changed` receives None if a
-    rule is switched off, and True or False if a stage is switched on or off.
+    - changed: function that is called with the key and the new value of a changed control. The function receives None
+    if a rule is switched off, and True or False if a stage is switched on or off.
     """
 
     def __init__(self, gui: viser.GuiApi, values: Values, changed: Callable[[str, Any], None]) -> None:

@@ -36,7 +36,7 @@ class Frame:
 
     - color: (H, W, 3) uint8 RGB.
     - depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
-    - depth_scale: may also be a field of `camera`.
+    - depth_scale: metres per unit of integer depth, which may also be a field of `camera`.
     - camera: any form that `as_camera` accepts, or None without intrinsics.
 
     Raises FrameError if both images do not have the same size or have more than `max_pixels` pixels. Raises CameraError

@@ -46,7 +46,7 @@ CLICK = 0.012
 
 
 def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
-    """Return the picture of one of STAGES for an answer, with an outline around the selected object or region."""
+    """Draw one of STAGES for a segmentation result, with an outline around the selected object or region."""
     drawn = fitted(_stage(answer, stage), answer.run.frame.shape).copy()
     if chosen is not None:
         _outline(drawn, chosen, CHOSEN)

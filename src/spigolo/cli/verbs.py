@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 app = cyclopts.App(
     name="spigolo",
     version=__version__,
-    help="Find the objects in an RGB-D frame for a robot that wants to grasp them. No learning, no GPU.",
+    help="Find the objects in RGB-D frames for robotic grasping, without learning and without a GPU.",
     help_epilogue="Start with `spigolo demo`. Then run `spigolo doctor` and `spigolo segment` on a frame of your own.",
     suppress_keyboard_interrupt=False,
 )

@@ -172,9 +172,7 @@ class TuningPage:
             self._place.on_update(lambda event: self._go(event.target.value - 1))
         steps = gui.add_button_group("go to", (BACK, ON), visible=several)
         steps.on_click(lambda event: self._move(1 if event.target.value == ON else -1))
-        self._playing = gui.add_checkbox(
-            "play", False, hint="Advance to the next frame automatically.", visible=several
-        )
+        self._playing = gui.add_checkbox("play", False, hint="Show frame after frame.", visible=several)
         self._playing.on_update(lambda _: self.worker.ask())
 
     def _build_presets(self, gui: viser.GuiApi) -> None:

@@ -153,9 +153,7 @@ if CACHE_FOLDER is None:
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile `function` on its first call, to machine code that releases the global interpreter lock. Used as a
-    decorator.
-    """
+    """Decorate a function to be compiled on its first call, to code that releases the global interpreter lock."""
     compiled = numba.njit(nogil=True, error_model="numpy")(function)
     if CACHE_FOLDER is not None and not numba.config.DISABLE_JIT:
         compiled._cache = _Cache(function)
@@ -163,7 +161,7 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile `function` inline into the kernels that call it. Used as a decorator."""
+    """Decorate a function to be compiled inline into the kernels that call the function."""
     return cast(Callable[..., Any], numba.njit(nogil=True, error_model="numpy", inline="always")(function))
 
 

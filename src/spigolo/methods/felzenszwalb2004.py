@@ -34,7 +34,7 @@ class FelzenszwalbConfig(MethodConfig):
     Huttenlocher 2004. Toscana & Rosa 2016 print the weight 1.
     """
     connectivity: Literal[4, 8] = 8
-    """Number of neighbours of a pixel, 4 or 8. The paper uses 8."""
+    """Number of neighbours of a pixel, 4 or 8. The paper uses 8 neighbours."""
     min_size_px2: Area_px2 = 1500.0
     """Minimum area of a region, px^2. Smaller regions join the neighbour at their lightest edge."""
 

@@ -1,4 +1,4 @@
-"""Entry point of `python -m spigolo`, the same as `spigolo`."""
+"""Entry point of `python -m spigolo`, which runs the same program as the command `spigolo`."""
 
 from spigolo.cli import main
 

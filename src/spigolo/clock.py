@@ -1,8 +1,10 @@
-"""Time of each stage: `stopwatch` measures the functions that are marked by `stage`.
+"""Timing of the stages: `stopwatch` measures the functions that the decorator `stage` marks.
 
-with sp.clock.stopwatch() as times:
-sp.segment(frame)
-times["partition"]  # seconds of CPU time of each run
+The following code measures the stage "partition" of one frame:
+
+    with sp.clock.stopwatch() as times:
+        sp.segment(frame)
+    times["partition"]  # CPU time and wall time of each run, in seconds
 """
 
 from __future__ import annotations
@@ -20,21 +22,21 @@ T = TypeVar("T")
 
 
 class Lap(NamedTuple):
-    """Times of one run of a stage. cpu_s: CPU time of the process, wall_s: wall time, both in seconds."""
+    """Duration of one run of a stage in seconds. cpu_s: CPU time of the process. wall_s: wall time."""
 
     cpu_s: float
     wall_s: float
 
 
 Times = dict[str, list[Lap]]
-"""Laps in order, indexed by the name of the stage."""
+"""Durations of all runs of each stage in their order, indexed by the name of the stage."""
 
 _times: ContextVar[Times | None] = ContextVar("times", default=None)
 
 
 @contextmanager
 def stopwatch() -> Iterator[Times]:
-    """Collect the times of all stages that run inside the `with` block on this thread."""
+    """Collect the durations of all stages that run inside the `with` block, on the same thread."""
     times: Times = defaultdict(list)
     token = _times.set(times)
     try:
@@ -44,7 +46,7 @@ def stopwatch() -> Iterator[Times]:
 
 
 def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Name a function as a stage. Outside of `stopwatch` the function runs unchanged."""
+    """Return a decorator that measures a function as the stage `name`, but only inside a `stopwatch` block."""
 
     def named(function: Callable[P, T]) -> Callable[P, T]:
         @functools.wraps(function)
@@ -71,7 +73,7 @@ class Pace:
         self._ends_s: deque[float] = deque(maxlen=kept)
 
     def add(self, latency_s: float) -> None:
-        """Add a frame that is finished now and took `latency_s` seconds."""
+        """Add a frame whose processing took `latency_s` seconds and ended now."""
         self._latencies_s.append(latency_s)
         self._ends_s.append(time.perf_counter())
 
@@ -80,13 +82,13 @@ class Pace:
 
     @property
     def frames_per_s(self) -> float:
-        """Return the mean rate in frames per second. 0 with fewer than two frames."""
+        """Return the mean frame rate in frames per second, or 0 for fewer than two frames."""
         if len(self._ends_s) < 2 or self._ends_s[-1] == self._ends_s[0]:
             return 0.0
         return (len(self._ends_s) - 1) / (self._ends_s[-1] - self._ends_s[0])
 
     def latency_ms(self, percentile: float = 50) -> float:
-        """Return a percentile of the latency in milliseconds. 0 without frames."""
+        """Return a percentile of the latency in milliseconds, or 0 if no frame was added."""
         ordered = sorted(self._latencies_s)
         return 1000 * ordered[round(percentile / 100 * (len(ordered) - 1))] if ordered else 0.0
 

@@ -1,4 +1,6 @@
-"""Exceptions, one class per kind. Each message says what was expected, what was given and how to fix it."""
+"""Exceptions and warnings of spigolo. An error message says what was expected, what was given and how to correct the
+input.
+"""
 
 from __future__ import annotations
 
@@ -7,35 +9,35 @@ import sys
 import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
-"""Prefix of the paths of this package's files."""
+"""Folder of this package, with which the paths of all its source files begin."""
 
 
 class SpigoloError(Exception):
-    """Base of all exceptions that spigolo raises on purpose."""
+    """Base class of all exceptions that spigolo raises on purpose."""
 
 
 class FrameError(SpigoloError, ValueError):
-    """Colour, depth and camera do not form a valid frame."""
+    """Exception for a colour image, depth map and camera that do not form a valid frame."""
 
 
 class CameraError(SpigoloError, ValueError):
-    """The intrinsics cannot be those of a pinhole camera."""
+    """Exception for intrinsics that are not valid for a pinhole camera."""
 
 
 class ConfigError(SpigoloError, ValueError):
-    """A parameter, preset or TOML file is invalid."""
+    """Exception for an invalid parameter, preset or TOML file."""
 
 
 class FileError(SpigoloError, OSError):
-    """A file could not be read or written."""
+    """Exception for a file that cannot be read or written."""
 
 
 class UnitWarning(UserWarning):
-    """Depth is probably not in metres."""
+    """Warning for depth that is probably not in metres."""
 
 
 def warn(message: str, kind: type[Warning] = UserWarning) -> None:
-    """Issue a warning that points to the line that called into this package."""
+    """Issue a warning that shows the user's line of code that called this package."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
         frame, level = frame.f_back, level + 1

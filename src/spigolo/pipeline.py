@@ -1,4 +1,7 @@
-"""The method on one page: frame, cues, graph, regions, objects. Each line names its equations, or is marked as ours."""
+"""Segmentation method: from a frame to cues, graph, regions and objects.
+
+Comments in `_run` give the equations of each step, or "ours" for our additions.
+"""
 
 from __future__ import annotations
 
@@ -30,36 +33,39 @@ from spigolo.stages.regions import Regions, partition
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trace:
-    """Results of every stage of one run. At half resolution they are those of the halved frame."""
+    """Results of all stages of one segmentation. If `additions.resolution` is "half", the stages refer to the halved
+    frame.
+    """
 
     frame: Frame
     """Input frame."""
     config: Config
-    """Parameters as given."""
+    """Parameters of the segmentation, with lengths and areas as given."""
     plane: Plane | None
-    """Support plane (ours), or None if no plane was found."""
+    """Support plane (our addition). None if no plane was found."""
     weighing: Weighing
-    """Cost function and gamma of this frame."""
+    """Cost function and threshold gamma that were chosen for the frame."""
     edges: EdgeMaps | None
-    """Edge maps. None if the cost function does not read a boundary."""
+    """Image edges and boundaries. None if the cost function does not read the boundary map."""
     contours: Contours | None
-    """Our contours of the depth map. None without additions or edge maps."""
+    """Contours from the depth map (our addition). None if the preset has no additions or if `edges` is None."""
     cues: Cues
-    """Cues of every pixel."""
+    """Cues from which the edge weights were computed."""
     graph: Graph
-    """Weighted graph."""
+    """Graph of the pixels with edge weights."""
     regions: Regions
-    """Regions, after the parts of objects were joined. `segmentation.regions` has their final outlines."""
+    """Regions after the parts of objects were joined. The final outlines are in `segmentation.regions`."""
     segmentation: Segmentation
-    """Result of the segmentation."""
+    """Segmentation result: objects and rejected regions."""
 
     def __repr__(self) -> str:
         return f"Trace({self.frame!r}, {self.regions.count} regions, {self.segmentation!r})"
 
 
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
-    """Segment a frame and keep the result of each stage. workspace: scratch memory kept between frames, one per
-    thread.
+    """Segment a frame and return the results of all stages.
+
+    frame, config, roi: as for `segment`. workspace: scratch memory to reuse from frame to frame, one for each thread.
     """
     check_frame(frame)
     check_config(config)
@@ -71,23 +77,23 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
 
 
 def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace: Workspace | None) -> Trace:
-    """Run `trace` with prepared parameters. sized: parameters with lengths and areas in pixels of this image."""
-    ours = sized.additions  # None: only the paper's method
+    """Run all stages on a frame. sized: parameters with lengths and areas scaled to the image size."""
+    ours = sized.additions  # None runs only the paper's method
     wanted = None if roi is None else roi_mask(roi, frame)[0]
     reach_m = sized.rejection.max_distance_m
     plane = find_support(frame.depth, frame.camera, ours.support, reach_m, wanted) if ours else None  # ours
-    depth = prepare_depth(frame.depth, sized.depth)  # eqs. 5-8
-    weighing = choose_weighing(depth, sized)  # eq. 22 or 23
+    depth = prepare_depth(frame.depth, sized.depth)  # equations 5-8
+    weighing = choose_weighing(depth, sized)  # equation 22 or 23
     edges = find_edges(frame.color, depth, frame.camera, sized.edges) if weighing.reads_boundary else None  # eqs. 12-20
     contours = add_contours(edges, depth, frame.camera, plane, ours) if ours and edges else None  # ours
     if ours:
         warn_of_packing(edges, frame.depth, frame.camera, plane, ours)
     lines = contours.lines if contours else edges.final if edges else None
-    cues = gather_cues(frame.color, depth, lines, weighing, sized)  # eqs. 10, 11, 21
-    color = color_points(frame.color, sized.color)  # eq. 4
-    graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # eqs. 9, 22 or 23
-    del color  # frees three images
-    regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # eqs. 2, 3
+    cues = gather_cues(frame.color, depth, lines, weighing, sized)  # equations 10, 11, 21
+    color = color_points(frame.color, sized.color)  # equation 4
+    graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # equations 9, 22 or 23
+    del color  # frees the memory of three images
+    regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # equations 2, 3
     if ours and ours.merging and edges:
         regions = merge_regions(regions, cues.delta_bound, depth, find_above(frame, plane, ours), ours.merging)  # ours
     regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours
@@ -100,18 +106,22 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
 def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:
     """Segment a frame into objects.
 
-    frame: colour, depth and camera. config: a preset or your own configuration. roi: region of interest, as a mask (H,
-    W), a pixel box (y0, x0, y1, x1) or a MetricBox. Regions outside are rejected. Returns the label image, the objects
-    with their 2-D and 3-D measurements, and the rejected regions with their reasons.
+    - frame: colour image, depth map and camera.
+    - config: a preset or your own configuration.
+    - roi: region of interest, outside of which regions are rejected, as a mask (H, W), a pixel box (y0, x0, y1, x1) or
+      a MetricBox.
+
+    Returns the label image, the objects with their measurements in the image and in space, and the rejected regions
+    with reasons.
     """
     return trace(frame, config, roi).segmentation
 
 
 def segment_at(frame: Frame, point: tuple[float, float], config: Config = OBJECTS) -> ObjectMask:
-    """Return the object at a pixel (y, x), even if its region violates a rule. Use it for a user's click.
+    """Segment a frame and return the region at a pixel (y, x) as an object, even if a rule rejects the region.
 
     Raises IndexError for a point outside the image.
     """
     check_frame(frame)
-    pixel = pixel_of(point, frame.shape)  # check before segmenting
+    pixel = pixel_of(point, frame.shape)  # check the point before the slow segmentation
     return segment(frame, config).object_at(pixel)

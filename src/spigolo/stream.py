@@ -1,4 +1,4 @@
-"""Segmentation of streams. `Segmenter` keeps its buffers between frames. `warm_up` compiles before the first frame."""
+"""Segmentation of streams of frames, with reused memory and kernels that are compiled before the first frame."""
 
 from __future__ import annotations
 
@@ -22,28 +22,35 @@ from spigolo.stages.costs import possible_costs
 
 
 class Segmenter:
-    """Function that segments frame after frame with one configuration, as `segment` does, and keeps its buffers.
+    """Callable object that segments frames like `segment`, and reuses memory from frame to frame.
 
-    ids: True to give objects ids that persist while they stay in view (`ObjectMask.id`). `pace` has the frame rate and
-    the time per frame. Make one Segmenter per thread. Kernels release the GIL, so Segmenters on several threads run in
-    parallel. Raises SpigoloError if two threads call one Segmenter at once.
+    Create one Segmenter for each thread. Segmenters on several threads run in parallel, because the kernels release
+    Python's global interpreter lock.
+
+    - config: parameters of the segmentation.
+    - ids: True to give objects ids that stay the same while the objects are in view (`ObjectMask.id`).
+
+    Raises SpigoloError if two threads call one Segmenter at the same time.
     """
 
     def __init__(self, config: Config = OBJECTS, ids: bool = False) -> None:
         self.config = config
         self.ids = ids
         self.pace = Pace()
-        """Frame rate, and time from call to result, of the last frames."""
+        """Frame rate and latency of the last frames."""
         self._tracker = Tracker() if ids else None
         self.workspace = Workspace()
         self._busy = threading.Lock()
 
     def __reduce__(self) -> tuple[type[Segmenter], tuple[Config, bool]]:
-        """Pickle only the configuration. A worker process makes its own buffers and starts with id 1."""
+        """Pickle the configuration without memory and tracked objects, so that ids start at 1 in a worker process."""
         return type(self), (self.config, self.ids)
 
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
-        """Return the objects of a frame. The result shares no memory with later results."""
+        """Segment a frame into objects. The result shares no memory with later results.
+
+        roi: region of interest, as for `segment`.
+        """
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
         start = time.perf_counter()
@@ -58,9 +65,9 @@ class Segmenter:
 
 
 def warm_up(config: Config | None = None) -> None:
-    """Compile or load the kernels before the first frame, for one configuration or for all.
+    """Compile the kernels for one configuration, or for all configurations if `config` is None.
 
-    The first time on a machine takes about 20 s. Later calls take well under a second.
+    The first call on a machine takes about 20 s. Later calls load the compiled kernels in less than a second.
     """
     rng = np.random.default_rng(0)
     depth = np.full((48, 64), 1.0, np.float32)

@@ -1,3 +1,4 @@
-"""Our additions to the paper, each switched on by a model in `settings.additions`. The paper's presets use no
-additions.
+"""Our additions to the paper's method, switched on by the classes of `settings.additions`.
+
+The presets SHELF, TABLE and CLUTTER of the paper use no additions.
 """

@@ -1,7 +1,7 @@
 """Contours of the depth map, added to the boundary map (`settings.DepthContours`).
 
-No image edge exists where object and background have the same colour. Depth steps, concave creases and the outline of
-everything above the support plane do not depend on colour.
+Canny finds no image edge where object and background have the same colour. Depth steps, concave creases and the foot of
+objects on the support plane are found without colour.
 """
 
 from __future__ import annotations
@@ -20,26 +20,26 @@ from spigolo.settings.additions import Additions, DepthContours
 from spigolo.stages.edges import NO_ANGLE_DEG, EdgeMaps
 
 NOISE_ROWS, NOISE_SAMPLES = 16, 1000
-"""Step between the rows on which noise is measured, and minimum number of pixels for the measurement."""
+"""Depth noise is measured on every `NOISE_ROWS`-th image row and requires at least `NOISE_SAMPLES` pixels."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contours:
-    """Contours of a frame, and the boundary lines including them."""
+    """Contours found in a depth map, and their union with the boundary map E_F."""
 
     contours: Mask | None
-    """Contours (H, W) without E_F. None if no rule finds any."""
+    """Mask (H, W) of the contours, without the boundary map E_F. None if contours are switched off."""
     lines: Mask
-    """Union of E_F and the contours (H, W), widened to the width of lines."""
+    """Mask (H, W) of the boundary map E_F and the contours together, dilated to lines of `line_px` pixels."""
     in_holes: bool
-    """True if hole outlines are among the contours."""
+    """True if the contours include the outlines of areas without depth."""
 
 
 @stage("contours")
 def add_contours(
     edges: EdgeMaps, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> Contours:
-    """Add the contours of a prepared depth map (H, W) in metres to the final boundary map E_F."""
+    """Add the contours of a prepared depth map (H, W), in metres, to the boundary map E_F."""
     contours, holes = None, None
     if plane is not None and camera is not None and config.support is not None and config.support.contour:
         contours = foot_contour(plane, depth, camera, config.support)
@@ -53,7 +53,7 @@ def add_contours(
 
 
 def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours) -> Mask:
-    """Find depth steps and concave creases (H, W) of a depth map (H, W) in metres, independent of colour."""
+    """Return the mask (H, W) of depth steps and concave creases in a depth map (H, W) in metres."""
     filled = np.empty_like(depth)
     kernel.fill_shadows(depth, config.max_shadow_px, filled)
     steps, creases = np.zeros(depth.shape, np.uint8), np.zeros(depth.shape, np.uint8)
@@ -78,10 +78,10 @@ def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours
 
 
 def measure_noise(depth: DepthMap, reach_px: int) -> float:
-    """Return the deviation of depth (H, W) from the chord of its neighbours `reach_px` away, per squared depth, 1/m.
+    """Return the noise of a depth map (H, W) in metres, divided by the squared depth, in 1/m.
 
-    The result is the median over the frame. Most pixels lie on smooth surfaces, where a deviation is noise. 0 without
-    enough depth.
+    Noise is the deviation of a pixel's depth from the straight line between the pixels `reach_px` to its left and
+    right. The result is the median noise of the frame, or 0 if too few pixels have depth.
     """
     rows = depth[::NOISE_ROWS]
     before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]
@@ -93,23 +93,27 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
 
 
 def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
-    """Return the pixels (H, W) without depth. None if their share of the frame is below `holes_from`."""
+    """Return the mask (H, W) of pixels without depth, or None if less than the share `holes_from` of the frame lacks
+    depth.
+    """
     if config.holes_from is None or np.count_nonzero(depth) > (1 - config.holes_from) * depth.size:
         return None
     return np.asarray(depth == 0)
 
 
 def hole_contours(holes: Mask, canny: Mask, line_px: int) -> Mask:
-    """Return both sides of hole outlines and the image edges inside holes (H, W). Depth cannot reject a print there.
+    """Return the mask (H, W) of the outlines of areas without depth and of the image edges inside these areas.
 
-    The edges are widened like depth contours. After the blur, a line of one pixel would have a third of their value.
+    Image edges are dilated to the width of depth contours, so that both are equally strong after the Gaussian blur.
     """
     borders = cv2.morphologyEx(holes.view(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
     return np.asarray(borders).view(bool) | (holes & widen(canny, 2 * line_px + 1))
 
 
 def widen(lines: Mask, line_px: int) -> Mask:
-    """Widen lines (H, W) to `line_px` pixels. In a large image the blur would weaken a thin line."""
+    """Dilate the lines of a mask (H, W) to a width of `line_px` pixels, because a Gaussian blur would weaken thin
+    lines.
+    """
     if line_px <= 1:
         return lines
     return np.asarray(cv2.dilate(lines.view(np.uint8), np.ones((line_px, line_px), np.uint8))).view(bool)

@@ -1,17 +1,15 @@
-"""Joining of the parts of one object (our addition, not in the paper).
+"""Joining of regions that are parts of one object (our addition, not in the paper).
 
-The partition separates parts of an object in three cases: at a step in the object's own depth, between the wall and the
-inside of a cup, and at noise that looks like a contour. Four rules join regions above the support plane. The rules
-compare both sides of the common border. The parameters are in `Joining`.
+The graph partition splits an object at a depth step within the object, between the wall and the inside of a cup, and at
+noise. Four rules join regions above the support plane by comparing both sides of their common border. The class
+`Joining` holds the parameters of these rules.
 
-- vessel: the front region is convex, the region behind it is hollow, and both have the same top height. Such
-  regions are the wall and the inside of a cup.
-- cap: there is almost no gap and no valley, one region is above the other, both have the same top height, and
-  together they fill one outline. Such regions are a lid and its box, or a filled cup.
-- smooth: there is almost no gap, and the border is not a valley. Such regions are parts of one surface that
-  noise separated.
-- enclosed: a region on the plane, or without depth, is surrounded by an object. An example is the bottom of a
-  bowl.
+- vessel: the wall and the inside of a cup. The front region is convex, the region behind is hollow, and both regions
+have the same top height.
+- cap: a lid and its box, or a filled cup. The border has almost no depth gap and no valley. One region lies above the
+other, both regions have the same top height, and both regions together are nearly convex.
+- smooth: two parts of one surface that noise separated. The border has almost no depth gap and is not a valley.
+- enclosed: a region on the support plane, or without depth, that an object surrounds, such as the bottom of a bowl.
 """
 
 from __future__ import annotations
@@ -36,15 +34,15 @@ from spigolo.stages.regions import Regions
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
 MOST_PARTS = 1000
-"""Maximum number of regions. If there are more, only the largest are compared, as sums over all borders would take
-gigabytes.
+"""Maximum number of regions that are compared with each other. If a frame has more regions, only the largest regions
+are compared.
 """
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
-"""Minimum share of image columns that two parts share.
+"""Minimum overlap of two regions in image columns, as a share of the columns of one region.
 
-For a flat-looking inside of a vessel, it is the share of the inside's columns that the wall covers too. For a cap, it
-is the share of the narrower part's columns that the other part covers too.
+For a vessel, the overlap is divided by the number of columns of the inside of the vessel. For a cap, the overlap is
+divided by the number of columns of the narrower region.
 """
 
 Counts = npt.NDArray[np.int64]
@@ -52,11 +50,12 @@ Counts = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Border:
-    """Measurements of the border between two regions. Region a is in front of region b.
+    """Measurements of the border between region a and region b behind it.
 
-    gap_m: mean absolute depth difference across the border. behind_m: mean signed depth difference, positive if b is
-    behind a. bend_m: mean depth of the border behind the line between its two sides, positive in a valley. boundary:
-    mean of delta_bound along the border.
+    - gap_m: mean absolute depth difference across the border, metres.
+    - behind_m: mean signed depth difference across the border, metres, positive if region b is behind region a.
+    - bend_m: mean depth of the border behind the straight line between its two sides, metres, positive in a valley.
+    - boundary: mean value of the boundary map along the border.
     """
 
     a: int
@@ -69,7 +68,10 @@ class Border:
 
 @stage("joining")
 def join_parts(regions: Regions, cues: Cues, plane: Plane | None, camera: Camera | None, config: Additions) -> Regions:
-    """Join the parts of each object. Without rules, plane or camera, the regions are returned unchanged."""
+    """Join the regions that are parts of one object.
+
+    The regions are returned unchanged if joining is switched off or if the support plane or the camera is unknown.
+    """
     if config.joining is None or config.support is None or plane is None or camera is None:
         return regions
     parts = _Parts(regions, cues, plane, camera, config.joining, config.support)
@@ -83,13 +85,13 @@ def join_parts(regions: Regions, cues: Cues, plane: Plane | None, camera: Camera
 
 
 def _unite(root: Counts, a: int, b: int) -> None:
-    """Set the root of all regions in both groups to the smaller root."""
+    """Merge the groups of regions a and b in the union-find forest, and keep the smaller root."""
     low, high = sorted((root[a], root[b]))
     root[root == high] = low
 
 
 class _Parts:
-    """Regions of a frame with the measurements that the rules need."""
+    """Regions of a frame with the measurements that the joining rules compare."""
 
     def __init__(
         self, regions: Regions, cues: Cues, plane: Plane, camera: Camera, config: Joining, support: Support
@@ -113,7 +115,9 @@ class _Parts:
         self._tops: dict[int, float] = {}
 
     def borders(self) -> Iterator[Border]:
-        """Yield the borders between standing regions that are long enough and have enough depth."""
+        """Yield the measured borders between regions above the support. Short borders and borders with little depth are
+        skipped.
+        """
         count = self.ids.size
         sums = np.zeros((count, count, borders.SUMS))
         cue = self.cues.boundary
@@ -135,7 +139,7 @@ class _Parts:
                 )
 
     def is_vessel(self, border: Border) -> bool:
-        """Return True if a is the wall and b the inside of one vessel."""
+        """Return True if region a of the border is the wall and region b the inside of one vessel."""
         rule, front, back = self.config.vessel, self.hollowness[border.a], self.hollowness[border.b]
         if rule is None:
             return False
@@ -152,8 +156,10 @@ class _Parts:
         )
 
     def _has_room(self, border: Border) -> bool:
-        """Return True if b can be the inside of a vessel with wall a: above it, and at most the width of a farther
-        away.
+        """Return True if region b fits into a vessel whose wall is region a.
+
+        Region b must overlap region a in image columns. Region b must not lie farther behind region a than region a is
+        wide.
         """
         shared, across, own = self._columns(border)
         y0, x0, y1, x1 = self.boxes[border.a]
@@ -162,12 +168,14 @@ class _Parts:
         return shared >= LEAST_ABOVE * own and border.behind_m <= width_m
 
     def _columns(self, border: Border) -> tuple[int, int, int]:
-        """Return the number of image columns that a and b share, that a covers, and that b covers."""
+        """Return three numbers of image columns: common to regions a and b, covered by region a, and covered by region
+        b.
+        """
         (left, right), (start, end) = self.boxes[border.a, 1::2].tolist(), self.boxes[border.b, 1::2].tolist()
         return max(min(right, end) - max(left, start), 0), right - left, end - start
 
     def is_cap(self, border: Border) -> bool:
-        """Return True if one region is the upper face of the other: one lies above the other, not next to it."""
+        """Return True if one region of the border is the upper face of the object whose side is the other region."""
         rule = self.config.cap
         shared, *widths = self._columns(border)
         return (
@@ -180,7 +188,7 @@ class _Parts:
         )
 
     def is_smooth(self, border: Border) -> bool:
-        """Return True if the surface continues across the border, flat or convex."""
+        """Return True if both regions of the border form one flat or convex surface."""
         rule = self.config.smooth
         return (
             rule is not None
@@ -190,7 +198,9 @@ class _Parts:
         )
 
     def enclosed(self, root: Counts) -> Iterator[tuple[int, int]]:
-        """Yield each region that does not stand, and the object that its surroundings belong to."""
+        """Yield pairs of a region on the support plane or without depth, and the root of the object that surrounds this
+        region.
+        """
         least = self.config.enclosed
         if least is None:
             return
@@ -212,7 +222,9 @@ class _Parts:
         return self.labels[top:bottom, left:right]
 
     def _hollowness(self) -> npt.NDArray[np.float64]:
-        """Return the depth of each region (R,) behind its chords along image rows, as a share of their length."""
+        """Return the hollowness (R,) of each region: the mean depth of the region behind its chords, divided by the
+        chord length.
+        """
         sums = np.zeros((self.ids.size, 2))
         borders.sum_hollows(self.labels, self.number, self.cues.depth, self.focal_px, self.config.margin_px, sums)
         out = np.zeros(self.number.size)
@@ -220,9 +232,7 @@ class _Parts:
         return out
 
     def top_m(self, k: int) -> float:
-        """Return the height of a region's top above the support. The value is cached, as it is used for every
-        neighbour.
-        """
+        """Return the cached height of the top of region k above the support plane, in metres."""
         if k not in self._tops:
             self._tops[k] = self._find_top_m(k)
         return self._tops[k]
@@ -233,13 +243,13 @@ class _Parts:
         return float(np.percentile(self.height[y0:y1, x0:x1][there], TOP_PERCENT)) if there.any() else 0.0
 
     def _ends_alike(self, border: Border, tolerance_m: float, share: float) -> bool:
-        """Return True if the tops of both regions have the same height above the support, within the tolerance."""
+        """Return True if the tops of both regions have the same height above the support plane, within a tolerance."""
         a, b = self.top_m(border.a), self.top_m(border.b)
         return abs(a - b) <= max(tolerance_m, share * max(a, b))
 
     def _solidity(self, parts: Sequence[int]) -> float:
-        """Return the share of the regions' convex hull that lies inside their outlines. Enclosed pixels count as
-        inside.
+        """Return the solidity of some regions together: the area of the regions divided by the area of their convex
+        hull.
         """
         (y0, x0), (y1, x1) = self.boxes[parts, :2].min(0), self.boxes[parts, 2:].max(0)
         own = np.isin(self.labels[y0:y1, x0:x1], parts).view(np.uint8)

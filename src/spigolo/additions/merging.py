@@ -1,8 +1,8 @@
 """Merging of regions over their whole common border (`settings.Merging`).
 
-Eq. 3 compares two regions by the lightest edge between them, in the order of all edges. Noise at a short part of the
-border can then separate a surface permanently. In this module, regions merge in the order of the mean boundary along
-their whole common border. Regions above the support do not merge with the support.
+Equation 3 compares two regions by the lightest edge between them, so that noise at a short part of the border can split
+a surface. In this module, regions merge in the order of the mean boundary value along their whole common border.
+Regions above the support plane do not merge with the support plane.
 """
 
 from __future__ import annotations
@@ -28,10 +28,11 @@ Sums = npt.NDArray[np.float64]
 def merge_regions(
     regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, config: Merging
 ) -> Regions:
-    """Return the regions after merging over borders with a weak boundary.
+    """Merge neighbouring regions if the mean boundary value along their common border is small.
 
-    boundary: (H, W) in [0, 1], delta_bound. depth: (H, W) in metres. above: pixels (H, W) above the support, None
-    without a support.
+    - boundary: boundary map (H, W) with values from 0 to 1.
+    - depth: depth map (H, W) in metres.
+    - above: mask (H, W) of the pixels above the support plane, or None if the frame has no support plane.
     """
     graph = _Borders(regions, boundary, depth, above, config.line)
     graph.merge(lambda mean, a, b: mean < config.max_mean and graph.are_alike(a, b))
@@ -40,7 +41,9 @@ def merge_regions(
 
 
 def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Sums, Sums]:
-    """Return the borders between regions: both regions, length in pixel pairs, and summed boundary, each (E,)."""
+    """Return the E borders between regions as four arrays (E,): first region, second region, length in pixel pairs,
+    summed boundary values.
+    """
     size = labels.size // 4
     while True:
         pairs, strength = np.empty(size, np.int64), np.empty(size, np.float32)
@@ -55,7 +58,7 @@ def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Su
 
 
 class _Borders:
-    """Regions with the length and the summed boundary of every border between neighbours."""
+    """Regions of a frame, with the length and the summed boundary values of every border between two regions."""
 
     def __init__(self, regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, line: float) -> None:
         self.root = list(range(regions.count))
@@ -69,33 +72,38 @@ class _Borders:
             self.beside[a][b] = self.beside[b][a] = n, t
 
     def find(self, k: int) -> int:
-        """Return the root of a region."""
+        """Return the root of region k in the union-find forest."""
         while self.root[k] != k:
             self.root[k] = self.root[self.root[k]]
             k = self.root[k]
         return k
 
     def are_alike(self, a: int, b: int) -> bool:
-        """Return True if both regions stand above the support, or neither does, or depth is missing."""
+        """Return True if two regions both lie above the support plane, or both lie on the support plane.
+
+        Return True also if one of the two regions has no measured depth.
+        """
         if not (self.measured[a] and self.measured[b]):
             return True
         stands_a, stands_b = (2 * self.above[k] > self.measured[k] for k in (a, b))
         return stands_a == stands_b
 
     def merge(self, may_merge: Callable[[float, int, int], bool]) -> None:
-        """Merge the neighbours with the weakest border first, while `may_merge` allows it."""
+        """Merge neighbouring regions for which `may_merge` returns True, weakest common border first."""
         heap = [(t / n, a, b) for a, beside in enumerate(self.beside) for b, (n, t) in beside.items() if a < b]
         heapq.heapify(heap)
         while heap:
             mean, a, b = heapq.heappop(heap)
             n, t = self.beside[a].get(b, (1.0, -1.0))
-            if t / n != mean or not may_merge(mean, a, b):  # outdated entry: the border has merged or changed
+            if t / n != mean or not may_merge(mean, a, b):  # this heap entry is outdated: a merge changed the border
                 continue
             for c, (n_c, t_c) in self._join(a, b):
                 heapq.heappush(heap, (t_c / n_c, min(a, c), max(a, c)))
 
     def _join(self, a: int, b: int) -> Iterator[tuple[int, tuple[float, float]]]:
-        """Join region b to region a. Yield the neighbours of b with their new border to a."""
+        """Merge region b into region a. Yield each former neighbour of b with its new border to a: length and summed
+        boundary.
+        """
         self.root[b] = a
         for counts in (self.open_px, self.measured, self.above):
             counts[a] += counts[b]

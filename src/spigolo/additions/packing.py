@@ -1,4 +1,4 @@
-"""Warning for frames in which packed objects form the support plane (`settings.Packing`)."""
+"""Warning if a layer of packed objects was mistaken for the support plane (`settings.Packing`)."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from spigolo.settings.additions import Additions, Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""Distance within which colour edges are counted: the image width divided by this number."""
+"""Image width divided by the side of the square within which a pixel counts as close to an image edge."""
 OUTLINE_PX = 9
-"""Width in pixels of the margin that keeps the support's own outline out of the count of edges."""
+"""Side in pixels of the square that erodes the mask of the support plane, so that its own outline is not counted."""
 
 
 def warn_of_packing(
     edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> None:
-    """Warn if a layer of packed objects looks like the support: a large plane, full of edges, with nothing on it."""
+    """Warn if the support plane looks like a layer of packed objects: a large plane, covered with image edges, without
+    objects.
+    """
     support, rule = config.support, config.packing
     if rule is None or support is None or edges is None or plane is None or camera is None:
         return
@@ -34,7 +36,7 @@ def warn_of_packing(
 
 
 def is_packed(edges: EdgeMaps, depth: DepthMap, camera: Camera, plane: Plane, support: Support, rule: Packing) -> bool:
-    """Return True if the support fills the frame, is covered with colour edges and carries almost nothing."""
+    """Return True if the support plane is large, is covered with image edges and carries almost no objects."""
     if things_on(plane, depth, camera, support) > rule.max_things:
         return False
     on = support_mask(plane, depth, camera, support)

@@ -1,4 +1,4 @@
-"""Outlines of objects redrawn by colour where depth does not locate them (`settings.Refinement`)."""
+"""Refinement of object outlines by colour where depth is missing or smeared (`settings.Refinement`)."""
 
 from __future__ import annotations
 
@@ -18,21 +18,25 @@ Labels = npt.NDArray[np.int32]
 
 RAMP_STEP_M = 0.03
 RAMP_STEP_SHARE = 0.02
-"""Minimum depth difference, in metres and as a share of the distance, of the steps that ramps are measured at."""
+"""Minimum height of a depth step at which ramps are measured: `RAMP_STEP_M` in metres, `RAMP_STEP_SHARE` per
+distance.
+"""
 MEMORY = 0.5
-"""Weight of the earlier pixels of a tree in its colour."""
+"""Weight of the earlier pixels in the running mean colour of a tree, from 0 to 1."""
 CARRY = 0.9
-"""Share of the weight of an edge that is added to the next one."""
+"""Factor by which the cost of a path is multiplied before the weight of the next edge is added."""
 HALVED_BAND_PX = 3
-"""Width of the band on each side of the borders of repeated labels: one and a half pixels of the halved image."""
+"""Width in pixels of the reassigned band on each side of a border, for labels from the image at half resolution."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Claimed:
-    """Labels after the seeded partition.
+    """Labels of all pixels after the labels near borders were reassigned.
 
-    labels (H, W) int32. source_of (H * W,) int32: number y * width + x of the seed of each opened pixel, undefined
-    elsewhere. opened: (H, W), pixels that a seed has claimed.
+    - labels: (H, W) int32, object at each pixel, 0 = background.
+    - source_of: (H * W,) int32, index y * W + x of the seed pixel that gave each pixel in `opened` its label, undefined
+      elsewhere.
+    - opened: mask (H, W) of the pixels that got their label from a seed.
     """
 
     labels: Labels
@@ -41,10 +45,12 @@ class Claimed:
 
 
 def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
-    """Redraw the borders of objects by colour where depth cannot be trusted.
+    """Move the borders of objects to colour differences, within a band where depth is smeared or missing.
 
-    labels: (H, W), 0 = background, others are objects. color: (H, W, 3) uint8 RGB. depth: (H, W) in metres as measured,
-    0 = missing. Each object keeps its innermost pixels. Lengths are those of this image.
+    The innermost pixels of each object are not reassigned. Lengths in `config` must be scaled to the image size.
+
+    labels: (H, W), 0 = background, 1..N = objects. color: (H, W, 3) uint8 RGB. depth: measured depth (H, W) in metres,
+    0 where missing.
     """
     width = band_width_px(labels, depth, config)
     near_hole = _widen(np.asarray(depth == 0), config.near_hole_px)
@@ -55,9 +61,10 @@ def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinem
 
 
 def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: float) -> int:
-    """Open the background inside the convex hull of each object that fills most of it. Return the number of pixels.
+    """Mark the background inside the convex hull of nearly convex objects for reassignment. Return the number of marked
+    pixels.
 
-    The bottom of a bowl lies on the table, so that depth does not tell it from the table.
+    For example, the bottom of a bowl has nearly the same depth as the table and is therefore missing in the object.
     """
     count = int(labels.max(initial=0)) + 1
     sums, boxes = np.zeros((count, 6)), np.zeros((count, 4), np.int32)
@@ -78,10 +85,13 @@ def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: floa
 
 
 def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
-    """Place the borders of objects whose labels come from half the width and height, by colour and depth steps.
+    """Move the borders of labels from the image at half resolution to colour differences and depth steps.
 
-    labels: (H, W), each repeated in a block of two by two pixels. color: (H, W, 3) uint8 RGB. depth: (H, W) in metres
-    as measured, 0 = missing. The pixels that a border may run through are open.
+    Only pixels within `HALVED_BAND_PX` pixels of a border are reassigned.
+
+    - labels: (H, W), each label repeated in a block of 2x2 pixels.
+    - color: (H, W, 3) uint8 RGB.
+    - depth: measured depth (H, W) in metres, 0 where missing.
     """
     opened, count = open_band(
         labels, np.zeros(labels.shape, np.uint8), HALVED_BAND_PX, HALVED_BAND_PX, config.max_opened
@@ -90,7 +100,9 @@ def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refine
 
 
 def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
-    """Return the width of the band on each side of the borders, from the ramps at the depth steps along them."""
+    """Return the width in pixels of the reassigned band, from the mean width of smeared depth steps along the
+    borders.
+    """
     sums = np.zeros(2, np.int64)
     kernel.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
     if sums[0] < config.min_profiles:
@@ -102,10 +114,12 @@ def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
 def open_band(
     labels: Labels, near_hole: npt.NDArray[np.uint8], width_px: int, hole_width_px: int, max_opened: float
 ) -> tuple[npt.NDArray[np.uint8], int]:
-    """Return the pixels (H, W) uint8 within a distance of a border between labels, and their number.
+    """Mark the pixels (H, W) uint8 near borders between labels for reassignment. Return the marks and the number of
+    marked pixels.
 
-    near_hole: (H, W), pixels at which the distance is hole_width_px, not width_px. If a label is thinner than the
-    distance, only the outer share `max_opened` of its layers is opened. Label 0 may be opened entirely.
+    near_hole: (H, W) uint8, nonzero near missing depth, where the width of the band is hole_width_px instead of
+    width_px. At most the share `max_opened` of the pixel layers of an object is marked, from outside. The background,
+    label 0, may be marked entirely.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     kernel.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
@@ -122,7 +136,10 @@ def claim(
     depth: DepthMap,
     config: Refinement,
 ) -> Claimed:
-    """Give each opened pixel the label of the seed whose tree reaches it first. Unreachable pixels keep their label."""
+    """Give each marked pixel of `opened` the label of the seed pixel whose tree reaches the marked pixel first.
+
+    Marked pixels that no tree reaches keep their label.
+    """
     smooth = color
     if config.sigma_px > 0:
         smooth = np.asarray(cv2.GaussianBlur(color, (0, 0), config.sigma_px, borderType=cv2.BORDER_REPLICATE), np.uint8)
@@ -145,6 +162,6 @@ def claim(
 
 
 def _widen(mask: Mask, reach_px: int) -> npt.NDArray[np.uint8]:
-    """Return a mask as uint8, dilated by a square with sides of 2 reach_px + 1."""
+    """Return a mask (H, W) as uint8, dilated by a square with sides of 2 * reach_px + 1 pixels."""
     size = 2 * reach_px + 1
     return np.asarray(cv2.dilate(mask.view(np.uint8), np.ones((size, size), np.uint8)))

@@ -1,4 +1,4 @@
-"""Measurements against walls: depth behind a region, its slant, and its cut by the image border (ours, `Wall`)."""
+"""Measurements that separate objects from walls: depth steps along the outline, slant, and cut by the image border."""
 
 from __future__ import annotations
 
@@ -15,36 +15,38 @@ from spigolo.settings.rules import Ledge, Wall
 from spigolo.stages.regions import Regions
 
 TALL_SHARE = 0.05
-"""Minimum share of a region's measured pixels that are tall, for the region to be tested for a wall."""
+"""Minimum share of a region's measured pixels above the height limit, for the region to be tested for a wall."""
 SLOPES_SHARE = 0.1
-"""Minimum share of a region's measured pixels with a known slope, for its mean normal to be valid."""
+"""Minimum share of a region's measured pixels with a surface normal, for a valid mean normal of the region."""
 REACH_INSIDE = 2.5
-"""Distance from the outline at which a region's own slope is measured, as a multiple of the reach."""
+"""Distance from the outline at which a region's slope is measured, as a multiple of `Wall.reach_px`."""
 FLAT = Plane(np.zeros(3), 0.0)
-"""Placeholder for a missing support. All heights above it are 0."""
+"""Placeholder for a missing support plane, above which all heights are 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
-    """Measurements of how each region stands. NaN where unknown."""
+    """Measurements of each region for the rejection rules `Wall` and `Ledge`. Unknown values are NaN."""
 
     cut: npt.NDArray[np.float64]
-    """Share (R,) of the outline on the image border."""
+    """Share (R,) of each region's outline that lies on the image border."""
     hides: npt.NDArray[np.float64]
-    """Share (R,) of the region's own outline beyond which depth is larger by a step."""
+    """Share (R,) of each region's outline beyond which the depth is larger by a step. Parts of the outline next to a
+    nearer object do not count.
+    """
     ledge: npt.NDArray[np.float64]
-    """Share (R,) of the outline along which the height above the support changes by a step."""
+    """Share (R,) of each region's outline along which the height above the support plane changes by a step."""
     lean_deg: npt.NDArray[np.float64]
-    """Angle (R,) between the mean surface normal and the line of sight, degrees."""
+    """Angle (R,) between each region's mean surface normal and the line of sight, degrees."""
 
 
 def measure_stance(
     regions: Regions, depth: DepthMap, camera: Camera, plane: Plane | None, tall: Mask, rule: Wall, ledge: Ledge | None
 ) -> Stance:
-    """Measure how every region stands.
+    """Measure the outline and the slant of every region, to separate objects from walls.
 
-    tall: pixels (H, W) that are high enough for a wall. Regions with few tall pixels get NaN for cut, hides and
-    lean_deg. Without a plane, ledge is NaN.
+    tall: mask (H, W) of the pixels that are high enough to belong to a wall. Regions with few tall pixels get NaN for
+    `cut`, `hides` and `lean_deg`. Without a support plane, `ledge` is NaN.
     """
     valid, high = regions.count_where(np.asarray(depth > 0)), regions.count_where(tall)
     asked = (high >= TALL_SHARE * valid) & (high > 0)

@@ -1,7 +1,7 @@
-"""Command line, built from typed functions. Only this package prints and exits.
+"""Command line of spigolo, built from typed functions. Only this package prints results and sets the exit code.
 
-Exit codes: 0 = done, 1 = some of several frames failed, 2 = an error in the input, with a one-line message. Heavy
-modules are imported inside the verbs, so that help appears at once.
+Exit codes: 0 = done, 1 = some of several frames failed, 2 = an error in the input, with a one-line message. Slow
+modules are imported inside the functions, so that `spigolo --help` answers fast.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ DONE, SOME_FAILED, FAILED = 0, 1, 2
 
 
 def main() -> None:
-    """Run the command line: the entry point of `spigolo`."""
+    """Run the command line. This function is the entry point of the command `spigolo`."""
     from spigolo.cli.verbs import app
 
     warnings.showwarning = _say_warning
@@ -35,10 +35,10 @@ def main() -> None:
         code = FAILED
     except cyclopts.CycloptsError:
         code = FAILED  # already printed
-    except BrokenPipeError:  # for example, `| head` closed the pipe
+    except BrokenPipeError:  # for example, `| head` closed the pipe of the output
         _write_no_more()
         code = DONE
-    except OSError as error:  # for example, the disk of the output is full
+    except OSError as error:  # for example, the disk is full
         print(f"spigolo: {error}", file=sys.stderr)
         code = FAILED
         try:
@@ -52,15 +52,15 @@ def main() -> None:
 
 
 def _flush() -> None:
-    if sys.stdout is not None:  # None if it was closed
+    if sys.stdout is not None:  # None if the parent process closed the output stream
         sys.stdout.flush()
 
 
 def _write_no_more() -> None:
-    """Discard all further output, so that the process ends without a message about a closed pipe."""
+    """Redirect all further output to the null device, so that Python ends without an error about a closed pipe."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _say_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    """Print a warning as one line, without the source line that Python adds."""
+    """Print a warning on the error stream as one line, without the line of source code that Python adds."""
     print(f"spigolo: warning: {message}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""The verb `bench`: the time and memory that a frame takes on this machine."""
+"""Verb `bench`, which measures the time and memory that a frame takes on this machine."""
 
 from __future__ import annotations
 
@@ -36,36 +36,40 @@ def bench(
     plot: Path | None = None,
     markdown: Path | None = None,
 ) -> int:
-    """Measure the time and memory of each preset, next to OpenCV and scikit-image.
+    """Measure the time and memory of each preset, compared with OpenCV and scikit-image.
 
-    Every round runs each contestant once, and ratios are taken within the rounds. The others are OpenCV's
-    GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and merging by a plain sort and
-    union-find. Close other programs first. Examples: `spigolo bench --quick`, or `spigolo bench recordings/ --latency
-    1000 --startup --json bench.json`.
+    Every round runs each preset and each other algorithm once, and time ratios are computed within a round. The other
+    algorithms are OpenCV's GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and merging by a
+    sort and union-find. Close other programs before you measure. Examples: `spigolo bench --quick`, or `spigolo bench
+    recordings/ --latency 1000 --startup --json bench.json`.
 
     Parameters
     ----------
     folders
-        Folders of frames, as for `segment`. Default: the bundled scene. Only the rounds use more than the first frame.
+        Folders of frames, as for `spigolo segment`. Default: the bundled demo scene. All measurements except the rounds
+        use only the first frame.
     rounds
-        Number of rounds that count, after one warm-up round. Default: 15, with --quick 3.
+        Number of measured rounds, after one warm-up round. Default: 15, or 3 with --quick.
     quick
-        Use fewer rounds, sizes and frames. Takes about 15 seconds.
+        Measure fewer rounds, image sizes and frames, in about 15 seconds.
     sizes
-        Image sizes to which the first frame is rescaled: `640x480,1280x960`. `none` skips this part.
+        Image sizes to which the first frame is rescaled, such as `640x480,1280x960`. The word `none` skips the
+        measurement of image sizes.
     peers
-        Python interpreter with opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python below
-        the current folder, then this interpreter. Missing packages are skipped.
+        Python interpreter that has opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python in
+        the current folder if this file exists, else the interpreter of spigolo. Algorithms of missing packages are
+        skipped.
     latency
-        Number of frames to segment in a row for the median, the 99th percentile and the maximum.
+        Number of frames that are segmented in a row to measure the median, the 99th percentile and the maximum of the
+        latency.
     startup
-        Measure a start with no compiled kernels too. Takes about 20 seconds more.
+        Also measure the start of the program without compiled kernels, which takes about 20 seconds more.
     json
-        JSON file for all measured values, with the raw rounds.
+        JSON file to write, with all measured values of every round.
     plot
-        PNG file for the plot of time against pixels.
+        PNG file to write, with a plot of time against number of pixels.
     markdown
-        Markdown file for the tables.
+        Markdown file to write, with the tables.
 
     """
     plan = _plan(quick, rounds, sizes, latency, startup)
@@ -119,7 +123,7 @@ def _sizes(text: str) -> tuple[Size, ...]:
 
 
 def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
-    """Return the frames, indexed by name."""
+    """Read the frames of the folders and return them in a dict, indexed by frame name."""
     from spigolo.frames import files as io
 
     found = find_frames(folders or [str(DEMO_SCENE)])
@@ -131,7 +135,9 @@ def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
 
 @contextmanager
 def _progress() -> Iterator[Tell]:
-    """Show a progress bar that is redrawn only between runs. A redrawing thread would be timed too."""
+    """Show a progress bar that is redrawn only between runs, because a drawing thread would change the measured
+    times.
+    """
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 
     columns = (TimeElapsedColumn(), BarColumn(), TextColumn("{task.description}"))

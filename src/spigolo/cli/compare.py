@@ -1,4 +1,4 @@
-"""Verb `compare`, which draws the results of several methods next to each other."""
+"""Verb `compare`, which draws the results of several segmentation methods next to each other."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ def compare(
     methods: Many = (),
     out: Out = Path("spigolo-compare.png"),
 ) -> int:
-    """Draw the regions of every method for one frame, with its objects and its time.
+    """Segment one frame with several methods and draw their regions, numbers of objects and times next to each other.
 
     Example: `spigolo compare rgb.png depth.png --camera camera.json --methods rao2010 felzenszwalb2004`.
 
     Parameters
     ----------
     inputs
-        Colour and depth image, or a folder with them. Default: the bundled scene.
+        Colour image and depth image, or a folder with both images. Default: the bundled demo scene.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, as for `spigolo segment`.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     methods
-        Methods to compare with toscana2016. Default: all.
+        Methods to compare with toscana2016. Default: all methods.
     out
-        PNG file for the picture, or a folder for compare.png.
+        PNG file to write, or a folder in which compare.png is written.
 
     """
     from spigolo.frames import files as io
@@ -54,7 +54,7 @@ def compare(
     picture = out if out.suffix.lower() == ".png" else out / "compare.png"
     answers = {}
     for name in [*(name for name in methods or METHODS if name != ours), ours]:
-        METHODS[name](frame)  # the first run may compile
+        METHODS[name](frame)  # the first run may compile kernels
         start = time.perf_counter()
         answers[name] = METHODS[name](frame), time.perf_counter() - start
         print(f"{name}: {counted(len(answers[name][0]), 'object')}, {1e3 * answers[name][1]:.0f} ms")

@@ -1,4 +1,4 @@
-"""Verbs for data sets: `datasets` lists them, `fetch` downloads one."""
+"""Verb `datasets`, which lists the known data sets, and verb `fetch`, which downloads a data set."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from spigolo.cli.progress import progress
 
 
 def datasets() -> int:
-    """List the known data sets: name, size, licence and address.
+    """List the known data sets with their names, sizes, licences and addresses.
 
-    `spigolo fetch` downloads those marked with an asterisk. Other folders in the same layouts are read too.
-    Example: `spigolo evaluate rgbd-scenes/ --presets TABLE`.
+    `spigolo fetch` can download data sets that are marked with an asterisk. `spigolo evaluate` also reads other folders
+    with the same layout as a known data set. Example: `spigolo evaluate rgbd-scenes/ --presets TABLE`.
     """
     from spigolo.lab.datasets.catalogue import KNOWN_SETS
 
@@ -23,16 +23,18 @@ def datasets() -> int:
 
 
 def fetch(name: str, *, to: Path = Path()) -> int:
-    """Download a data set, verify it and unpack it. An interrupted run continues.
+    """Download a data set, verify its checksum and unpack it.
 
-    Example: `spigolo fetch ruapc --to data/`, then `spigolo evaluate data/ruapc`.
+    An interrupted download continues with the next call. Example: `spigolo fetch ruapc --to data/`, then `spigolo
+    evaluate data/ruapc`.
 
     Parameters
     ----------
     name
-        Data set that `spigolo datasets` marks with an asterisk. For the others, the address is printed.
+        Name of a data set that `spigolo datasets` marks with an asterisk. For other data sets, only the address is
+        printed.
     to
-        Folder in which the folder of the data set is created.
+        Folder in which a folder for the data set is created. Default: the current folder.
 
     """
     from rich.progress import DownloadColumn, TaskID, TextColumn, TransferSpeedColumn

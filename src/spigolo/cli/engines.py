@@ -1,4 +1,4 @@
-"""Choice of the engine for a verb."""
+"""Choice of the Dask cluster on which a verb runs."""
 
 from __future__ import annotations
 
@@ -13,9 +13,13 @@ LOCAL = "local"
 
 
 def choose_cluster(scheduler: str, workers: int | None, flag: str) -> Engine:
-    """Return the engine of a Dask cluster: a new one on this machine for "local", else the one at an address.
+    """Return an engine that runs jobs on a Dask cluster.
 
-    flag: name of the flag for workers. Raises ConfigError if workers are given for a cluster at an address.
+    - scheduler: the address of a running cluster, or "local" for a new cluster on this machine.
+    - workers: number of worker processes of a local cluster, None for one per core.
+    - flag: name of the command-line flag for `workers` in messages.
+
+    Raises ConfigError if `workers` is given together with an address.
     """
     from spigolo.batch import dask_cluster, dask_local
     from spigolo.batch.engine import cores

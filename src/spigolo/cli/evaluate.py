@@ -1,4 +1,6 @@
-"""Verbs for experiments: `evaluate` writes rows, `losses` counts lost objects, `report` makes a page of rows."""
+"""Verbs for experiments: `evaluate` scores methods on labelled frames, `losses` counts lost objects, `report` makes a
+page.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ if TYPE_CHECKING:
     from spigolo.lab.experiments import Contender
 
 FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Patterns of data sets in which every object is labelled."""
+"""Name patterns of data sets in which every object is labelled."""
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
@@ -34,31 +36,33 @@ def evaluate(
     scheduler: str | None = None,
     out: Out = Path("rows.jsonl"),
 ) -> int:
-    """Run methods on labelled frames and write one row of scores and times for each.
+    """Segment labelled frames with one or more methods, and write a JSON line of scores and times for each frame and
+    method.
 
-    An interrupted run continues: rows already in the file are not computed again. `spigolo report` makes a page
-    of the rows. Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
+    An interrupted evaluation continues with the next call. Results that are already in the file are not computed again.
+    Example: `spigolo evaluate frames/ --presets OBJECTS TABLE mine.toml -j 2 --out rows.jsonl`.
 
     Parameters
     ----------
     frames
-        Folders, before any flag. Published data sets are read as they are (`spigolo datasets` lists them). Your own
-        frames lie in SET/FRAME/ with rgb.png, depth.png, camera.json and label.png (0 = background, 1..N = objects, 255
-        = ignored). Without label.png, only times and counts are measured. Any field of the presets is a flag too:
-        `--partition.gamma 0.004`.
+        Folders of frames, named before any flag. Published data sets are read in their own layout (`spigolo datasets`
+        lists the data sets). Store your own frames in folders SET/FRAME/ with rgb.png, depth.png, camera.json and
+        label.png (0 = background, 1..N = objects, 255 = ignored). Without label.png, only times and numbers of objects
+        are measured. Any field of a preset is also a flag, such as `--partition.gamma 0.004`.
     methods
-        Methods by name: toscana2016, felzenszwalb2004, rao2010, abramov2012, mishra2012.
+        Names of the methods: toscana2016, felzenszwalb2004, rao2010, abramov2012, mishra2012.
     presets
-        Presets of toscana2016, by name or as TOML files.
+        Presets of the method toscana2016: names or TOML files.
     full
-        Patterns of data sets in which every object is labelled. Precision has a meaning only for these.
+        Name patterns of data sets in which every object is labelled. Precision is reported only for data sets that
+        match a pattern.
     jobs
-        Number of worker processes. Default: only this process.
+        Number of worker processes. Default: no worker processes, all frames in this process.
     scheduler
-        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
-        for a new one of `--jobs` processes on this machine.
+        Dask cluster that evaluates the frames: the address of a scheduler, such as tcp://127.0.0.1:8786, or `local`.
+        With `local`, a new cluster of `--jobs` processes is started on this machine.
     out
-        File of rows. New rows are appended.
+        File to which the results are appended, one JSON line for each frame and method.
 
     """
     words, flags = split_flags(frames)
@@ -98,20 +102,23 @@ def losses(
     preset: str = "OBJECTS",
     each: bool = False,
 ) -> int:
-    """Count lost objects by cause: rejected, merged, flooded, split, or with another outline.
+    """Count the labelled objects that were not found, by cause.
+
+    Causes are: rejected, merged with another object, merged with background (flooded), split, and wrong outline.
 
     Example: `spigolo losses frames/ --preset TABLE --each`.
 
     Parameters
     ----------
     frames
-        Folders of labelled frames, before any flag, as for `spigolo evaluate`. Any field of the preset is a flag too.
+        Folders of labelled frames, named before any flag, as for `spigolo evaluate`. Any field of the preset is also a
+        flag.
     method
-        Method by name.
+        Name of the method.
     preset
-        Preset of toscana2016, by name or as a TOML file.
+        Preset of the method toscana2016: a name or a TOML file.
     each
-        Also print a line for each lost object, with the rule that rejected its region.
+        Also print one line for each lost object, with the rule that rejected the region of the object.
 
     """
     words, flags = split_flags(frames)
@@ -139,26 +146,26 @@ def report(
     paper: Annotated[bool, Parameter(negative=())] = False,
     out: Out = Path("spigolo-report"),
 ) -> int:
-    """Make a page of rows: accuracy next to time, differences, worst frames, limitations.
+    """Make a page from results of `spigolo evaluate`: accuracy, time, differences, worst frames and limitations.
 
-    Files with the same frames and parameters, such as before and after a change of the code, are compared preset by
-    preset.
-    Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`, or
+    Files with the same frames and parameters are compared preset by preset, for example before and after a change of
+    the code. Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`, or
     `spigolo report rows.jsonl --paper`.
 
     Parameters
     ----------
     rows
-        Files that `spigolo evaluate` wrote, before any flag.
+        Files that `spigolo evaluate` wrote, named before any flag.
     frames
-        Folders of the frames, as for `evaluate`. Pictures of the worst frames are drawn from them.
+        Folders of the evaluated frames, from which pictures of the worst frames are drawn.
     against
-        Reference of the differences: a label of the page, a preset, a digest or a file. Default: the first one.
+        Method to which the differences refer, as a label of the page, a preset, a digest or a file. Default: the first
+        method.
     paper
-        Make the paper's Tables I, II and III instead, with printed and measured values. The rows must come from its
-        data sets or their rendered stand-ins.
+        Make the paper's Tables I, II and III instead, with the printed and the measured values. The files must contain
+        results on the paper's data sets or on rendered stand-ins for these data sets.
     out
-        Folder for index.html, report.md and the pictures.
+        Output folder for index.html, report.md and the pictures.
 
     """
     if not rows:
@@ -170,7 +177,7 @@ def report(
         if frames or against is not None:
             raise ConfigError("expected --paper without --frames and --against, got both: leave those out")
         return _report_paper(contenders, out)
-    find_references(contenders, against)  # report a wrong name before drawing
+    find_references(contenders, against)  # report an unknown reference before drawing
     folders = find_labelled_frames(frames) if frames else []
     with progress() as bar:
         task = bar.add_task("drawing", total=None)
@@ -195,7 +202,7 @@ def _report_paper(contenders: list[Contender], out: Path) -> int:
 
 
 def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
-    """Raise ConfigError for preset fields as flags if no method has a preset."""
+    """Raise ConfigError if fields of a preset are given as flags, but toscana2016 is not among the methods."""
     if flags and "toscana2016" not in methods:
         raise ConfigError(
             f"expected --{next(iter(flags)).replace('_', '-')} with toscana2016, whose presets have it, got"

@@ -1,4 +1,6 @@
-"""The verbs export and view: results in the formats of other programs, and a recording for Rerun."""
+"""Verb `export`, which writes results in formats of other programs, and verb `view`, which writes a recording for
+Rerun.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +24,11 @@ if TYPE_CHECKING:
 
 Format = Literal["coco", "bop", "yolo", "labels", "contact-graspnet", "workspace-mask", "ply", "pcd"]
 SUFFIX = {"yolo": ".txt", "labels": ".png", "contact-graspnet": ".npz", "workspace-mask": ".png"}
-"""Suffix of the files of formats with one file for each frame. The others are one file, or a folder for each frame."""
+"""File suffix of each format that writes one file for each frame. Formats without an entry write a folder for each
+frame, or one file for all frames.
+"""
 WHOLE = ("coco", "bop")
-"""Formats with one file for all frames."""
+"""Formats that write one file for all frames."""
 CLOUDS = ("ply", "pcd")
 """Formats with a point cloud for each object."""
 Writer = Callable[..., Any]
@@ -41,7 +45,7 @@ def export(
     frames: int | None = None,
     trim_m: float | None = None,
 ) -> int:
-    """Segment frames and write the objects in the format of another program.
+    """Segment frames and write the objects in a format that other programs read.
 
     Examples: `spigolo export recordings/ --format coco --out instances.json`, or `spigolo export rgb.png depth.png
     --camera camera.json --format contact-graspnet --out scene.npz`.
@@ -49,24 +53,26 @@ def export(
     Parameters
     ----------
     inputs
-        Images, folders, a recording, a data set or a camera, as for `segment`. Fields of the preset are flags too.
+        Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
+        a flag.
     format
-        coco and bop: one JSON file. yolo: text. labels: 16-bit PNG. contact-graspnet: .npz with depth, K, rgb and
-        segmap. workspace-mask: 1-bit PNG. ply and pcd: a cloud for each object.
+        File format. The formats `coco` and `bop` are one JSON file for all frames. For each frame, `yolo` is a text
+        file, `labels` a 16-bit PNG, and `workspace-mask` a 1-bit PNG. The format `contact-graspnet` is an .npz file
+        with depth, K, rgb and segmap. The formats `ply` and `pcd` are a point cloud for each object.
     out
-        coco and bop: the JSON file to write. ply and pcd: a folder for the clouds, with a folder NAME for each frame
-        of several. Other formats: the file to write for a single frame, or a folder with a file NAME for each of
-        several.
+        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder, with a
+        subfolder for each frame of several frames. For other formats, give a file for one frame, or a folder for
+        several frames.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, as for `spigolo segment`.
     preset
-        Preset, as for `segment`.
+        Preset, as for `spigolo segment`.
     depth_scale
-        Metres per unit of the depth image. Default: the value of the source.
+        Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels
-        Maximum number of pixels of an image. A larger limit requires more memory.
+        Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     frames
-        Number of frames after which to stop. Default: all.
+        Number of frames after which the program stops. Default: all frames.
     trim_m
         ply and pcd: leave out flying pixels, which are points farther than this outside the oriented box, in metres.
         Default: all measured points.
@@ -101,28 +107,30 @@ def view(
     show: bool = False,
     out: Out = Path("spigolo.rrd"),
 ) -> int:
-    """Write a recording for the Rerun viewer: colour, depth, masks, clouds and boxes of objects, on a time line.
+    """Write a recording for the Rerun viewer, with colour, depth, and the masks, point clouds and boxes of objects over
+    time.
 
-    Open it with `rerun spigolo.rrd`. Example: `spigolo view recording.mcap --out recording.rrd`.
+    Open the recording with `rerun spigolo.rrd`. Example: `spigolo view recording.mcap --out recording.rrd`.
 
     Parameters
     ----------
     inputs
-        Images, folders, a recording, a data set or a camera, as for `segment`. Fields of the preset are flags too.
+        Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
+        a flag.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, as for `spigolo segment`.
     preset
-        Preset, as for `segment`.
+        Preset, as for `spigolo segment`.
     depth_scale
-        Metres per unit of the depth image. Default: the value of the source.
+        Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels
-        Maximum number of pixels of an image. A larger limit requires more memory.
+        Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     frames
-        Number of frames after which to stop. Default: all.
+        Number of frames after which the program stops. Default: all frames.
     show
-        Open the viewer and send the frames to it, instead of writing a file.
+        Open the Rerun viewer and send the frames to the viewer, instead of writing a file.
     out
-        File of the recording (.rrd).
+        Recording file (.rrd) to write.
 
     """
     words, flags = split_flags(inputs)
@@ -144,7 +152,7 @@ def view(
 
 
 class _Results:
-    """The results of a source, one after the other. Counts frames, objects and failures."""
+    """Iterator over the segmented frames of a source, which counts frames, objects and failures."""
 
     def __init__(self, source: Source, segmenter: Segmenter, limit: int | None) -> None:
         self.source, self.segmenter, self.limit = source, segmenter, limit
@@ -169,7 +177,10 @@ class _Results:
 
 
 def _write_each(results: _Results, write: Writer, suffix: str, out: Path, single: bool) -> None:
-    """Write a file, or a folder, for each frame. A frame that fails does not stop the others, if there are several."""
+    """Write a file or a folder for each frame.
+
+    If one of several frames cannot be written, the error is printed and the next frame follows.
+    """
     for result in results:
         try:
             write(result, out if single else out / f"{result.frame.name}{suffix}")

@@ -16,20 +16,21 @@ if TYPE_CHECKING:
 def figures(
     *inputs: str, camera: str | None = None, depth_scale: float | None = None, out: Out = Path("spigolo-figures")
 ) -> int:
-    """Draw the paper's Figures 2 to 5 from your own frames: smoothing, saliency, edges, objects.
+    """Draw the paper's Figures 2 to 5 from your own frames: smoothing, saliency, edges and objects.
 
-    Figures 2 to 4 show the first frame. Example: `spigolo figures rgb.png depth.png --camera camera.json`.
+    Figures 2 to 4 show the first frame, and Figure 5 shows all frames. Example: `spigolo figures rgb.png depth.png
+    --camera camera.json`.
 
     Parameters
     ----------
     inputs
-        Colour and depth image, or folders, as for `segment`. Default: the bundled scene.
+        Colour image and depth image, or folders, as for `spigolo segment`. Default: the bundled demo scene.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, as for `spigolo segment`.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     out
-        Folder for figure2.png to figure5.png.
+        Output folder for figure2.png, figure3.png, figure4.png and figure5.png.
 
     """
     from spigolo.frames import files as io
@@ -52,7 +53,7 @@ def figures(
 
 
 def read_all(inputs: tuple[str, ...], camera: str | None, depth_scale: float | None) -> dict[str, Frame]:
-    """Return the frames, indexed by name."""
+    """Read the frames of the inputs and return them in a dict, indexed by frame name."""
     from spigolo.frames import files as io
 
     words = list(inputs) or [str(DEMO_SCENE)]

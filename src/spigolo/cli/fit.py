@@ -1,4 +1,4 @@
-"""Verb `fit`, which fits parameters to labelled frames."""
+"""Verb `fit`, which fits the parameters of a method to labelled frames."""
 
 from __future__ import annotations
 
@@ -30,34 +30,36 @@ def fit(
 ) -> int:
     """Fit a preset to about twenty labelled frames of your own.
 
-    Settings are drawn at random and each is tried on all frames. The best one is written as a TOML file that every verb
-    takes. The report gives its scores on held-out frames. An interrupted run continues, and more trials can be added.
-    Example: `spigolo fit frames/ --preset TABLE --out fit`.
+    Random sets of parameter values are tried on all frames. The best set is written as a TOML file, which every verb
+    accepts as a preset. The report contains cross-validated scores. An interrupted fit continues with the next call.
+    The next call may also increase the number of trials. Example: `spigolo fit frames/ --preset TABLE --out fit`.
 
     Parameters
     ----------
     frames
-        Folders of labelled frames, before any flag, as for `evaluate`. Frames without labels are skipped. Any field of
-        the preset is a flag too.
+        Folders of labelled frames, named before any flag, as for `spigolo evaluate`. Frames without labels are skipped.
+        Any field of the preset is also a flag.
     preset
-        Preset of toscana2016 to start from, by name or as a TOML file.
+        Preset of the method toscana2016 to start from: a name or a TOML file.
     method
-        Method to fit. All but toscana2016 start from their own parameters.
+        Name of the method to fit. Methods other than toscana2016 start from their default parameters, not from a
+        preset.
     trials
-        Number of settings to try. A trial takes as long as one segmentation of all frames.
+        Number of random sets of parameter values to try. Each trial segments all frames once.
     folds
         Number of folds of the cross-validation.
     seed
-        Seed of the random settings and of the folds.
+        Seed of the random parameter values and of the random folds.
     full
-        Patterns of data sets in which every object is labelled. Only in these do false objects lower the score.
+        Name patterns of data sets in which every object is labelled. False objects lower the score only in data sets
+        that match a pattern.
     jobs
-        Number of worker processes. Default: only this process.
+        Number of worker processes. Default: no worker processes, all trials in this process.
     scheduler
-        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
-        for a new one of `--jobs` processes on this machine.
+        Dask cluster that runs the trials: the address of a scheduler, such as tcp://127.0.0.1:8786, or `local`. With
+        `local`, a new cluster of `--jobs` processes is started on this machine.
     out
-        Folder for the preset, report.md and trials.jsonl.
+        Output folder for the fitted preset, report.md and trials.jsonl.
 
     """
     words, flags = split_flags(frames)

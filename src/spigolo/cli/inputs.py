@@ -1,4 +1,4 @@
-"""Parsing of command-line arguments: inputs, and flags such as `--partition.gamma` for fields of the preset."""
+"""Parsing of command-line arguments: input files, and flags such as `--partition.gamma` for fields of the preset."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
 
 SHORT = {"resolution": "additions.resolution"}
-"""Short flags of preset fields."""
+"""Short names of flags for preset fields, and the full names of these fields."""
 
 Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
@@ -27,7 +27,7 @@ Jobs = Annotated[int | None, Parameter(alias="-j")]
 
 
 def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-    """Separate inputs from dotted flags: `--partition.gamma 0.004` or `--partition.gamma=0.004`."""
+    """Separate input files from flags of the form `--partition.gamma 0.004` or `--partition.gamma=0.004`."""
     inputs: list[str] = []
     flags: dict[str, str] = {}
     rest = iter(words)
@@ -45,7 +45,14 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
-    """Return the preset with the fields that flags change. verb: its flags are suggested for a misspelt flag."""
+    """Return a preset with the field values that were given as flags.
+
+    - preset: name or TOML file.
+    - flags: values as text, indexed by field name.
+    - verb: function of the verb, whose flags are suggested for a misspelt flag.
+
+    Raises ConfigError for an unknown flag.
+    """
     from spigolo.settings.fields import field_names, value_of_text
     from spigolo.settings.presets import preset as find
 

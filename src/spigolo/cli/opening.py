@@ -1,4 +1,4 @@
-"""Opening of sources for the verbs, from words of the command line."""
+"""Opening of sources of frames from the words of the command line."""
 
 from __future__ import annotations
 
@@ -23,7 +23,10 @@ def opened(
     max_pixels: int = MAX_PIXELS,
     quiet: bool = False,
 ) -> Source:
-    """Return the source that words name. quiet: no warnings about units, as `doctor` reports them itself."""
+    """Return the source of frames that is named on the command line.
+
+    quiet: suppress warnings about units of depth, if `doctor` reports the units itself.
+    """
     from spigolo.sources.opening import open_source
 
     if quiet:
@@ -32,9 +35,9 @@ def opened(
 
 
 def first_frame(source: Source, index: int | None = None) -> Frame:
-    """Return one frame of a source, by default the first. index: number of the frame, from 0.
+    """Return one frame of a source.
 
-    Raises the error of reading it.
+    index: number of the frame, counted from 0. None: the first frame. Raises FileError if the frame does not exist.
     """
     if index is None and source.count is not None and source.count > 1:
         print(f"first of {counted(source.count, 'frame')} in {source.name}. For another one give --index")

@@ -1,4 +1,4 @@
-"""Progress bar on the error stream. Nothing is printed if the stream is a file."""
+"""Progress bar on the error stream. No bar is shown if the error stream is redirected to a file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @contextmanager
 def progress(*columns: ProgressColumn, **options: Any) -> Iterator[Progress]:
-    """Open a progress bar to which tasks are added. columns, options: as for rich's Progress."""
+    """Open a progress bar on the error stream. columns, options: arguments of `rich.progress.Progress`."""
     from rich.console import Console
     from rich.progress import Progress
 

@@ -1,4 +1,4 @@
-"""Verb `render`, which renders stand-ins for data sets."""
+"""Verb `render`, which renders labelled frames similar to those of published data sets."""
 
 from __future__ import annotations
 
@@ -17,26 +17,28 @@ def render(
     layout: str = "folders",
     out: Out = Path("spigolo-rendered"),
 ) -> int:
-    """Render household scenes with exact masks and poses, as a structured-light camera would record them.
+    """Render household scenes as a structured-light camera would record them, with exact masks and poses of the
+    objects.
 
-    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. Another one is
-    `spigolo render shelf --count 72 --layout original --out stand-ins`. Requires the extra `synthetic`.
+    Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. To imitate a
+    published data set in its own layout, use `spigolo render shelf --count 72 --layout original`. This verb requires
+    `pip install "spigolo[synthetic]"`.
 
     Parameters
     ----------
     family
-        Family of scenes. shelf: products in a bin in low light, as in the Rutgers APC data set. table: table-tops with
-        several categories, as in RGB-D Scenes. multi: three instances of one object in clutter, as in the data set of
-        Tejani et al.
+        Family of scenes: `shelf`, `table` or `multi`. Scenes of `shelf` show products in a bin in low light, as in the
+        Rutgers APC data set. Scenes of `table` show table-tops with objects of several categories, as in RGB-D Scenes.
+        Scenes of `multi` show three instances of one object in clutter, as in the data set of Tejani et al.
     count
-        Number of frames. The scenes of the family alternate.
+        Number of frames to render. The scenes of the family alternate.
     seed
-        Seed of the scenes. Equal seeds give equal frames.
+        Seed of the random scenes. Equal seeds give equal frames.
     layout
-        Layout of the files. folders: one folder for each frame. bop: the layout of the BOP challenge. original: the
-        layout of the data set that the frames stand in for.
+        Layout of the files: `folders`, `bop` or `original`. The layout `folders` has one folder for each frame, `bop`
+        is the layout of the BOP challenge, and `original` is the layout of the imitated data set.
     out
-        Output folder. Its file `rendered.json` marks the frames as rendered.
+        Output folder. The file `rendered.json` in this folder marks the frames as rendered.
 
     """
     from spigolo.lab.synthetic.layouts import write_family

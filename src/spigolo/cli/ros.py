@@ -13,27 +13,28 @@ def ros(
     camera_info: str | None = None,
     preset: str = "OBJECTS",
 ) -> int:
-    """Run the ROS 2 node, which segments the images that a camera publishes.
+    """Run the ROS 2 node, which segments the images of a camera topic.
 
     Example: `spigolo ros --color /camera/camera/color/image_raw --depth
     /camera/camera/aligned_depth_to_color/image_raw --camera-info /camera/camera/color/camera_info`.
 
-    Publishes ~/labels, ~/overlay, ~/markers, ~/cloud, ~/objects and ~/detections. Serves ~/segment. Answers ~/click
-    with ~/mask. Every field of the preset is a parameter of the node.
+    The node publishes ~/labels, ~/overlay, ~/markers, ~/cloud, ~/objects and ~/detections, and offers the service
+    ~/segment. For each point on ~/click, the node publishes the mask of the object there on ~/mask. Every field of the
+    preset is a parameter of the node.
 
     Parameters
     ----------
     words
-        Any parameter of the node as a flag, such as `--queue 5`, `--continuous false`, `--reliable false` or
+        Parameters of the node as flags, such as `--queue 5`, `--continuous false`, `--reliable false` or
         `--partition.gamma 0.004`. Arguments after `--ros-args` go to ROS.
     color
-        Topic of the colour image. Default: `color`, which may be remapped.
+        Topic of the colour image. Default: `color`, which ROS can remap.
     depth
-        Topic of the depth image, registered to colour. Default: `depth`.
+        Topic of the depth image, which must be registered to colour. Default: `depth`.
     camera_info
         Topic of the CameraInfo of the colour image. Default: `camera_info`.
     preset
-        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's, or a TOML file.
+        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
 
     """
     from spigolo.ros.kinds import find_kinds
@@ -45,7 +46,7 @@ def ros(
     unnamed, flags = split_flags(words[:at])
     own = {name: value for name, value in flags.items() if name in Options.model_fields}
     fields = {name: value for name, value in flags.items() if name not in own}
-    configure(preset, fields, ros)  # reports errors before the node starts
+    configure(preset, fields, ros)  # reports wrong flags before the node starts
     find_kinds()
     given = {name: value_of_text(value) for name, value in flags.items()}
     topics = {"color": color, "depth": depth, "camera_info": camera_info}

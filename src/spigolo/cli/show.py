@@ -1,4 +1,4 @@
-"""Output of the verbs: tables, messages and files."""
+"""Printed tables, printed messages and files that the verbs write."""
 
 from __future__ import annotations
 
@@ -24,17 +24,19 @@ if TYPE_CHECKING:
     from spigolo.sources.base import Source
 
 MOST_REJECTED = 10
-"""Maximum number of rejected regions that are printed, largest first. objects.json contains all."""
+"""Maximum number of rejected regions that are printed, largest first. The file objects.json contains all rejected
+regions.
+"""
 
 
 def progress(source: Source, what: str) -> Iterable[Frame]:
-    """Return the frames of a source, with a progress bar on the error stream."""
+    """Return an iterator over the frames of a source that shows a progress bar on the error stream."""
     console, total = Console(stderr=True), source.count
     return track(source, description=what, total=total, console=console, disable=not sys.stderr.isatty())
 
 
 def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
-    """Write labels.png, objects.json and overlay.png, and undistorted.png if the camera has distortion."""
+    """Write labels.png, objects.json and overlay.png to a folder, and undistorted.png if the camera has distortion."""
     picture = result.overlay()
     io.write_png(out / "labels.png", result.labels.astype(np.uint16))
     io.write_json(out / "objects.json", result.to_dict())
@@ -44,14 +46,14 @@ def write_result(result: Segmentation, frame: Frame, out: Path) -> None:
 
 
 def write_array(path: Path, array: npt.NDArray[np.generic]) -> None:
-    """Write an array to a .npy file. The file is written atomically."""
+    """Write an array to a .npy file. An interrupted write leaves no incomplete file."""
     buffer = BytesIO()
     np.save(buffer, array)
     io.write_bytes(path, buffer.getvalue())
 
 
 def print_result(result: Segmentation, out: Path) -> None:
-    """Print one row for each object, the rejected regions with their reasons, and the written files."""
+    """Print one line for each object, the rejected regions with reasons, and the names of the written files."""
     table = Table("object", "score", "pixels", "centroid x, y, z (m)", "size (m)", "missing depth", box=None)
     for o in result:
         box = o.oriented_box()
@@ -75,7 +77,7 @@ def print_result(result: Segmentation, out: Path) -> None:
 
 
 def print_without_intrinsics(without: int, count: int) -> None:
-    """Print the number of frames without intrinsics, and the features that were left out."""
+    """Print how many frames lack intrinsics, and which results are therefore missing."""
     if without:
         print(
             f"no intrinsics for {without} of {count} frames: results in metres, the support plane and contact"
@@ -84,7 +86,7 @@ def print_without_intrinsics(without: int, count: int) -> None:
 
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """Print one line for each finding, and last the checks that were not possible. Warnings are marked."""
+    """Print one line for each finding of a diagnosis, and then the checks for which the frame lacks evidence."""
     marks = {"ok": "[green]ok     [/]", "note": "[cyan]note   [/]", "warning": "[bold red]warning[/]"}
     console = Console(highlight=False, soft_wrap=True)
     for finding in diagnosis.findings:
@@ -96,7 +98,10 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 
 
 def warn_of(diagnosis: Diagnosis, name: str) -> None:
-    """Print the warnings of a frame on the error stream. Missing intrinsics are printed with the results."""
+    """Print the warnings of a frame's diagnosis on the error stream.
+
+    Missing intrinsics are left out, because `print_result` reports them.
+    """
     from spigolo.doctor.findings import INTRINSICS
 
     for finding in diagnosis.warnings:

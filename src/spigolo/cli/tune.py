@@ -1,4 +1,4 @@
-"""Verb `tune`, which opens a page for tuning parameters interactively."""
+"""Verb `tune`, which opens a web page to tune parameters interactively."""
 
 from __future__ import annotations
 
@@ -20,28 +20,31 @@ def tune(
     browser: bool = True,
     out: Path = Path(),
 ) -> int:
-    """Open a page with a slider for each parameter, the masks and the point cloud, to tune a preset interactively.
+    """Open a web page to tune a preset interactively, with a slider for each parameter, the masks and the point cloud.
 
-    Needs `pip install "spigolo[tune]"`. Example: `spigolo tune recordings/ --camera kinect-v1`. Ctrl-C ends it.
+    This verb requires `pip install "spigolo[tune]"`. Ctrl-C stops the program. Example: `spigolo tune recordings/
+    --camera kinect-v1`.
 
     Parameters
     ----------
     inputs
-        Colour and depth images, folders, a recording or a camera, as for `segment`. Fields of the preset are flags too.
+        Colour and depth images, folders, a recording or a camera, as for `spigolo segment`. Any field of the preset is
+        also a flag.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, as for `spigolo segment`.
     preset
-        Preset to start from, as for `segment`.
+        Preset to start from, as for `spigolo segment`.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     port
-        Port of the page. If it is taken, the next free one is used.
+        Port of the web server. If the port is in use, the next free port is used.
     host
-        Address to listen on. Default: only this machine. The page has no password.
+        Network address on which the web server listens. By default, only this machine can open the page, because the
+        page has no password.
     browser
-        Open the page in a browser.
+        Open the page in a web browser.
     out
-        Folder that "save preset" writes to. Default: the current folder.
+        Folder to which the button "save preset" writes. Default: the current folder.
 
     """
     words, flags = split_flags(inputs)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 app = cyclopts.App(
     name="spigolo",
     version=__version__,
-    help="Find the objects in an RGB-D frame for a robot that wants to grasp them. No learning, no GPU.",
+    help="Find the objects in RGB-D frames for robotic grasping, without learning and without a GPU.",
     help_epilogue="Start with `spigolo demo`. Then run `spigolo doctor` and `spigolo segment` on a frame of your own.",
     suppress_keyboard_interrupt=False,
 )
@@ -60,16 +60,16 @@ app.command(compare, group=MEASURING, sort_key=9)
 
 @app.command(group=USING, sort_key=4)
 def presets(name: str | None = None, *, toml: bool = False) -> int:
-    """List the presets, or every field of one preset with its value and meaning.
+    """List the presets, or list every field of one preset with its value and meaning.
 
-    Any field is a flag of `spigolo segment`, `trace`, `evaluate` and `fit`.
+    Any field of a preset is also a flag of `spigolo segment`, `trace`, `evaluate` and `fit`.
 
     Parameters
     ----------
     name
         Preset to show: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file.
     toml
-        Print the preset as a TOML file. Edit the file and pass it to `--preset`.
+        Print the preset as a TOML file. An edited TOML file can be passed to `--preset`.
 
     """
     from spigolo.settings.fields import field_names
@@ -92,9 +92,9 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
 
 @app.command(group=USING, sort_key=6)
 def warmup() -> int:
-    """Compile the kernels now, so that the first frame does not wait.
+    """Compile the numerical kernels now, so that the first frame is segmented without delay.
 
-    Run it once when you build a container or set up a robot.
+    Run this verb once when you build a container image or set up a robot.
     """
     import time
 
@@ -108,12 +108,12 @@ def warmup() -> int:
 
 @app.command(group=USING, sort_key=5)
 def demo(*, out: Out = Path("spigolo-demo")) -> int:
-    """Segment the bundled scene and draw colour, depth, boundaries and objects with their boxes.
+    """Segment the bundled demo scene and draw colour, depth, boundaries and objects with their boxes.
 
     Parameters
     ----------
     out
-        Output folder. The picture is demo.png.
+        Output folder. The drawn picture is demo.png in this folder.
 
     """
     from spigolo import pipeline

@@ -1,4 +1,4 @@
-"""Results in the formats of other programs.
+"""Export of results in the formats of other programs.
 
     result = sp.segment(frame)
     sp.export.contact_graspnet(result, "scene.npz")  # depth, K, rgb, segmap

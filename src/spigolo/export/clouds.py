@@ -1,4 +1,4 @@
-"""Export of a coloured point cloud for each object, in the camera's frame and in metres."""
+"""Export of a coloured point cloud for each object, in metres in the camera's frame."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ DATA binary
 
 
 def ply(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> list[Path]:
-    """Write `object_N.ply` for each object N and return the paths. Raises CameraError without intrinsics.
+    """Write a point cloud `object_N.ply` for each object N and return the paths. Raises CameraError without
+    intrinsics.
 
     trim_m: leave out flying pixels, as `points_m` does.
     """
@@ -51,7 +52,8 @@ def ply(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> 
 
 
 def pcd(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> list[Path]:
-    """Write `object_N.pcd` for each object N and return the paths. Raises CameraError without intrinsics.
+    """Write a point cloud `object_N.pcd` for each object N and return the paths. Raises CameraError without
+    intrinsics.
 
     trim_m: leave out flying pixels, as `points_m` does.
     """
@@ -70,7 +72,7 @@ def pcd(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> 
 def _clouds(
     result: Segmentation, trim_m: float | None
 ) -> Iterator[tuple[ObjectMask, npt.NDArray[np.float32], npt.NDArray[np.uint8]]]:
-    """Yield each object with its points (N, 3) and their colours (N, 3) RGB."""
+    """Yield each object with its points (N, 3) in metres and the RGB colours (N, 3) of these points."""
     for o in result:
         points, colors = o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)]
         box = None if trim_m is None else o.oriented_box()

@@ -1,4 +1,4 @@
-"""Export for grasp planners: the segmap and the workspace mask."""
+"""Export for grasp planners: the input file of Contact-GraspNet and the workspace mask of GraspNet."""
 
 from __future__ import annotations
 
@@ -13,10 +13,16 @@ from spigolo.objects.segmentation import Segmentation
 
 
 def contact_graspnet(result: Segmentation, path: PathLike) -> None:
-    """Write the .npz file that Contact-GraspNet reads.
+    """Write the .npz file that the grasp planner Contact-GraspNet reads.
 
-    Keys: `depth` (H, W) float32 in metres, 0 where missing. `K` (3, 3) float64. `rgb` (H, W, 3) uint8. `segmap` (H, W)
-    int32, 0 = background. Raises CameraError for a frame without intrinsics.
+    The file contains the following arrays:
+
+    - `depth` (H, W) float32: depth in metres, 0 where missing
+    - `K` (3, 3) float64: camera matrix
+    - `rgb` (H, W, 3) uint8: colour image
+    - `segmap` (H, W) int32: labels, 0 = background
+
+    Raises CameraError for a frame without intrinsics.
     """
     camera = result.frame.camera
     if camera is None:
@@ -30,7 +36,7 @@ def contact_graspnet(result: Segmentation, path: PathLike) -> None:
 def workspace_mask(result: Segmentation, path: PathLike) -> None:
     """Write the mask of all objects as a 1-bit PNG, the `workspace_mask.png` of GraspNet and AnyGrasp.
 
-    PIL reads it as bool. Both planners combine it with the valid depth by `&`.
+    PIL reads a 1-bit PNG as a boolean array.
     """
     white = (result.labels > 0).astype(np.uint8) * 255
     done, data = cv2.imencode(".png", white, [cv2.IMWRITE_PNG_BILEVEL, 1])

@@ -1,4 +1,4 @@
-"""Export of labels as an image, and of outlines as YOLO text."""
+"""Export of labels as a PNG image, and of object outlines as YOLO text."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ MIN_POINTS = 3
 def labels(result: Segmentation, path: PathLike) -> None:
     """Write the label image (H, W) as a 16-bit PNG: 0 = background, 1..N = objects.
 
-    Read it with `cv2.imread(path, cv2.IMREAD_UNCHANGED)`. OpenCV's default converts 16 bits to 8.
+    Read the image with `cv2.imread(path, cv2.IMREAD_UNCHANGED)`. Without IMREAD_UNCHANGED, OpenCV converts 16 bits to 8
+    bits.
     """
     write_png(path, result.labels.astype(np.uint16))
 
 
 def yolo(result: Segmentation, path: PathLike) -> None:
-    """Write the outlines as YOLO segmentation text, one line for each object: `0 x1 y1 x2 y2 ...`.
+    """Write the object outlines as YOLO segmentation text, one line `0 x1 y1 x2 y2 ...` for each object.
 
-    Coordinates are shares of the image size. YOLO has no holes and one outline for each object, so only the largest
-    outline is written.
+    Coordinates are divided by the image size. If an object has several outlines, only the largest outline is written.
     """
     height, width = result.labels.shape
     outlines = (_outline(o) / (width, height) for o in result)
@@ -33,8 +33,6 @@ def yolo(result: Segmentation, path: PathLike) -> None:
 
 
 def _outline(o: ObjectMask) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the largest outline (N, 2) of an object as (x, y), shifted by half a pixel so that 0 is the image
-    border.
-    """
+    """Return the largest outline (N, 2) of an object in pixels (x, y), where 0 is the left or upper image border."""
     found, _ = cv2.findContours(o.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     return np.asarray(max(found, key=cv2.contourArea)[:, 0], np.float64) + 0.5

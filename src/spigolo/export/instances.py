@@ -1,4 +1,4 @@
-"""Export of instances of many frames in one JSON file: COCO and BOP."""
+"""Export of the objects of many frames in one JSON file, in the formats of COCO and BOP."""
 
 from __future__ import annotations
 
@@ -14,14 +14,16 @@ from spigolo.frames.frame import Mask
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 CATEGORY = {"id": 1, "name": "object", "supercategory": "object"}
-"""Category of all objects, as objects have no class."""
+"""COCO category of all objects, because spigolo does not classify objects."""
 
 
 def coco(results: Iterable[Segmentation], path: PathLike) -> None:
-    """Write COCO instances with compressed run-length masks. Boxes are (x, y, width, height).
+    """Write a COCO instances file with compressed run-length masks.
 
-    An image is named after its frame, `NAME.png`. Every object has the category `object` and its score. Raises
-    FileError without pycocotools.
+    Boxes are (x, y, width, height) in pixels.
+
+    Each image has the file name `NAME.png`, where NAME is the name of its frame. Every object has the category `object`
+    and a score. Raises FileError if pycocotools is not installed.
     """
     encode = _pycocotools().encode
     images: list[dict[str, Any]] = []
@@ -49,12 +51,12 @@ def coco(results: Iterable[Segmentation], path: PathLike) -> None:
 
 
 def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -> None:
-    """Write the results of BOP's 2-D instance segmentation as JSON, with uncompressed run-length masks.
+    """Write a BOP results file for 2-D instance segmentation as JSON, with uncompressed run-length masks.
 
-    Scene and image numbers come from the frame's name, "SCENE/IMAGE".
+    Scene and image numbers are taken from the frame's name "SCENE/IMAGE". The field `time` is -1, which means not
+    measured.
 
-    category_id: category of all objects. `time` is -1, which means not measured. Raises FrameError for another form of
-    name.
+    category_id: category number of all objects. Raises FrameError if a frame's name has another form.
     """
     records = []
     for result in results:
@@ -81,9 +83,7 @@ def box_xywh(o: ObjectMask) -> list[int]:
 
 
 def run_lengths(mask: Mask) -> dict[str, Any]:
-    """Return COCO's uncompressed run lengths of a mask (H, W), column by column, starting with a run outside the
-    mask.
-    """
+    """Return COCO's uncompressed run lengths of a mask (H, W), column by column. The first run is outside the mask."""
     flat = np.concatenate([[False], mask.ravel(order="F"), [False]])
     if flat.size == 2:
         return {"size": list(mask.shape), "counts": []}
@@ -115,7 +115,7 @@ def _pycocotools() -> Any:
 
 
 def compress(counts: Iterable[int]) -> str:
-    """Return run lengths in COCO's compressed text format, which pycocotools reads."""
+    """Encode run lengths in COCO's compressed text format, which pycocotools reads."""
     text: list[int] = []
     runs = list(counts)
     for k, run in enumerate(runs):

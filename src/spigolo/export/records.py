@@ -1,4 +1,4 @@
-"""Conversion of results to records of other libraries, in memory."""
+"""Conversion of results to the Python objects of other libraries, without files."""
 
 from __future__ import annotations
 
@@ -13,10 +13,15 @@ from spigolo.objects.segmentation import Segmentation
 
 
 def sam(result: Segmentation) -> list[dict[str, Any]]:
-    """Return the records of SAM's automatic mask generator, one for each object in the order of labels.
+    """Return a list of dicts like those of SAM's automatic mask generator, one dict for each object in the order of
+    labels.
 
-    `segmentation` is a mask (H, W) bool, `bbox` is (x, y, width, height). `predicted_iou` and `stability_score` hold
-    the object's score. `point_coords` is the centroid (x, y).
+    Each dict has the following keys:
+
+    - `segmentation`: mask (H, W) bool of the object
+    - `bbox`: bounding box (x, y, width, height) in pixels
+    - `predicted_iou`, `stability_score`: score of the object
+    - `point_coords`: centroid (x, y) in pixels
     """
     height, width = result.labels.shape
     return [
@@ -36,7 +41,8 @@ def sam(result: Segmentation) -> list[dict[str, Any]]:
 def detections(result: Segmentation) -> Any:
     """Return the objects as `supervision.Detections`, with their labels in `data["label"]`.
 
-    Boxes are (x0, y0, x1, y1), the last two exclusive. Every class is 0. Raises SpigoloError without supervision.
+    Boxes are (x0, y0, x1, y1) in pixels, x1 and y1 exclusive. The class of every object is 0. Raises SpigoloError if
+    the package supervision is not installed.
     """
     try:
         supervision = importlib.import_module("supervision")

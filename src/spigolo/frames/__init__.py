@@ -1,1 +1,1 @@
-"""Input: a frame with its camera, read, validated and copied once."""
+"""Input of the method: frames, cameras, and readers for files of images and intrinsics."""

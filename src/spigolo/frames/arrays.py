@@ -1,4 +1,4 @@
-"""Arrays of NumPy files, by name."""
+"""Reading of named arrays from NumPy files."""
 
 from __future__ import annotations
 
@@ -15,17 +15,16 @@ from spigolo.errors import FileError
 PathLike = str | os.PathLike[str]
 Array = npt.NDArray[Any]
 MAX_UNPACKED = 2 << 30
-"""Maximum unpacked size in bytes of the arrays of a .npz file. A file of a few kilobytes may unpack to more than the
-memory.
+"""Maximum size in bytes of the unpacked arrays of a .npz file, because a small file can unpack to more than the memory.
 """
 ALONE = ""
 """Name of the only array of a .npy file."""
 
 
 def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
-    """Return the arrays of a .npz or .npy file by name. Raises FileError.
+    """Return the arrays of a .npz or .npy file in a dict, indexed by name. Raises FileError.
 
-    what: name of the arrays in messages.
+    what: description of the arrays in error messages.
     """
     try:
         stored = np.load(path, allow_pickle=False)
@@ -34,7 +33,7 @@ def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
         with stored:
             _check_unpacked(stored)
             return {name: np.asarray(stored[name]) for name in stored.files}
-    except Exception as error:  # NumPy evaluates the header as Python, which may raise anything
+    except Exception as error:  # NumPy evaluates the file header as Python code, which may raise any exception
         raise FileError(f"expected {what} in {path}, but it cannot be read: {_reason(error)}") from None
 
 
@@ -45,7 +44,9 @@ def _check_unpacked(stored: Any) -> None:
 
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:
-    """Return the array of one of these names, or the only array. Raises FileError, which lists the names."""
+    """Return the first array with one of the names, or the only array of the file. Raises FileError if no array
+    fits.
+    """
     lower = {name.lower(): array for name, array in arrays.items()}
     found = next((lower[name] for name in names if name in lower), None)
     if found is None and len(arrays) == 1:
@@ -57,7 +58,7 @@ def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: Pat
 
 
 def names_in(path: PathLike) -> tuple[str, ...]:
-    """Return the names of the arrays of a .npz file in lower case. () if the file cannot be read."""
+    """Return the names of the arrays of a .npz file in lower case, or an empty tuple if the file cannot be read."""
     try:
         with np.load(Path(path), allow_pickle=False) as stored:
             return tuple(name.lower() for name in stored.files)

@@ -1,6 +1,6 @@
-"""Pinhole cameras: nominal intrinsics, guesses and scaling. The module `intrinsics` reads other forms.
+"""Pinhole cameras: intrinsics, fields of view, scaling and undistortion.
 
-Pixel centres have whole coordinates: an image of width W reaches from -0.5 to W - 0.5.
+Pixel centres have integer coordinates, so that an image of width W reaches from -0.5 to W - 0.5.
 """
 
 from __future__ import annotations
@@ -18,43 +18,49 @@ from spigolo.errors import CameraError
 from spigolo.frames.nominal import NOMINAL
 
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
-"""Valid numbers of OpenCV coefficients: k1 k2 p1 p2, k3, k4 k5 k6, s1 s2 s3 s4, tau_x tau_y."""
+"""Valid numbers of OpenCV's distortion coefficients k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y."""
 LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
-"""Minimum focal length, and maximum focal length and principal-point offset, px. Points beyond exceed float32."""
+"""Minimum focal length, px, and maximum of focal lengths and principal-point coordinates, px."""
 MAX_SKEW = 1e-3
-"""Maximum skew of K, relative to fx, that is treated as a rounding error: half a pixel over 500 rows."""
+"""Maximum skew of the camera matrix K, relative to fx, that is treated as a rounding error."""
 MAX_ASPECT_CHANGE = 0.01
-"""Maximum relative difference of two equal aspect ratios. 848x480 counts as 16:9."""
+"""Maximum relative difference of two aspect ratios that count as equal, such as 848:480 and 16:9."""
 LEAST_FOCAL_SHARE = 0.05
-"""Minimum focal length as a share of the image width. The value means a field of view of 169 degrees, which no pinhole
-image has.
+"""Minimum focal length as a share of the image width. A focal length of 5 % of the image width means a field of view of
+169 degrees.
 """
 LEAST_WIDTH = 16
-"""Minimum width in pixels of images whose field of view is checked. Smaller images are crops."""
+"""Minimum image width, px, for the check of the field of view. Narrower images, which are usually crops, are not
+checked.
+"""
 FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Camera:
-    """Pinhole intrinsics in pixels of the colour image to which depth is registered. Raises CameraError."""
+    """Pinhole intrinsics of the colour image, to which depth is registered, in pixels. Raises CameraError for invalid
+    values.
+    """
 
     fx: float
     """Focal length in x, px."""
     fy: float
     """Focal length in y, px."""
     cx: float
-    """Principal point in x, px. The first pixel's centre is 0."""
+    """Principal point in x, px. The centre of the first pixel is 0."""
     cy: float
-    """Principal point in y, px."""
+    """Principal point in y, px. The centre of the first pixel is 0."""
     width: int
     """Image width, px."""
     height: int
     """Image height, px."""
     distortion: tuple[float, ...] = ()
-    """Distortion coefficients of OpenCV: k1 k2 p1 p2 k3 ..., either 4, 5, 8, 12 or 14. () without distortion."""
+    """Distortion coefficients k1 k2 p1 p2 k3 ... of OpenCV, either 4, 5, 8, 12 or 14 numbers. The tuple is empty
+    without distortion.
+    """
 
     def __post_init__(self) -> None:
-        for name in ("fx", "fy", "cx", "cy"):  # kernels are compiled for float only
+        for name in ("fx", "fy", "cx", "cy"):  # compiled kernels accept only floats
             object.__setattr__(self, name, _number(name, getattr(self, name)))
         for name in ("width", "height"):
             object.__setattr__(self, name, _whole_number(name, getattr(self, name)))
@@ -78,7 +84,9 @@ class Camera:
 
     @classmethod
     def from_matrix(cls, K: Any, width: int, height: int, distortion: Sequence[float] = ()) -> Camera:
-        """Return the camera of a matrix K: (3, 3), or nine numbers row by row. Raises CameraError."""
+        """Return the camera with the camera matrix K, given as (3, 3) or as nine numbers row by row. Raises
+        CameraError.
+        """
         rows = as_numbers(K)
         if rows.shape not in ((3, 3), (9,)):
             raise CameraError(f"expected a camera matrix of shape (3, 3) or nine numbers, got shape {rows.shape}")
@@ -96,9 +104,9 @@ class Camera:
     def from_fov(
         cls, width: int, height: int, *, horizontal_deg: float | None = None, vertical_deg: float | None = None
     ) -> Camera:
-        """Return the camera with a field of view in degrees and its principal point in the middle.
+        """Return the camera with a given field of view, in degrees, and the principal point in the image centre.
 
-        If only one angle is given, pixels are square. Raises CameraError.
+        If only one of the two angles is given, fx and fy are equal. Raises CameraError.
         """
         given = [angle for angle in (horizontal_deg, vertical_deg) if angle is not None]
         if not given or not all(0 < angle < 180 for angle in given):
@@ -113,13 +121,15 @@ class Camera:
 
     @classmethod
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
-        """Return the nominal colour intrinsics of a well-known camera whose depth is registered to colour, or a guess.
+        """Return the nominal intrinsics of a camera model such as "kinect-v1", or of a field of view such as "60deg".
 
-        Nominal values differ from those of a single camera by one or two per cent. Use nominal values for a first look,
-        and calibrate the camera for 3-D. A guess is a horizontal field of view such as "60deg" (`from_fov`).
+        Nominal intrinsics refer to the colour image. Nominal intrinsics differ from the calibrated intrinsics of a
+        single camera by one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for
+        accurate positions.
 
-        width, height: size of the images. The default is the camera's own size, and 640x480 for a guess. Intrinsics are
-        scaled to another size of the same aspect ratio. Raises CameraError, which lists the names.
+        width, height: image size in pixels. The default is the size of the camera model's colour image, or 640x480 for
+        a field of view. Nominal intrinsics are scaled to `width` and `height`, which must have the same aspect ratio.
+        Raises CameraError for an unknown name or another aspect ratio.
         """
         if angle := FIELD_OF_VIEW.fullmatch(name.strip().lower()):
             return cls.from_fov(width or 640, height or 480, horizontal_deg=float(angle[1]))
@@ -140,19 +150,19 @@ class Camera:
         )
 
     def scaled(self, width: int, height: int) -> Camera:
-        """Return the camera of the whole image after it is resized to width x height, without a crop."""
+        """Return the camera of the same image after the image is resized to width x height pixels, without a crop."""
         x, y = width / self.width, height / self.height
         cx, cy = (self.cx + 0.5) * x - 0.5, (self.cy + 0.5) * y - 0.5
         return Camera(self.fx * x, self.fy * y, cx, cy, width, height, self.distortion)
 
     def without_distortion(self) -> Camera:
-        """Camera of the undistorted images."""
+        """Return the camera of the undistorted image, which has the same intrinsics and no distortion coefficients."""
         return replace(self, distortion=())
 
     def undistort(self, image: npt.NDArray[Any], *, nearest: bool = False) -> npt.NDArray[Any]:
-        """Return an image (H, W) or (H, W, C) without distortion, 0 at pixels that the camera did not see.
+        """Remove the lens distortion from an image (H, W) or (H, W, C). Pixels that the camera did not see are 0.
 
-        Interpolation is bilinear. Use `nearest` for depth and labels, which must not be mixed.
+        nearest: use nearest-neighbour instead of bilinear interpolation, for depth and labels.
         """
         if not self.distortion:
             return image
@@ -164,13 +174,15 @@ class Camera:
 
     @property
     def matrix(self) -> npt.NDArray[np.float64]:
-        """Matrix K, (3, 3)."""
+        """Camera matrix K, (3, 3)."""
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
 
     def back_project(
         self, depth: npt.NDArray[Any], where: npt.NDArray[np.bool_] | None = None
     ) -> npt.NDArray[np.float32]:
-        """Return the points (N, 3) in metres of the valid pixels of `depth` (H, W), only those in `where` if given."""
+        """Return the points (N, 3), in metres, of all pixels with depth. where: mask (H, W) of the pixels to use, or
+        None.
+        """
         valid = depth > 0 if where is None else (depth > 0) & where
         y, x = np.nonzero(valid)
         z = depth[y, x]
@@ -178,7 +190,7 @@ class Camera:
 
 
 def _too_wide(camera: Camera) -> str:
-    """Return the message for a focal length that cannot be in pixels."""
+    """Return the error message for a focal length that is too small to be in pixels."""
     fx, fy, cx, cy = camera.fx, camera.fy, camera.cx, camera.cy
     view_deg = math.degrees(2 * math.atan(camera.width / (2 * fx)))
     if max(fx, fy) < 10 and max(abs(cx), abs(cy)) <= 2:
@@ -192,14 +204,14 @@ def _too_wide(camera: Camera) -> str:
 
 
 def is_number(value: object) -> bool:
-    """Return True for a Python or NumPy number, or an array of one number. Booleans are not numbers."""
+    """Return True for a Python number, a NumPy number or an array of one number, and False for booleans."""
     if isinstance(value, np.ndarray):
         return value.ndim == 0 and value.dtype.kind in "uif"
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def as_numbers(value: Any) -> npt.NDArray[np.float64]:
-    """Return the value as an array of numbers. Raises CameraError."""
+    """Convert a value to an array of float64. Raises CameraError if the value is not numeric."""
     try:
         return np.asarray(value, np.float64)
     except (TypeError, ValueError):
@@ -207,7 +219,7 @@ def as_numbers(value: Any) -> npt.NDArray[np.float64]:
 
 
 def as_coefficients(values: Any) -> tuple[float, ...]:
-    """Return the distortion coefficients, () if all are 0. Raises CameraError."""
+    """Return validated distortion coefficients, or an empty tuple if all coefficients are 0. Raises CameraError."""
     numbers = as_numbers(values).reshape(-1)
     if numbers.size not in DISTORTION_LENGTHS or not np.isfinite(numbers).all():
         raise CameraError(
@@ -230,11 +242,11 @@ def _whole_number(name: str, value: Any) -> int:
 
 
 def shortened(value: Any) -> str:
-    """Return a value as a short text for messages."""
+    """Return a text of at most 60 characters that represents a value in error messages."""
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def kernel_numbers(camera: Camera | None) -> tuple[float, float, float, float]:
-    """Return (fx, fy, cx, cy) for kernels. Without a camera the numbers have no meaning."""
+    """Return the intrinsics (fx, fy, cx, cy) of a camera for kernels, or placeholder numbers without a camera."""
     return (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)

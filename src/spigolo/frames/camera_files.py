@@ -1,4 +1,4 @@
-"""Camera files: one reader for the formats of drivers, calibration tools and data sets."""
+"""Reader of camera files in the formats of drivers, calibration tools and data sets."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ NAMES = (
     "intrinsics.yml", "camera.txt", "cam_K.txt", "camK.txt", "camera-intrinsics.txt", "camera_intrinsics.txt",
     "intrinsics.txt", "intrinsic.txt", "cam_K.npy", "camK.npy", "K.txt", "K.npy", "cameras.txt", "scene_camera.json",
 )  # fmt: skip
-"""Names of camera files next to images. The first existing file is used."""
+"""Names of camera files that are looked for next to the images. The first existing file is used."""
 FORMS = (
     "JSON or YAML with fx, fy, cx, cy or a matrix K, a 3x3 matrix as .txt, .npy or .mat, or COLMAP's cameras.txt: write"
     ' {"K": [9 numbers, row by row]} as JSON'
@@ -42,23 +42,31 @@ COLMAP = {
     "OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"),
     "FULL_OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
 }
-"""Parameter names of the COLMAP models that OpenCV undistorts."""
+"""Names of the parameters of COLMAP's camera models, for the models whose distortion OpenCV can remove."""
 
 
 def read_camera(
     path: PathLike, width: int | None = None, height: int | None = None, *, image: str | None = None
 ) -> tuple[Camera, float | None]:
-    """Return the camera of a file and its depth_scale in metres per unit. The latter is None if the file has none.
+    """Return the camera in a camera file, and the depth scale in metres per unit, or None if the file has no depth
+    scale.
 
-    JSON: our own (fx, fy, cx, cy, width, height, depth_scale), RealSense (ppx, ppy, coeffs), Open3D (intrinsic_matrix),
-    a matrix K or camera_matrix, and BOP (cam_K, scene_camera.json). YAML: CameraInfo of ROS as printed by `ros2 topic
-    echo`, and files of camera_calibration, OpenCV and kalibr. Text: a 3x3 or 4x4 matrix, four numbers, or cameras.txt
-    of COLMAP. Arrays: .npy, .npz and .mat files with a matrix. `camera_from_mapping` lists the fields.
+    The following formats are supported:
 
-    In BOP files, depth_scale is in millimetres per unit. In Open3D files, it is in units per metre.
+    - JSON of spigolo (fx, fy, cx, cy, width, height, depth_scale), RealSense (ppx, ppy, coeffs), Open3D
+      (intrinsic_matrix) and BOP (cam_K), and JSON with a matrix K or camera_matrix
+    - YAML of camera_calibration, OpenCV and kalibr, and ROS CameraInfo as printed by `ros2 topic echo`
+    - text with a 3x3 or 4x4 matrix or four numbers, and COLMAP's cameras.txt
+    - .npy, .npz and .mat files with a matrix
 
-    width, height: size of the images, for files without a size. image: name of the colour image, for files with cameras
-    of many images. Raises FileError or CameraError.
+    `camera_from_mapping` lists the names of the fields.
+
+    A depth_scale is read as millimetres per unit in BOP files and as units per metre in Open3D files.
+
+    - width, height: image size in pixels, for camera files without an image size.
+    - image: name of the colour image, for files that contain the cameras of many images.
+
+    Raises FileError or CameraError.
     """
     values = camera_fields(path, image)
     try:
@@ -68,7 +76,7 @@ def read_camera(
 
 
 def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]:
-    """Return the fields of a camera file of any format. Raises FileError or CameraError."""
+    """Return the fields of a camera file of any supported format. Raises FileError or CameraError."""
     suffix = Path(path).suffix.lower()
     if suffix in (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".xml", ".bag", ".pkl", ".toml"):
         raise FileError(f"expected a camera file, got {path}. Supported: {FORMS}")
@@ -82,14 +90,14 @@ def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]
 
 
 def camera_in(folder: Path) -> Path | None:
-    """Return the path of the camera file in a folder, or None if no camera file is found."""
+    """Return the path of the camera file in a folder, or None if the folder has no camera file."""
     return next((folder / name for name in NAMES if (folder / name).is_file()), None)
 
 
 def camera_for(folder: Path, top: Path) -> Path | None:
-    """Return the camera file that applies to the images in `folder`: in the folder itself or in a folder above it.
+    """Return the camera file for the images in `folder`, from this folder or the nearest folder above.
 
-    top: the folder that the user gave. The search ends one folder above it.
+    top: folder that the user gave as input. The search ends in the parent folder of `top`.
     """
     places = [folder, *folder.parents]
     places = places[: places.index(top) + 1] if top in places else [folder]
@@ -117,7 +125,7 @@ def _unreadable(kind: str, path: PathLike, error: Exception) -> FileError:
 
 
 def _text(path: PathLike) -> Mapping[str, Any]:
-    """Return the fields of a text file. It contains numbers, COLMAP cameras, or lines of the form `name: value`."""
+    """Return the camera fields of a text file with numbers, COLMAP cameras, or lines of the form `name: value`."""
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, ValueError) as error:
@@ -134,7 +142,7 @@ def _text(path: PathLike) -> Mapping[str, Any]:
 
 
 def _pairs(path: PathLike, lines: list[str]) -> Mapping[str, Any]:
-    """Return the fields of lines `name: value` or `name = value`."""
+    """Return the camera fields of text lines of the form `name: value` or `name = value`."""
     found: dict[str, Any] = {}
     for line in lines:
         name, separator, value = line.replace("=", ":", 1).partition(":")
@@ -157,7 +165,9 @@ def _matrix_fields(numbers: npt.NDArray[Any], path: PathLike) -> Mapping[str, An
 
 
 def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
-    """Return the cameras of COLMAP's cameras.txt, indexed by id. A line is ID MODEL WIDTH HEIGHT PARAMETERS."""
+    """Return the cameras of COLMAP's cameras.txt, indexed by camera number. Each line is ID MODEL WIDTH HEIGHT
+    PARAMETERS.
+    """
     cameras = {}
     for row in rows:
         if len(row) < 5:
@@ -184,7 +194,7 @@ def _npy(path: PathLike) -> Mapping[str, Any]:
 
 
 def _mat(path: PathLike) -> Mapping[str, Any]:
-    """Return the fields of a MATLAB file, such as GraspNet's intrinsic_matrix and factor_depth."""
+    """Return the camera fields of a MATLAB file, such as GraspNet's intrinsic_matrix and factor_depth."""
     try:
         return _of_arrays(numeric_arrays(Path(path).read_bytes()), path)
     except (OSError, ValueError) as error:
@@ -194,7 +204,9 @@ def _mat(path: PathLike) -> Mapping[str, Any]:
 
 
 def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
-    """Return arrays as the fields of a camera. A single matrix needs no name."""
+    """Return named arrays as the fields of a camera. The name of a matrix is ignored if no other array can be the
+    matrix.
+    """
     lower = {name.lower(): name for name in MATRIX_NAMES}
     named = {lower.get(name.lower(), name): value for name, value in arrays.items()}
     if any(name in named for name in MATRIX_NAMES) or "fx" in named:
@@ -210,7 +222,7 @@ def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
 
 
 def _alone(value: Any) -> Any:
-    """Return the number in an array of one number. Return other values unchanged."""
+    """Return the number in an array of one number, and other values unchanged."""
     array = np.asarray(value)
     return array.reshape(-1)[0].item() if array.size == 1 and array.dtype.kind in "uifU" else value
 
@@ -222,4 +234,4 @@ READERS: Mapping[str, Callable[[PathLike], Any]] = {
     ".npz": _npy,
     ".mat": _mat,
 }
-"""Readers of camera files that are not JSON, by suffix."""
+"""Reader functions of camera files that are neither JSON nor text, indexed by file suffix."""

@@ -1,7 +1,7 @@
-"""Input of the method: a frame, validated and copied once.
+"""Frames: a colour image, a registered depth map and a camera, validated and copied once.
 
-Camera axes: X right, Y down, Z forward. Image points are (y, x), rows first. Colour is RGB. Depth is the Z coordinate
-in metres, 0 if it is missing.
+The camera's axes are X right, Y down and Z forward. Image points are (y, x). Colour is RGB. Depth is the Z coordinate
+in metres, 0 where missing.
 """
 
 from __future__ import annotations
@@ -28,15 +28,19 @@ Mask = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False, init=False, repr=False)
 class Frame:
-    """Colour image with its registered depth. A frame owns contiguous copies of both.
+    """Colour image with a registered depth map and a camera. A frame owns contiguous copies of both images.
 
-    Depth is missing if it is 0, NaN, infinite, negative or masked. The largest value of an integer type and depth
-    beyond the reach of cameras (50 m) are missing too. Images of a camera with distortion are undistorted here, once.
+    Depth of 0 means missing depth. NaN, infinite, negative and masked depth, depth above 50 m, and the largest value of
+    an integer type count as missing. If the camera has distortion, both images are undistorted when the frame is
+    created.
 
-    color: (H, W, 3) uint8 RGB. depth: (H, W), floating-point metres, or integers with `depth_scale` metres per unit.
-    `depth_scale` may also be a field of a camera mapping. camera: any form that `as_camera` takes, or None without
-    intrinsics. Raises FrameError if the images do not fit together or have more than `max_pixels`. Raises CameraError
-    for an impossible camera.
+    - color: (H, W, 3) uint8 RGB.
+    - depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
+    - depth_scale: metres per unit of integer depth, which may also be a field of `camera`.
+    - camera: any form that `as_camera` accepts, or None without intrinsics.
+
+    Raises FrameError if both images do not have the same size or have more than `max_pixels` pixels. Raises CameraError
+    for an invalid camera.
     """
 
     color: Color
@@ -44,19 +48,21 @@ class Frame:
     depth: DepthMap
     """Depth map (H, W) float32 in metres, 0 where missing."""
     camera: Camera | None
-    """Intrinsics of both images, without distortion. None if not known."""
+    """Intrinsics of both images, without distortion. None if the intrinsics are unknown."""
     name: str = ""
-    """Name of the frame, for messages and files."""
+    """Name of the frame, used in messages and file names."""
     stamp_ns: int | None = None
-    """Time of capture, ns. None if not known."""
+    """Time of capture, ns. None if the time is unknown."""
     negative_depth: int = field(init=False, default=0)
-    """Number of pixels with negative depth, which count as missing."""
+    """Number of pixels with negative depth, which counts as missing."""
     unit_m: float | None = field(init=False, default=None)
-    """Metres per stored unit of integer depth. None for floating-point depth."""
+    """Metres per unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
-    """Description of stored values that no camera measured, which count as missing. None without such values."""
+    """Description of positive depth values beyond the range of cameras, which count as missing. None if all values are
+    plausible.
+    """
     undistorted: bool = field(init=False, default=False)
-    """True if the images were undistorted. Results then match `color`, not the original image."""
+    """True if the images were undistorted. Results then match `Frame.color`, not the original image."""
 
     def __init__(
         self,
@@ -69,7 +75,7 @@ class Frame:
         *,
         max_pixels: int = MAX_PIXELS,
     ) -> None:
-        pixels, stored = np.asarray(color), np.asarray(np.ma.filled(depth, 0))  # masked values are missing
+        pixels, stored = np.asarray(color), np.asarray(np.ma.filled(depth, 0))  # masked depth values count as missing
         _check_color(pixels, max_pixels)
         if depth_scale is None and stored.dtype.kind in "ui":
             depth_scale = _own_scale(camera)
@@ -92,7 +98,7 @@ class Frame:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Size (H, W) of both images."""
+        """Size (H, W) of both images in pixels."""
         return self.depth.shape[0], self.depth.shape[1]
 
     def __repr__(self) -> str:
@@ -105,7 +111,9 @@ class Frame:
 
 
 def _own_scale(camera: CameraLike) -> float | None:
-    """Return the validated depth_scale of a camera's fields, or None without a depth_scale. Raises CameraError."""
+    """Return the depth scale in the fields of a camera, in metres per unit, or None without such a field. Raises
+    CameraError.
+    """
     plain = camera is None or isinstance(camera, Camera | str)
     fields = None if plain else fields_of(camera)
     scale = None if fields is None else scale_from_mapping(fields)
@@ -117,15 +125,16 @@ def _own_scale(camera: CameraLike) -> float | None:
 def depth_in_metres(
     depth: npt.NDArray[Any], depth_scale: float | None = None
 ) -> tuple[DepthMap, int, OutOfReach | None]:
-    """Return depth in metres, the number of negative pixels, and a description of the values out of reach.
+    """Convert depth to metres.
 
-    The result is a copy (H, W), 0 = missing. Missing values are NaN, infinite, nearer than NEAREST_M, beyond the reach
-    of cameras, or the largest value of an integer type.
+    Return a depth map (H, W) in metres, the number of pixels with negative depth, and a description of implausible
+    values. Missing depth is 0 in the result. NaN, infinite depth, depth below NEAREST_M, depth beyond the range of
+    cameras, and the largest value of an integer type count as missing.
 
-    depth (H, W): floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
+    depth: (H, W) floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
     """
     _check_depth(depth, depth_scale)
-    with np.errstate(over="ignore"):  # values beyond float32 become infinite, which is missing
+    with np.errstate(over="ignore"):  # values too large for float32 become infinite, which counts as missing
         metres = np.array(depth, np.float32, order="C")
     if depth_scale is not None:
         metres *= np.float32(depth_scale)
@@ -151,7 +160,7 @@ def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike)
 
 
 def check_frame(value: object) -> None:
-    """Raise FrameError if a value is not a frame, for example an image."""
+    """Raise FrameError if a value is not a Frame."""
     if not isinstance(value, Frame):
         raise FrameError(f"expected a Frame such as spigolo.Frame(color, depth, camera), got {type(value).__name__}")
 

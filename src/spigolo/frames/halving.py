@@ -12,9 +12,10 @@ from spigolo.kernels.halving import halve_depth
 
 
 def halve_frame(frame: Frame) -> Frame:
-    """Return a frame of half the width and height, rounded up. Each pixel stands for a block of 2x2 pixels.
+    """Return a frame of half the width and height, rounded up, in which each pixel stands for a block of 2x2 pixels.
 
-    Colour is the mean of the block. Depth is the lower median of its measured pixels.
+    The colour of a pixel is the mean colour of its block. The depth of a pixel is the lower median of the measured
+    depth values in its block.
     """
     height, width = ((n + 1) // 2 for n in frame.shape)
     even = cv2.copyMakeBorder(frame.color, 0, frame.shape[0] % 2, 0, frame.shape[1] % 2, cv2.BORDER_REPLICATE)
@@ -27,13 +28,13 @@ def halve_frame(frame: Frame) -> Frame:
 
 
 def halve_roi(roi: Roi | None, frame: Frame) -> Roi | None:
-    """Return the region of interest for the halved frame. Raises FrameError if it does not fit the frame."""
+    """Return the region of interest for the halved frame. Raises FrameError if `roi` does not fit the frame."""
     if roi is None or isinstance(roi, MetricBox):
         return roi
     return roi_mask(roi, frame)[0][::2, ::2]
 
 
 def uncropped(shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the size (H, W) of the 4:3 image from which cameras cut a wide or tall image."""
+    """Return the size (H, W) of the 4:3 image from which a camera cuts an image of another aspect ratio."""
     height, width = shape
     return max(height, round(width * 3 / 4)), max(width, round(height * 4 / 3))

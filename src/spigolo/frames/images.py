@@ -1,4 +1,4 @@
-"""Stored images: colour, depth, labels and masks."""
+"""Reading of images: colour images, depth maps, label images and masks."""
 
 from __future__ import annotations
 
@@ -27,10 +27,12 @@ DEPTH_KEYS = ("depth", "depth_image", "depth_map", "depth_m", "depth_raw", "dept
 
 
 def read_color(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.uint8]:
-    """Return an image file or array as an RGB array (H, W, 3) uint8. Grey becomes RGB. Transparency is dropped.
+    """Read a colour image from an image file or an array file as RGB (H, W, 3) uint8.
 
-    More than 8 bits are scaled from the full range of the stored type, so 10 bits stored in 16 lose 2 bits. Pixels keep
-    their stored order like those of the depth map: orientation metadata is ignored. Raises FileError or FrameError.
+    Grey images are converted to RGB, and transparency is ignored.
+
+    Images of more than 8 bits are converted to 8 bits by dropping the lowest bits. Orientation metadata is ignored, so
+    that colour and depth keep the same order of pixels. Raises FileError or FrameError.
     """
     if Path(path).suffix.lower() in ARRAYS:
         return _as_color(pick(load_arrays(path), COLOR_KEYS, "a colour image", path), path)
@@ -64,7 +66,7 @@ def _tell_of_one_channel(path: PathLike, max_pixels: int) -> None:
 
 
 def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
-    """Return depth (H, W) as stored: integers, or floating-point metres of a TIFF, EXR or array.
+    """Read a depth map (H, W) as stored: integers, or floating-point metres.
 
     Raises FileError or FrameError.
     """
@@ -85,7 +87,7 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXELS) -> None:
-    """Raise FrameError if the colour file holds depth. Call it when the depth file turned out to be a colour image."""
+    """Raise FrameError if the colour file contains depth, so that both files are probably swapped."""
     is_array = Path(color).suffix.lower() in ARRAYS
     stored = read_depth(color) if is_array else decode(color, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2 and stored.dtype != np.uint8:
@@ -96,7 +98,9 @@ def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXEL
 
 
 def read_labels(path: PathLike) -> Image:
-    """Return a label image (H, W) of integers as stored, and the indices of an indexed PNG. Raises FileError."""
+    """Read a label image (H, W) of integers. Labels of an indexed PNG are its colour indices. Raises FileError or
+    FrameError.
+    """
     data, factor = as_grey(read_bytes(path).tobytes())
     stored = decode_bytes(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, path)
     if stored.ndim != 2 or stored.dtype.kind not in "ui":
@@ -108,20 +112,24 @@ def read_labels(path: PathLike) -> Image:
 
 
 def read_mask(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.bool_]:
-    """Return True (H, W) where an image of any bit depth is not black. Transparency is ignored. Raises FileError."""
+    """Read a mask (H, W) from an image of any bit depth, True where the image is not black. Raises FileError."""
     stored = decode(path, cv2.IMREAD_UNCHANGED, max_pixels)
     return np.asarray(stored != 0) if stored.ndim == 2 else np.asarray(stored[..., :3].any(axis=2))
 
 
 def decode(path: PathLike, flags: int, max_pixels: int = MAX_PIXELS) -> Image:
-    """Return the pixels of an image file. Raises FileError, and FrameError for too many pixels."""
+    """Read the pixels of an image file. Raises FileError, or FrameError if the image has more than max_pixels
+    pixels.
+    """
     return decode_bytes(read_bytes(path), flags, path, max_pixels)
 
 
 def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
-    """Return the pixels of an encoded image. path: name in messages. Raises FileError.
+    """Decode the bytes of an image file and return the pixels.
 
-    A PNG file of more than max_pixels is refused before decoding, as a few kilobytes may decode to gigabytes.
+    A PNG image of more than max_pixels pixels is rejected before decoding, to limit memory.
+
+    path: name of the file in error messages. Raises FileError or FrameError.
     """
     header = header_of(data[:32].tobytes())
     if header is not None:
@@ -137,7 +145,7 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pi
 
 
 def read_bytes(path: PathLike) -> npt.NDArray[np.uint8]:
-    """Return the bytes of a file. Raises FileError."""
+    """Return the bytes of an image file as an array. Raises FileError."""
     try:
         return np.fromfile(path, np.uint8)
     except OSError as error:
@@ -160,7 +168,7 @@ def _advice(path: PathLike) -> str:
 
 
 def how_to_extract(suffix: str) -> str:
-    """Return the instructions for extracting frames from a recording."""
+    """Return instructions to extract frames from a recording. suffix: suffix of the recording file."""
     if suffix in OPENED:
         return "sp.open_source reads its frames, and so does `spigolo segment RECORDING`"
     tool = "Open3D or k4arecorder" if suffix == ".mkv" else "its recorder or driver"

@@ -1,4 +1,4 @@
-"""Intrinsics in any common form: numbers, a camera's name, fields of a camera file, or a driver's object."""
+"""Intrinsics in any common form: numbers, the name of a camera model, fields of a camera file, or a driver's object."""
 
 from __future__ import annotations
 
@@ -44,25 +44,26 @@ DISTORTION_NAMES = (
 POLYNOMIAL_NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")
 MODEL_NAMES = ("distortion_model", "lens_model", "model")
 CAMERA_KINDS = ("camera_model", "projection_model", "type")
-"""Names of fields that may identify a fisheye camera."""
+"""Names of fields whose value can show that a camera is a fisheye camera."""
 FORMS = (
     "a Camera, a 3x3 matrix K, (fx, fy, cx, cy), a name, a mapping, or an object with fx, fy, ppx, ppy, with k or K, or"
     " with intrinsic_matrix"
 )
 
 CameraLike = Camera | str | Mapping[str, Any] | npt.NDArray[Any] | Sequence[Sequence[float]] | Sequence[float] | Any
-"""Any form that `as_camera` takes. None if the intrinsics are not known."""
+"""Type of all forms of intrinsics that `as_camera` accepts. None means unknown intrinsics."""
 
 
 def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
-    """Return the camera of images of width x height from any form. None stays None.
+    """Convert intrinsics in any common form to a Camera for images of width x height pixels. If `value` is None, the
+    result is None.
 
-    value is one of:
+    value: one of the following
 
     - a Camera, which is returned unchanged
-    - K as (3, 3) or as nine numbers row by row, P as (3, 4), or (fx, fy, cx, cy), also as text
-    - a name or a field of view that `Camera.named` knows
-    - a mapping as in `camera_from_mapping`, or an object with such attributes, as in pyrealsense2, ROS and Open3D
+    - a matrix K (3, 3), nine numbers of K row by row, a matrix P (3, 4), or (fx, fy, cx, cy), also as text
+    - a name of a camera model or a field of view, as in `Camera.named`
+    - a mapping as in `camera_from_mapping`, or a camera object of pyrealsense2, ROS or Open3D
 
     Raises CameraError.
     """
@@ -87,7 +88,9 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
 
 
 def fields_of(value: object) -> Mapping[str, Any] | None:
-    """Return a mapping, or the attributes of a driver's object as a mapping. None for numbers."""
+    """Return the camera fields of a mapping, or the attributes of a driver's object as a mapping, or None for
+    numbers.
+    """
     if isinstance(value, Mapping):
         return value
     if isinstance(value, Sequence | np.ndarray) or is_number(value):
@@ -100,7 +103,7 @@ def fields_of(value: object) -> Mapping[str, Any] | None:
 
 
 def numbers_of(text: str) -> list[float] | None:
-    """Return the four or nine numbers of a text such as 927.2,927.4,651.3,349.6. None for other text."""
+    """Return the four or nine numbers of a text such as "927.2,927.4,651.3,349.6", or None for text without numbers."""
     try:
         numbers = [float(word) for word in re.split(r"[,;\s]+", text.strip("()[] \t\n"))]
     except ValueError:
@@ -111,7 +114,10 @@ def numbers_of(text: str) -> list[float] | None:
 
 
 def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | None:
-    """Return K (3, 3) from a 3x3, 3x4 (P) or 4x4 matrix, or from its numbers row by row. None for other shapes."""
+    """Return the camera matrix K (3, 3) in a 3x3, 3x4 or 4x4 matrix, or None for other shapes.
+
+    numbers: the matrix, or its numbers row by row.
+    """
     shapes = {(9,): (3, 3), (12,): (3, 4), (16,): (4, 4)}
     matrix = numbers.reshape(shapes.get(numbers.shape, numbers.shape))
     if matrix.shape == (4, 4) and matrix[3].tolist() == [0, 0, 0, 1]:
@@ -120,14 +126,21 @@ def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | N
 
 
 def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, height: int | None = None) -> Camera:
-    """Return a camera from the fields of a camera file. width and height are used if the file has no size.
+    """Return a camera from the fields of a camera file.
 
-    Intrinsics: fx, fy, cx, cy (or ppx, ppy). Or K, k, camera_matrix or cam_K, nine numbers row by row. Or Open3D's
-    intrinsic_matrix, column by column. Or kalibr's intrinsics, four numbers. Matrices may be 3x3 and may be in a field
-    "data". If K is empty, P is used. Size: width, height or image_width, image_height, or resolution. The fields roi
-    and binning_x of ROS reduce the size. Distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d,
-    or k1, k2, p1, p2, k3. The lens model is in distortion_model or model. The fields of the colour camera may be nested
-    in another field. Raises CameraError.
+    The following fields are supported:
+
+    - intrinsics as numbers: fx, fy, cx, cy, with ppx, ppy instead of cx, cy for RealSense, or kalibr's intrinsics
+    - intrinsics as a matrix: K, k, camera_matrix or cam_K row by row, or Open3D's intrinsic_matrix column by column
+    - projection matrix of ROS, used if K is empty: P
+    - image size: width, height, or image_width, image_height, or resolution
+    - crop and decimation of ROS: roi, binning_x, binning_y
+    - distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d, or k1, k2, p1, p2, k3
+    - lens model: distortion_model or model
+
+    The fields of the colour camera may be nested in another field.
+
+    width, height: image size in pixels, used if the fields contain no image size. Raises CameraError.
     """
     values = own_fields(values)
     window = window_of(values)
@@ -145,7 +158,9 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
 
 def _through(window: Window, camera: Camera, width: int | None, height: int | None) -> Camera:
-    """Return the camera of a decimated or cropped image. Raises CameraError if the images have another size."""
+    """Return the camera of the cropped or decimated image. Raises CameraError if this image is not width x height
+    pixels large.
+    """
     seen = window.of(camera)
     if None not in (width, height) and (seen.width, seen.height) != (width, height):
         raise CameraError(
@@ -165,7 +180,7 @@ def _require(found: Mapping[str, Any]) -> None:
 
 
 def _size(values: Mapping[str, Any], width: int | None, height: int | None) -> dict[str, Any]:
-    """Return the width and height from the fields. A size of 0, written by drivers that do not know it, is ignored."""
+    """Return the image width and height in pixels from the fields of a camera. A stored size of 0 is ignored."""
     resolution = values.get("resolution")
     if isinstance(resolution, Sequence) and not isinstance(resolution, str) and len(resolution) == 2:
         return {"width": resolution[0], "height": resolution[1]}
@@ -216,7 +231,7 @@ def _coefficients(values: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def _polynomial(values: Mapping[str, Any]) -> tuple[float, ...]:
-    """Return the coefficients of fields k1, k2, p1, p2, k3, ..., as many as OpenCV takes."""
+    """Return the distortion coefficients of the fields k1, k2, p1, p2, k3, k4, k5, k6 in OpenCV's order."""
     found = [values.get(name) for name in POLYNOMIAL_NAMES]
     last = max((k for k, value in enumerate(found) if value is not None), default=-1)
     length = 0 if last < 0 else 4 if last < 4 else 5 if last < 5 else 8
@@ -224,8 +239,8 @@ def _polynomial(values: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def _distorted(camera: Camera, values: Mapping[str, Any]) -> Camera:
-    """Return the camera with its distortion coefficients. Raises CameraError for a lens model that OpenCV cannot
-    undistort.
+    """Return the camera with the distortion coefficients of the fields. Raises CameraError if OpenCV lacks the lens
+    model.
     """
     coefficients = _coefficients(values)
     for name in MODEL_NAMES:

@@ -1,4 +1,4 @@
-"""Lens models that OpenCV undistorts, and those that are refused by name."""
+"""Names of lens models, and rejection of models whose distortion OpenCV cannot remove."""
 
 from __future__ import annotations
 
@@ -14,25 +14,27 @@ OPENCV_MODELS = (
     "rational", "opencv", "full_opencv", "radtan", "radial_tangential", "thin_prism", "tilted", "simple_pinhole",
     "simple_radial", "radial",
 )  # fmt: skip
-"""Names of models whose coefficients `cv2.undistort` takes."""
+"""Names of lens models whose coefficients `cv2.undistort` accepts."""
 INVERSE = "inverse_brown_conrady"
 POLYNOMIALS = (INVERSE, "modified_brown_conrady")
-"""Names of models that OpenCV does not have. Such models are accepted if all coefficients are 0."""
+"""Names of lens models that OpenCV lacks. A camera with such a model is accepted if all its coefficients are 0."""
 NO_PINHOLE = (
     "equi", "fish", "kannala", "kb4", "kb8", "omni", "mei", "unified", "sphere", "spherical", "eucm", "ucm", "ftheta",
     "f_theta", "fov", "atan", "ocam", "scaramuzza", "panoram", "cylind", "stereographic", "orthographic", "division",
 )  # fmt: skip
-"""Parts of the names of models that are not pinhole models even if all coefficients are 0."""
+"""Parts of the names of lens models that are not pinhole models even if all coefficients are 0."""
 EXACTLY_NO_PINHOLE = ("ds", "kb", "theta")
 REALSENSE_MODELS = (
     "none", "modified_brown_conrady", INVERSE, "ftheta", "brown_conrady", "kannala_brandt4",
 )  # fmt: skip
-"""Names of the model numbers of librealsense."""
+"""Names of librealsense's distortion models, in the order of their numbers."""
 MEND = "undistort the images first and give their camera without distortion"
 
 
 def model_name(value: object) -> str:
-    """Return the name of a lens model with underscores, from text, an enumeration or librealsense's number."""
+    """Return the name of a lens model in lower case with underscores. value: text, an enumeration or librealsense's
+    number.
+    """
     if isinstance(value, int) and 0 <= value < len(REALSENSE_MODELS):
         return REALSENSE_MODELS[value]
     words = str(value).strip().lower().rpartition(".")[2]
@@ -42,8 +44,10 @@ def model_name(value: object) -> str:
 def check_model(value: object, certain: bool, coefficients: Sequence[float], camera: Camera) -> None:
     """Raise CameraError for a lens model that OpenCV cannot undistort.
 
-    certain: True if the field always holds a lens model. A field `model` may also hold the name of a device. camera:
-    the camera without distortion.
+    - value: content of the field with the lens model.
+    - certain: False if the field can also hold something else, such as the name of a device.
+    - coefficients: distortion coefficients.
+    - camera: camera without distortion.
     """
     name = model_name(value)
     if name in OPENCV_MODELS or (name in POLYNOMIALS and not coefficients):
@@ -61,9 +65,9 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
 
 
 def inverse_error_px(coefficients: Sequence[float], camera: Camera) -> float:
-    """Return the largest error in the image corners if inverse Brown-Conrady coefficients are ignored, px.
+    """Return the largest position error in the image corners, px, if inverse Brown-Conrady coefficients are ignored.
 
-    The polynomial maps pixels to rays.
+    Inverse Brown-Conrady coefficients describe a polynomial from distorted pixels to rays.
     """
     corners = [(x, y) for x in (0, camera.width - 1) for y in (0, camera.height - 1)]
     x, y = ((np.array(corners) - (camera.cx, camera.cy)) / (camera.fx, camera.fy)).T

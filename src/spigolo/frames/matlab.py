@@ -1,6 +1,6 @@
 """Reader of numeric arrays in MATLAB files, version 5 to 7.
 
-Other libraries read more of the format, but may crash the process on damaged files.
+This reader replaces other libraries, which may crash the process on damaged files.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ import numpy.typing as npt
 HEADER_BYTES = 128
 MATRIX, COMPRESSED = 14, 15
 KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
-"""NumPy type codes of the stored numbers, indexed by MATLAB's type number."""
+"""NumPy type codes of numbers in MATLAB files, indexed by MATLAB's type number."""
 NUMERIC = range(6, 16)
-"""Class numbers of numeric arrays. Other classes hold text, cells or fields."""
+"""MATLAB's class numbers of numeric arrays. MATLAB's other classes are text, cells and structures."""
 MOST_BYTES = 2**26
-"""Maximum size of a variable in bytes. Larger variables cannot be camera parameters."""
+"""Maximum size in bytes of a variable that is read. Larger variables are not camera parameters."""
 
 
 def numeric_arrays(data: bytes) -> dict[str, npt.NDArray[Any]]:
-    """Return the real numeric arrays of a file by name. Raises ValueError if the data is not such a file."""
+    """Return the numeric arrays of a MATLAB file, indexed by name. Raises ValueError if `data` is not a MATLAB file."""
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
         kind = "version 7.3, which is HDF5: save it with -v7" if data.startswith(b"\x89HDF") else "not of version 5"
@@ -47,7 +47,9 @@ def _variables(data: bytes, order: str) -> Iterator[tuple[str, npt.NDArray[Any]]
 
 
 def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
-    """Yield the type and the content of each element. Short elements are stored inside their tag."""
+    """Yield the type number and the content of each data element of a MATLAB file. order: "<" or ">" for the byte
+    order.
+    """
     place = 0
     while place + 8 <= len(data):
         kind, size = struct.unpack_from(f"{order}II", data, place)
@@ -60,7 +62,7 @@ def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
 
 
 def _array(content: bytes, order: str) -> tuple[str, npt.NDArray[Any]] | None:
-    """Return the name and the numbers of a variable. None if it holds something else."""
+    """Return the name and the array of a numeric variable, or None for a variable that is not numeric."""
     parts = list(_elements(content, order))
     (flags,) = struct.unpack_from(f"{order}I", parts[0][1])
     if flags & 0xFF not in NUMERIC:

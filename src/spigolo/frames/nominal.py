@@ -1,6 +1,7 @@
-"""Nominal intrinsics of well-known cameras, and the sources of the values.
+"""Nominal intrinsics of common camera models, and the sources of these values.
 
-Each camera differs from them by one or two per cent. Use them for a first look, and calibrate the camera for 3-D.
+The intrinsics of a single camera differ from nominal intrinsics by one or two per cent. Use nominal intrinsics for a
+first test, and calibrate the camera for accurate positions.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ NOMINAL: dict[str, tuple[Mode, ...]] = {
     "femto-bolt": ((749.0, 749.0, 639.5, 359.5, 1280, 720),),
     "oak-d": ((1475.0, 1475.0, 959.5, 539.5, 1920, 1080), (465.7, 465.7, 319.5, 239.5, 640, 480)),
 }
-"""Intrinsics fx, fy, cx, cy, width, height of each aspect ratio of a camera's colour stream, the default one first."""
+"""Intrinsics (fx, fy, cx, cy, width, height) in pixels of each camera model, one tuple for each aspect ratio of its
+colour image. The default aspect ratio comes first.
+"""
 
 SOURCES = {
     "kinect-v1": "default of OpenNI and of the TUM RGB-D benchmark",
@@ -37,4 +40,4 @@ SOURCES = {
     "femto-bolt": "373.9 px at 640x360 as reported in OrbbecSDK#56",
     "oak-d": "data sheet, 69 degrees of all 4056 columns; 16:9 uses 3840 of them",
 }
-"""Source of the values of each camera."""
+"""Source of the nominal intrinsics of each camera model."""

@@ -1,4 +1,4 @@
-"""PNG files that decoders change: indexed colours become RGB, and grey values of 1, 2 or 4 bits are scaled to 8."""
+"""Conversion of indexed PNG files to grey, so that decoders return the indices instead of colours."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ DROPPED = (b"PLTE", b"tRNS", b"sBIT", b"bKGD", b"hIST", b"iCCP", b"sRGB", b"gAMA
 
 
 class Header(NamedTuple):
-    """Size in pixels, bits per channel, and colour type (0 grey, 2 RGB, 3 indexed, 4 and 6 with alpha)."""
+    """Header of a PNG file.
+
+    width, height: image size in pixels. bits: bits per channel. kind: colour type (0 grey, 2 RGB, 3 indexed, 4 grey
+    with alpha, 6 RGB with alpha).
+    """
 
     width: int
     height: int
@@ -21,16 +25,17 @@ class Header(NamedTuple):
 
 
 def header_of(data: bytes) -> Header | None:
-    """Return the header of a PNG file. None for other files."""
+    """Return the header of a PNG file, or None for other files."""
     if not data.startswith(SIGNATURE) or len(data) < 26:
         return None
     return Header(*struct.unpack(">IIBB", data[16:26]))
 
 
 def as_grey(data: bytes) -> tuple[bytes, int]:
-    """Return an indexed PNG file as a grey one with the indices as values, and the factor that decoders apply to them.
+    """Return a PNG file with indexed colours as a grey PNG file with the indices as values.
 
-    Other files are returned unchanged. Decoders scale values of 1, 2 and 4 bits to 8 bits.
+    Other files are returned unchanged. The second result is the factor by which decoders multiply grey values of 1, 2
+    and 4 bits.
     """
     header = header_of(data)
     if header is None or header.kind not in (GREY, INDEXED):

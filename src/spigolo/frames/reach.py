@@ -1,4 +1,4 @@
-"""Detection of stored values that no camera measured: the largest value of an integer type, and too large distances."""
+"""Detection of depth values that no camera measures: the largest value of an integer type, and distances over 50 m."""
 
 from __future__ import annotations
 
@@ -9,24 +9,27 @@ import numpy as np
 import numpy.typing as npt
 
 REACH_M = 50.0
-"""Maximum distance in metres that an RGB-D camera measures. Depth beyond it is missing."""
+"""Maximum distance in metres that an RGB-D camera measures. Larger depth counts as missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
-"""Range of depth in metres. No camera measures nearer, and the squares of larger values exceed float32."""
+"""Minimum and maximum depth in metres. Smaller and larger depth values count as missing."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
-"""Minimum share of depth within reach, and minimum share of the most frequent value among depth beyond it.
+"""Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
-If both are undercut, the unit is probably wrong. All depth is then kept, so that a message can suggest the unit.
+LEAST_WITHIN: minimum number of pixels within REACH_M per pixel beyond REACH_M. MOST_EQUAL: minimum share of the most
+frequent value among the pixels beyond REACH_M. Depth in a wrong unit is kept, so that a message can suggest the unit.
 """
 LARGEST_UINT16 = 65535
-"""Value that also means missing in wider integer types, as many files were converted from 16 bits."""
+"""Value that means missing depth in 16-bit files, and in wider integer types that were converted from 16 bits."""
 
 
 @dataclass(frozen=True, slots=True)
 class OutOfReach:
-    """Positive depth values that count as missing.
+    """Description of positive depth values that no camera measures. Such values count as missing.
 
-    value: the most frequent such value, as stored. pixels: number of such pixels. share: share of the frame. kind: the
-    integer type whose largest value it is, or "" for a distance beyond REACH_M.
+    - value: the most frequent implausible depth value, as stored.
+    - pixels: number of pixels with implausible depth.
+    - share: share of the frame with implausible depth.
+    - kind: name of the integer type whose largest value is `value`, or "" if `value` is a distance beyond REACH_M.
     """
 
     value: float
@@ -41,16 +44,18 @@ class OutOfReach:
 
 
 def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return True (H, W) where integers have the largest value of their type, or of 16 bits in a wider type."""
+    """Return the mask (H, W) of integers that have the largest value of their type, or 65535 in a wider type."""
     largest = np.iinfo(stored.dtype).max
     found = stored == largest
     return np.asarray(found | (stored == LARGEST_UINT16) if largest > LARGEST_UINT16 else found)
 
 
 def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32]) -> OutOfReach | None:
-    """Set implausible depth in `metres` (H, W) to 0. Return a description of it, or None if all depth is plausible.
+    """Set depth values that no camera measures to 0 in `metres` (H, W).
 
-    stored (H, W): the same depth before conversion to metres.
+    Return a description of the removed values, or None if all depth values are plausible.
+
+    stored: the same depth map (H, W) before its conversion to metres.
     """
     beyond = metres > REACH_M
     sentinel = is_sentinel(stored) if stored.dtype.kind in "ui" else np.zeros_like(beyond)
@@ -71,10 +76,9 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
 
 
 def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
-    """Return True if values beyond reach are probably distances in a wrong unit: nearly all values, or most with
-    variation.
+    """Return True if depth values beyond REACH_M are probably distances in a wrong unit.
 
-    within: number of pixels within reach.
+    beyond: depth values (N,) beyond REACH_M, as stored. within: number of pixels within REACH_M.
     """
     if within <= LEAST_WITHIN * beyond.size:
         return True

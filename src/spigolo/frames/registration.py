@@ -1,4 +1,4 @@
-"""Registration: depth of a depth camera is mapped to the image of the colour camera next to it."""
+"""Registration of a depth map to the image of a colour camera next to the depth camera."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ from spigolo.kernels import registration as kernel
 
 STEP_M = 0.03
 STEP_SHARE = 0.03
-"""Minimum depth difference at a depth step is max(STEP_M, STEP_SHARE Z) between neighbouring pixels."""
+"""The minimum depth difference of a depth step is max(STEP_M, STEP_SHARE Z) metres at the depth Z."""
 ROTATION_TOLERANCE = 1e-3
 FARTHEST_M = 10.0
-"""Maximum distance between both cameras in metres. A longer translation is probably in millimetres."""
+"""Maximum distance between depth camera and colour camera in metres. A longer translation is probably in
+millimetres.
+"""
 
 
 def register_depth(
@@ -28,13 +30,17 @@ def register_depth(
     *,
     depth_scale: float | None = None,
 ) -> DepthMap:
-    """Return the depth that the colour camera would measure, (H, W) float32 in metres, 0 if it is not known.
+    """Return the depth map (H, W) of the colour camera, float32 in metres, 0 where depth is unknown.
 
-    depth (h, w): image of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
-    T_color_depth (4, 4): maps points of the depth camera's frame to the colour camera's frame, translation in metres.
-    Surfaces are mapped instead of points, so a larger colour image has no holes in them. The nearest surface wins. No
-    surface is drawn across a depth step. Surfaces that the depth camera did not see stay 0. Depth of a camera with
-    distortion is undistorted first. The colour camera must have no distortion. Raises FrameError or CameraError.
+    Small squares of surface are mapped instead of points, so that surfaces have no holes in a larger colour image.
+    If surfaces overlap in the image, the nearest surface is kept. No surface is drawn across a depth step.
+
+    - depth: depth map (h, w) of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
+    - depth_camera: depth is undistorted first if this camera has distortion.
+    - color_camera: must have no distortion.
+    - T_color_depth: transform (4, 4) from the depth camera's frame to the colour camera's frame, translation in metres.
+
+    Raises FrameError or CameraError.
     """
     for camera in (depth_camera, color_camera):
         if not isinstance(camera, Camera):
@@ -63,16 +69,21 @@ def register_depth(
 
 
 def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return P (3, 4), which maps pixel (x, y) of `source` at depth z to pixel (u, v) of `target` at depth Z.
+    """Return the matrix P (3, 4) that maps pixels with depth of camera `source` to pixels with depth of camera
+    `target`.
 
-    (u Z, v Z, Z) = P (x z, y z, z, 1).
+    Pixel (x, y) at depth z maps to pixel (u, v) at depth Z by (u Z, v Z, Z) = P (x z, y z, z, 1).
     """
     rotated = T_target_source[:3, :3] @ np.linalg.inv(source.matrix)
     return np.ascontiguousarray(target.matrix @ np.column_stack([rotated, T_target_source[:3, 3]]))
 
 
 def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.NDArray[np.float64]:
-    """Return a validated rotation and translation (4, 4) as float64. name: its name in a CameraError."""
+    """Return a validated rigid transform (4, 4) as float64.
+
+    name: name of the transform in error messages. farthest_m: maximum length of the translation in metres. Raises
+    CameraError.
+    """
     try:
         T: npt.NDArray[Any] = np.array(value, np.float64, order="C")
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Region of interest: the part of the image or of space in which objects are wanted."""
+"""Region of interest: the part of the image or of space in which the method looks for objects."""
 
 from __future__ import annotations
 
@@ -15,17 +15,21 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.registration import rigid_transform
 
 FARTHEST_M = 100.0
-"""Maximum distance of the robot's base in metres. A longer translation is probably in millimetres."""
+"""Maximum distance between camera and robot base in metres. A longer translation is probably in millimetres."""
 LEAST_INSIDE = 0.5
-"""Minimum share of a region's pixels inside the region of interest for it to be kept (our choice)."""
+"""Minimum share of a region's pixels that lie inside the region of interest. Regions with a smaller share are
+rejected.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetricBox:
-    """Box in space along the axes of the camera's frame or, with T_base_camera, of the robot's base frame.
+    """Box in space, aligned with the axes of the camera's frame or, with T_base_camera, of the robot's base frame.
 
-    low_m, high_m: (X, Y, Z) of two opposite corners. T_base_camera (4, 4) maps points of the camera's frame into the
-    robot's base frame. Raises FrameError or CameraError.
+    - low_m, high_m: smallest and largest (X, Y, Z) of the box in metres.
+    - T_base_camera: transform (4, 4) from the camera's frame to the robot's base frame.
+
+    Raises FrameError or CameraError.
     """
 
     low_m: Sequence[float]
@@ -47,13 +51,11 @@ class MetricBox:
 
 
 Roi = npt.NDArray[np.bool_] | Sequence[int] | MetricBox
-"""Region of interest: a mask (H, W), a pixel box (y0, x0, y1, x1) with the last two exclusive, or a metric box."""
+"""Region of interest: a mask (H, W), a pixel box (y0, x0, y1, x1) with y1 and x1 exclusive, or a box in metres."""
 
 
 def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
-    """Return a point (y, x) as a pixel of an image (H, W). Raises IndexError if it is not two integers inside the
-    image.
-    """
+    """Return a point (y, x) as two integers. Raises IndexError if the point lies outside an image of size (H, W)."""
     height, width = shape
     try:
         y, x = point
@@ -65,7 +67,10 @@ def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
-    """Return the pixels (H, W) inside the region of interest, and the pixels that count: all, or those with depth."""
+    """Return the mask (H, W) of pixels inside a region of interest, and the mask (H, W) of pixels that can be judged.
+
+    All pixels can be judged, except for a box in metres, where only pixels with depth can be judged.
+    """
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):
         return _inside_box(roi, frame), frame.depth > 0

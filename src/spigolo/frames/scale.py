@@ -1,4 +1,4 @@
-"""Depth scale of a camera file in metres per stored unit, whichever unit the file uses."""
+"""Conversion of the depth scale in a camera file to metres per unit."""
 
 from __future__ import annotations
 
@@ -12,22 +12,24 @@ from spigolo.frames.camera import is_number, shortened
 from spigolo.frames.dialects import own_fields
 
 LARGEST_SCALE_M = 0.02
-"""Maximum depth scale in metres per unit. Above it, 16 bits would reach farther than a kilometre."""
+"""Maximum depth scale in metres per unit. A larger scale is probably in another unit."""
 UNITS_PER_METRE = ("DepthMapFactor", "RGBD.DepthMapFactor")
-"""Names of fields in units per metre (ORB-SLAM)."""
+"""Names of depth-scale fields in units per metre, as used in ORB-SLAM."""
 SIMILAR = (
     "scale", "factor_depth", "depth_factor", "depthscale", "depth_unit", "depth_units", "depth_map_factor",
     "depthmapfactor", "depth_map_scale", "png_depth_scale", "scale_factor", "depth_scaling_factor", "depth_scaling",
     "units_per_metre", "units_per_meter", "integer_depth_scale", "depth_divider", "depth_div",
 )  # fmt: skip
-"""Names of depth scales with an unknown unit, in lower case."""
+"""Names of depth-scale fields in an unknown unit, in lower case."""
 
 
 def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
-    """Return the depth_scale of a camera file's fields in metres per unit, or None. Raises CameraError.
+    """Return the depth scale of a camera file in metres per unit, or None if the file has no depth scale. Raises
+    CameraError.
 
-    BOP gives millimetres per unit next to cam_K. Open3D gives units per metre next to intrinsic_matrix. GraspNet
-    (factor_depth) and ORB-SLAM (DepthMapFactor) give units per metre too.
+    In files of BOP, which contain the field cam_K, depth_scale is in millimetres per unit. In files of Open3D, which
+    contain the field intrinsic_matrix, depth_scale is in units per metre. The fields factor_depth of GraspNet and
+    DepthMapFactor of ORB-SLAM are in units per metre.
     """
     values = {**values, **own_fields(values)}
     stored = values.get("depth_scale")
@@ -46,7 +48,9 @@ def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
 
 
 def check_scale(scale: float, where: object) -> None:
-    """Raise CameraError if depth_scale is unlikely to be in metres per unit. where: its origin in the message."""
+    """Raise CameraError if a depth scale is too large for metres per unit. where: origin of the scale in the
+    message.
+    """
     if scale > LARGEST_SCALE_M:
         raise CameraError(
             f"expected depth_scale in {where} as metres per unit, 0.001 for millimetres, got {scale}:"
@@ -73,7 +77,7 @@ def _refuse_similar(values: Mapping[str, Any]) -> None:
 
 
 def _as_metres(number: float) -> float:
-    """Return the most likely metres per unit for a number in an unknown unit."""
+    """Convert a depth scale in an unknown unit to the most likely value in metres per unit."""
     if number > 1:
         return 1 / number
     return number if number <= LARGEST_SCALE_M else number / 1000

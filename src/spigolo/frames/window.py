@@ -1,4 +1,4 @@
-"""Part of the sensor that an image shows, given by ROS's region of interest and binning."""
+"""Crop and decimation of an image, as given by the fields roi, binning_x and binning_y of ROS CameraInfo."""
 
 from __future__ import annotations
 
@@ -12,7 +12,11 @@ from spigolo.frames.camera import Camera, is_number, shortened
 
 @dataclass(frozen=True, slots=True)
 class Window:
-    """Crop followed by decimation, both relative to the full image of the intrinsics. A size of 0 x 0 means no crop."""
+    """Crop of the full image, followed by decimation.
+
+    left_px, top_px, width, height: crop in pixels of the full image, size 0 x 0 for no crop. binning_x, binning_y:
+    decimation factors.
+    """
 
     left_px: int
     top_px: int
@@ -28,7 +32,9 @@ class Window:
         return " with ".join(parts + ([binned] if (self.binning_x, self.binning_y) != (1, 1) else []))
 
     def of(self, camera: Camera) -> Camera:
-        """Return the camera of the image inside the window. Raises CameraError if the window exceeds the full image."""
+        """Return the camera of the cropped and decimated image. Raises CameraError if the crop exceeds the full
+        image.
+        """
         width, height = self.width or camera.width - self.left_px, self.height or camera.height - self.top_px
         if self.left_px + width > camera.width or self.top_px + height > camera.height:
             raise CameraError(f"expected {self} inside of the full image of {camera.width}x{camera.height}")
@@ -45,7 +51,7 @@ class Window:
 
 
 def window_of(values: Mapping[str, Any]) -> Window | None:
-    """Return the window of the fields roi, binning_x and binning_y. None if they show the full image."""
+    """Return the crop and decimation of the camera fields roi, binning_x and binning_y, or None for the full image."""
     roi = values.get("roi")
     names = ("x_offset", "y_offset", "width", "height")
     crop = [_whole(f"roi.{name}", _field(roi, name)) for name in names]

@@ -1,4 +1,4 @@
-"""Reader of YAML as written by ROS, kalibr and OpenCV."""
+"""Reader of YAML camera files as written by ROS, kalibr and OpenCV."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from typing import Any
 MATRIX = "tag:yaml.org,2002:opencv-matrix"
 FLOAT = "tag:yaml.org,2002:float"
 MAX_ALIASED = 10_000
-"""Maximum number of values that aliases may repeat. A few lines of nested aliases can expand to billions of values."""
+"""Maximum number of values that YAML aliases may repeat, because nested aliases can expand to billions of values."""
 NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)")
-"""Pattern of numbers such as 1e-3, which YAML 1.1 reads as text."""
+"""Pattern of numbers such as 1e-3, which YAML 1.1 treats as text."""
 
 
 def parse_yaml(text: str) -> Any:
-    """Return the first document of a YAML text. OpenCV matrices become mappings of their fields.
+    """Return the content of the first document of a YAML text. OpenCV matrices become mappings of their fields.
 
-    OpenCV's own reader may crash the process on a damaged file. Raises ValueError for a text that is not YAML, and for
-    aliases that repeat too much or contain themselves.
+    This function replaces OpenCV's reader, which may crash the process on a damaged file. Raises ValueError for invalid
+    YAML, and for aliases that repeat too many values or contain themselves.
     """
     import yaml  # slow to import, and few cameras need it
 
@@ -50,12 +50,14 @@ def _load(yaml: Any, text: str) -> Any:
 
 
 def _count_aliased(node: Any) -> float:
-    """Return the number of values that expanding all aliases adds. It is infinite if an alias contains itself."""
+    """Return the number of values that the expansion of all YAML aliases adds, or infinity if an alias contains
+    itself.
+    """
     sizes: dict[int, float] = {}
 
     def size(one: Any) -> float:
         if id(one) not in sizes:
-            sizes[id(one)] = math.inf  # until counted: meeting it again before means a cycle
+            sizes[id(one)] = math.inf  # placeholder: an alias that contains itself reaches this node again
             inner = one.value if isinstance(one.value, list) else []
             parts = (part for entry in inner for part in (entry if isinstance(entry, tuple) else (entry,)))
             sizes[id(one)] = 1.0 + sum(map(size, parts))
@@ -65,5 +67,5 @@ def _count_aliased(node: Any) -> float:
 
 
 def _without_directive(text: str) -> str:
-    """Return the text without OpenCV's first line, which other readers reject."""
+    """Return a YAML text without the directive in OpenCV's first line, which PyYAML rejects."""
     return re.sub(r"\A\s*%YAML:1\.0[^\n]*\n(?:---[^\n]*\n)?", "", text)

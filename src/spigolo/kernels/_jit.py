@@ -1,7 +1,8 @@
-"""The one place that knows the compiler: `kernel` compiles on first call and keeps the result on disk.
+"""Interface to the compiler numba. The decorator `kernel` compiles a function on its first call and caches the compiled
+code.
 
-Each kernel module has a cache folder of its own. Its name carries a hash of the module's source and of the kernel
-modules that it imports, because numba does not notice a changed callee. An edit recompiles what it can change.
+Each kernel module has its own cache folder, because numba does not notice changes of called functions. The folder name
+contains a hash of the module's source and of all kernel modules that the module imports.
 """
 
 from __future__ import annotations
@@ -33,10 +34,10 @@ ADVICE = "set SPIGOLO_CACHE_DIR to a folder that can be written"
 
 
 def _cache_folder() -> Path | None:
-    """Return the folder that holds the compiled kernels. None without a home, or where it cannot be made."""
+    """Return the folder of the compiled kernels, or None if the folder cannot be created."""
     own = os.environ.get("SPIGOLO_CACHE_DIR") or os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
     home = os.path.expanduser("~")
-    if own is None and home == "~":  # a user without a home: the name would be taken as it is
+    if own is None and home == "~":  # the user has no home folder, so that "~" was not replaced
         return None
     folder = Path(own or os.path.join(home, ".cache")) / "spigolo" / "kernels"
     with contextlib.suppress(OSError):
@@ -58,7 +59,9 @@ CAN_WRITE = _can_write(CACHE_FOLDER)
 
 @functools.cache
 def module_key(name: str) -> str:
-    """Return 16 hexadecimal digits that change with a kernel module, those that it imports, and the versions."""
+    """Return a hash of a kernel module, of the kernel modules that it imports, and of the versions of numba and
+    spigolo.
+    """
     digest = hashlib.sha256(f"{numba.__version__} {VERSION}".encode())
     content, imported = _content(name)
     digest.update(content)
@@ -68,14 +71,14 @@ def module_key(name: str) -> str:
 
 
 def _content(name: str) -> tuple[bytes, Iterable[str]]:
-    """Return the content of a kernel module, and the kernel modules that its own key must follow.
+    """Return the content of a kernel module, and the names of the kernel modules that it imports.
 
-    A frozen application has no sources: there every module follows all others, by their bytecode.
+    In an application without source files, the bytecode of all kernel modules is returned as the content.
     """
     spec = importlib.util.find_spec(f"{PACKAGE}.{name}")
     try:
         content = Path(spec.origin).read_bytes() if spec is not None and spec.origin is not None else b""
-    except OSError:  # packed into an archive: the version alone tells
+    except OSError:  # the module is inside an archive, so that only the versions enter the hash
         return b"", ()
     if spec is not None and str(spec.origin).endswith(".py"):
         nodes = (node for node in ast.walk(ast.parse(content)) if isinstance(node, ast.ImportFrom))
@@ -88,7 +91,7 @@ def _content(name: str) -> tuple[bytes, Iterable[str]]:
 
 
 class _Locator(_CacheLocator):
-    """Tells numba the folder of a kernel's module. The folder's name stands for all of the source."""
+    """Locator that gives numba the cache folder of a kernel's module, whose name contains a hash of the source."""
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         self._line = py_func.__code__.co_firstlineno
@@ -132,13 +135,13 @@ class _Cache(FunctionCache):
 
 @functools.cache
 def _announce() -> None:
-    """Say once in a process that it waits for kernels that the cache does not have."""
+    """Log a message, once per process, that kernels are being compiled."""
     logging.getLogger("spigolo").warning("compiling kernels that are new on this machine: up to a minute")
 
 
 @functools.cache
 def _warn() -> None:
-    """Warn, once per process, that compiled kernels are not cached."""
+    """Warn, once per process, that compiled kernels cannot be cached."""
     where = f" in {CACHE_FOLDER}" if CACHE_FOLDER is not None else ""
     warnings.warn(
         f"spigolo cannot keep its compiled kernels{where} and compiles them in each process; {ADVICE}", stacklevel=2
@@ -150,7 +153,7 @@ if CACHE_FOLDER is None:
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile `function` on first call, without the GIL and without threads of its own."""
+    """Decorate a function to be compiled on its first call, to code that releases the global interpreter lock."""
     compiled = numba.njit(nogil=True, error_model="numpy")(function)
     if CACHE_FOLDER is not None and not numba.config.DISABLE_JIT:
         compiled._cache = _Cache(function)
@@ -158,13 +161,13 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a formula into its callers. The equations of the paper are such formulas."""
+    """Decorate a function to be compiled inline into the kernels that call the function."""
     return cast(Callable[..., Any], numba.njit(nogil=True, error_model="numpy", inline="always")(function))
 
 
 @intrinsic
 def prefetch(typing_context, array, index):
-    """Fetch the memory of array[index] ahead of its use. Nothing else changes."""
+    """Load the memory of array[index] into the processor's cache before it is used."""
 
     def generate(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data

@@ -1,4 +1,6 @@
-"""Kernels for depth and boundary on both sides of borders between regions, and for the hollowness of regions."""
+"""Kernels that measure depth and boundary values on both sides of borders between regions, and the hollowness of
+regions.
+"""
 
 from __future__ import annotations
 
@@ -10,23 +12,24 @@ from spigolo.kernels.contours import hollow
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
 MOST_ROUND = 0.6
-"""Maximum distance of a chord's middle from the surface, as a share of the chord's length: half a circle, plus
-noise.
+"""Maximum distance between the middle of a chord and the surface, as a share of the chord's length. For a half-circle,
+the share is 0.5.
 """
 
 
 @inlined
 def clipped(value, limit):
-    """Clip the value to -limit..limit, so that one flying pixel does not dominate a border."""
+    """Clip a value to -limit..limit, so that one pixel with wrong depth does not dominate a border."""
     return max(min(value, limit), -limit)
 
 
 @inlined
 def sample_border(labels, y, x, v, u, reach):
-    """Return the samples `reach` pixels to both sides of a border between (y, x) and its right or lower neighbour (v,
+    """Return two sample pixels, `reach` pixels to both sides of the border between pixel (y, x) and its neighbour (v,
     u).
 
-    Both are given by row and column. A flag is True if both lie in the image and in the two regions of the border.
+    The result is (row, column) of both samples, and a flag. The flag is True if both samples lie inside the image and
+    in the two regions of the border.
     """
     dy, dx = v - y, u - x
     y_a, x_a, y_b, x_b = y - dy * (reach - 1), x - dx * (reach - 1), y + dy * reach, x + dx * reach
@@ -36,20 +39,26 @@ def sample_border(labels, y, x, v, u, reach):
 
 @kernel
 def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
-    """Sum over the border between every two numbered regions, from samples `reach` pixels to both sides of it.
+    """Sum measurements along the border between every two numbered regions.
 
-    A pair of pixels counts only if both samples lie in the image and in the two regions of the border. Lengths are
-    clipped.
+    For each pair of neighbouring pixels on a border, depth is sampled `reach` pixels to both sides. A pair counts only
+    if both samples lie inside the image and in the two regions of the border. Depth differences are clipped to
+    gap_limit. Depths of the border behind the line between both samples are clipped to bend_limit.
 
-    labels (H, W) int32. number (R,) int32: 0..S-1, or -1 for a region that is left out. depth, boundary (H, W). sums
-    (S, S, 6) float64, initially zero. Its values at [a, b] are:
+    - labels (H, W) int32: region of each pixel.
+    - number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped.
+    - depth (H, W): depth map in metres.
+    - boundary (H, W): boundary map.
+    - sums (S, S, 6) float64, initially zero: result.
 
-    - number of 4-neighbour pairs on the border
-    - number of pairs with depth on both sides and between
-    - |difference of depth| (m)
-    - distance of b behind a (m)
-    - depth of the border behind the chord of both samples (m)
-    - larger boundary value of each pair
+    The array sums[a, b] contains six values of the border between regions a and b:
+
+    - number of pairs of 4-neighbours on the border
+    - number of pairs with depth at both samples and at the border
+    - sum of absolute depth differences between both samples (m)
+    - sum of distances of region b behind region a (m)
+    - sum of depths of the border behind the straight line between both samples (m)
+    - sum of the larger boundary value of each pair
     """
     height, width = labels.shape
     for y in range(height):
@@ -82,11 +91,15 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
 
 @kernel
 def sum_hollows(labels, number, depth, fx, margin, sums):
-    """Sum the depth of each numbered region behind its chords along image rows: positive in a bowl, negative on a can.
+    """Sum the depth of each numbered region behind its chords along image rows: positive if concave, negative if
+    convex.
 
-    sums (S, 2) float64, initially zero: depth of the middle of each row's run behind the chord between its ends (m),
-    and length of the chord (m). Ends are taken `margin` pixels inside the run. Runs shorter than 8 pixels are left out.
-    Runs that bulge more than a half-circle are left out too, because one of their points belongs to another surface.
+    A chord is the straight line between the ends of a run of pixels of one region in one image row. The ends of a chord
+    are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. Chords whose middle is farther from
+    the surface than in a half-circle are skipped, because such chords span two surfaces.
+
+    sums (S, 2) float64, initially zero: depth of the middle of each run behind its chord (m), and length of the chord
+    (m).
     """
     height, width = labels.shape
     for y in range(height):
@@ -107,12 +120,16 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
 
 @kernel
 def collect_pairs(labels, boundary, pairs, strength):
-    """Collect every pair of 4-neighbours in different regions: pairs (K,) int64, strength (K,) of the stronger pixel.
+    """Collect all pairs of 4-neighbours in different regions, and the larger boundary value of each pair.
 
-    A pair is stored as lower * 2^32 + higher region.
+    A pair is stored as lower region number * 2^32 + higher region number.
 
-    labels (H, W) int32. boundary (H, W). Returns the number of pairs. If the array is too short, pairs are only
-    counted.
+    - labels (H, W) int32: region of each pixel.
+    - boundary (H, W): boundary map.
+    - pairs (K,) int64: pairs of regions.
+    - strength (K,): larger boundary value of each pair.
+
+    Returns the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.
     """
     height, width = labels.shape
     count = 0

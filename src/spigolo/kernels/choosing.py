@@ -1,8 +1,10 @@
-"""Selection of the edges to sort. Edges that cannot join anything are left out. See docs/performance.md.
+"""Selection of the edges that are sorted. Edges that cannot merge two regions are skipped (see docs/performance.md).
 
-Three kinds of edges cannot join anything. First, edges inside one region. Second, edges at a final region. These edges
-are recognised by the region's bound before edges are collected, and by the region's own lightest edge afterwards.
-Third, detours, which are edges whose ends are already connected by lighter edges.
+Three kinds of edges cannot merge two regions:
+
+- edges inside one region
+- edges at a final region, which is a region whose remaining edges are all heavier than its merge bound
+- detours, which are edges whose two pixels are connected by lighter edges
 """
 
 from __future__ import annotations
@@ -15,18 +17,25 @@ from spigolo.kernels.merging import HALF_BITS, PLANE_BITS, bound_bits, ends, fin
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
 BLOCK = 4096
-"""Number of edges that are processed together, so that their data stays in the processor's cache. A multiple of 8."""
+"""Number of edges that are processed together, to stay in the processor's cache. BLOCK must be a multiple of 8."""
 
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
-    """Pack the edges with low <= weight < high between two regions of which at least `least` ends have a flag.
+    """Pack the edges with low <= weight < high between two regions. At least `least` of the two pixels of an edge must
+    be flagged.
 
-    Edges keep their numeric order. Without `detours`, the last edge of each triangle or square is skipped.
+    Edges keep the order of their numbers. With `detours=False`, the heaviest edge of each triangle or square of
+    neighbouring pixels is skipped.
 
-    weights (P, H W) float32. width: length of a row. parent (H W,): root of every pixel. flags (H W,) uint8, 0 or 1.
-    offsets (P,) int64. out: buffer with room for one more edge than there are. Returns the number of edges, or -1 if
-    out is too small.
+    - weights (P, H W) float32: edge weights.
+    - width: number of image columns.
+    - parent (H W,): root of every pixel.
+    - flags (H W,) uint8, 0 or 1.
+    - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
+    - out: buffer for the packed edges, with room for one additional edge.
+
+    Returns the number of packed edges, or -1 if out is too small.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)
@@ -46,7 +55,7 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
 
 @inlined
 def choose(weights, low, high, parent, flags, least, offset, first, last, chosen):
-    """Mark the edges first..last - 1 of a plane that may join something. chosen (BLOCK,) uint8."""
+    """Mark the edges first..last - 1 of one direction that can merge two regions. chosen (BLOCK,) uint8."""
     begin = min(max(first, -offset), last)
     end = max(min(last, parent.size - max(0, offset)), begin)
     chosen[: begin - first] = 0
@@ -61,10 +70,10 @@ def choose(weights, low, high, parent, flags, least, offset, first, last, chosen
 
 @inlined
 def drop_detours(weights, plane, width, first, last, chosen):
-    """Unmark the edges that come last in a triangle of neighbours or, on a 4-connected grid, in a square.
+    """Unmark the heaviest edge of each triangle of neighbouring pixels or, with 4-connectivity, of each square.
 
-    Among equal weights, the edge with the higher number comes later: down after right, diagonals after both. Some edges
-    at the image border stay marked.
+    Among edges of equal weight, the edge with the highest number is unmarked: down after right, diagonals after both.
+    Some edges at the image border are not tested and stay marked.
     """
     right, down, pixels = weights[0], weights[1], weights.shape[1]
     begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
@@ -87,9 +96,9 @@ def drop_detours(weights, plane, width, first, last, chosen):
 
 @inlined
 def drop_right(right, down, width, n, kept):
-    """Unmark right edges that are the last of the square above. Arrays begin one row before the n edges.
+    """Unmark edges to the right that are the heaviest edge of the square of pixels above or below.
 
-    Array slices let the compiler vectorise the loop.
+    The arrays right and down begin one image row before the n edges.
     """
     weight, above, below = right[width:], right, right[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
@@ -101,7 +110,10 @@ def drop_right(right, down, width, n, kept):
 
 @inlined
 def drop_down(right, down, width, n, kept):
-    """Unmark down edges that are the last of the square on the left. Arrays begin one pixel before the n edges."""
+    """Unmark downward edges that are the heaviest edge of the square of pixels on the left or right.
+
+    The arrays right and down begin one pixel before the n edges.
+    """
     weight, before, after = down[1:], down, down[2:]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
     for k in range(n):
@@ -112,15 +124,16 @@ def drop_down(right, down, width, n, kept):
 
 @inlined
 def drop_diagonal(weight, first, second, third, fourth, n, kept):
-    """Unmark diagonals whose ends are connected by one of two pairs of lighter straight edges."""
+    """Unmark diagonal edges whose two pixels are connected by two lighter horizontal and vertical edges."""
     for k in range(n):
         kept[k] &= (weight[k] < max(first[k], second[k])) & (weight[k] < max(third[k], fourth[k]))
 
 
 @inlined
 def drop_right_8(right, down, falling, rising, width, n, kept):
-    """Unmark right edges with a lighter detour over one of the pixels above or below. Arrays begin one row before the n
-    edges.
+    """Unmark edges to the right whose two pixels are connected by lighter edges through a pixel above or below.
+
+    All edge arrays begin one image row before the n edges.
     """
     weight, falling_here = right[width:], falling[width:]
     rising_here, rising_below = rising[width:], rising[2 * width :]
@@ -133,8 +146,9 @@ def drop_right_8(right, down, falling, rising, width, n, kept):
 
 @inlined
 def drop_down_8(right, down, falling, rising, width, n, kept):
-    """Unmark down edges with a lighter detour over one of the pixels on the left or right. Arrays begin one pixel
-    before the n edges.
+    """Unmark downward edges whose two pixels are connected by lighter edges through a pixel on the left or right.
+
+    All edge arrays begin one pixel before the n edges.
     """
     weight, falling_here, rising_left, rising_here = down[1:], falling[1:], rising[width:], rising[width + 1 :]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
@@ -148,16 +162,18 @@ def drop_down_8(right, down, falling, rising, width, n, kept):
 
 @inlined
 def pack_edge(bits, plane, pixel):
-    """Return the 64 bits of an edge: bits of the weight, pixel, plane."""
-    without_sign = np.uint64(bits) & np.uint64(SIGN_BIT - 1)  # -0 sorts as 0
+    """Pack an edge into 64 bits: the weight in the upper 32 bits, then the number of the pixel, then the number of the
+    direction.
+    """
+    without_sign = np.uint64(bits) & np.uint64(SIGN_BIT - 1)  # a weight of -0 must sort like 0
     return (without_sign << np.uint64(HALF_BITS)) | (pixel << np.uint64(PLANE_BITS)) | np.uint64(plane)
 
 
 @inlined
 def pack(bits, plane, first, last, chosen, eights, count, out):
-    """Append the chosen edges first..last - 1 of a plane to the `count` edges in out.
+    """Append the marked edges first..last - 1 of one direction to the `count` edges in out. Return the new count.
 
-    The loop has no branch except for skipping eight unmarked edges. An unmarked edge is overwritten by the next one.
+    Every edge is written, and the next edge overwrites an unmarked edge, so that the loop has few branches.
     """
     whole = np.uint64(last - first) // np.uint64(8)
     for eight in range(whole):
@@ -174,8 +190,9 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 
 @inlined
 def is_heavy(edge, offsets, parent, records):
-    """Return True if an edge is heavier than the bound of the region at its first and at its second end, and both
-    roots.
+    """Test if an edge is heavier than the merge bounds of the two regions that it connects.
+
+    The result is one flag for the first region, one flag for the second region, and the roots of both regions.
     """
     here, there = ends(edge, offsets)
     a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), weight_bits(edge)
@@ -184,10 +201,12 @@ def is_heavy(edge, offsets, parent, records):
 
 @kernel
 def drop_final(edges, offsets, parent, records, useful):
-    """Keep the packed edges (K,) between regions that at least one of them can still merge. Return their number.
+    """Remove the packed edges (K,) at final regions. Return the number of remaining edges.
 
-    A region whose lightest edge is heavier than its bound is final. parent (H W,): root of every pixel. useful (H W,)
-    uint8 is scratch memory. If few edges are heavy, the array is returned unchanged, because few would be dropped.
+    A region is final if its lightest edge is heavier than its merge bound. If few edges are heavier than the bounds,
+    the array stays unchanged to save time.
+
+    parent (H W,): root of every pixel. useful (H W,) uint8: scratch memory.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):
@@ -212,8 +231,9 @@ def drop_final(edges, offsets, parent, records, useful):
 
 @kernel
 def flag_open(low_bits, parent, records, flags):
-    """Set the parent of every pixel to its root. flags (H W,): 1 for pixels of regions with a bound of at least
-    `low_bits`.
+    """Set the parent of every pixel to the root of its region, and flag the regions that can still merge.
+
+    flags (H W,): 1 for pixels of regions whose merge bound has at least the bits `low_bits`, else 0.
     """
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)
@@ -223,7 +243,10 @@ def flag_open(low_bits, parent, records, flags):
 
 @kernel
 def flag_small(min_size, parent, records, flags):
-    """Set the parent of every pixel to its root. flags (H W,): 1 for pixels of regions smaller than min_size."""
+    """Set the parent of every pixel to the root of its region, and flag small regions.
+
+    flags (H W,): 1 for pixels of regions with fewer than min_size pixels, else 0.
+    """
     for pixel in range(np.uint64(parent.size)):
         root = find(parent, pixel)
         parent[pixel] = np.uint32(root)

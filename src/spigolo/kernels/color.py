@@ -1,4 +1,4 @@
-"""Kernels that convert colour to points of the HSV cone (eq. 4), in float32."""
+"""Kernels that convert RGB colours to points in the HSV cone (equation 4), in float32."""
 
 from __future__ import annotations
 
@@ -12,17 +12,12 @@ TINY = f32(1e-20)
 
 COS2, COS4, COS6, COS8 = f32(-0.54831135), f32(0.05010745), f32(-0.0018310980), f32(3.5003934e-05)
 SIN1, SIN3, SIN5, SIN7 = f32(1.0471975), f32(-0.19139575), f32(0.010489378), f32(-0.00026577872)
-"""Coefficients of cos(t pi / 3) - 1 and sin(t pi / 3) on [-1, 1] in powers of t. The error is below 4e-8.
-
-The polynomials interpolate at Chebyshev nodes.
-"""
+"""Coefficients of polynomials in t for cos(t pi / 3) - 1 and sin(t pi / 3) on [-1, 1], with an error below 4e-8."""
 
 
 @inlined
 def hue_in_sector(r, g, b, value, chroma):
-    """Return the hue as t in [-1, 1], in units of 60 degrees from the nearest of red, green and blue. Undefined for
-    grey.
-    """
+    """Return the hue as an angle from the nearest of red, green and blue, from -1 to 1 in units of 60 degrees."""
     difference = g - b if value == r else (b - r if value == g else r - g)
     return difference / (chroma if chroma > TINY else TINY)
 
@@ -43,14 +38,14 @@ def smallest(r, g, b):
 
 @inlined
 def hue_circle(r, g, b):
-    """Return (s cos h, s sin h) of an RGB colour, (0, 0) for grey."""
+    """Return (s cos h, s sin h) for an RGB colour with saturation s and hue h, and (0, 0) for grey."""
     value = largest(r, g, b)
     chroma = value - smallest(r, g, b)
     t = hue_in_sector(r, g, b, value, chroma)
     t2 = t * t
     cos = f32(1.0) + t2 * (COS2 + t2 * (COS4 + t2 * (COS6 + t2 * COS8)))
     sin = t * (SIN1 + t2 * (SIN3 + t2 * (SIN5 + t2 * SIN7)))
-    turn = f32(0.0) if value == r else (SQRT3_HALF if value == g else -SQRT3_HALF)  # sine of 0, 120, 240 degrees
+    turn = f32(0.0) if value == r else (SQRT3_HALF if value == g else -SQRT3_HALF)  # sine of 0, 120 or 240 degrees
     turn_cos = f32(1.0) if value == r else -HALF
     saturation = chroma / (value if value > TINY else TINY)
     return saturation * (cos * turn_cos - sin * turn), saturation * (sin * turn_cos + cos * turn)
@@ -58,10 +53,11 @@ def hue_circle(r, g, b):
 
 @kernel
 def hsv_points(rgb, k_dv, k_ds, out):
-    """Map each colour to a point. The distance of two points is their colour difference.
+    """Map each RGB colour to a point, such that the distance of two points is the colour difference of equation 4.
 
-    rgb (H, W, 3) float32 in 0..255. out (3, H, W) float32 = (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 +
-    k_ds^2). By the law of cosines, the Euclidean distance of two such points is eq. 4.
+    The point is (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2) for hue h, saturation s and value v.
+
+    rgb (H, W, 3) float32 in 0..255. out (3, H, W) float32.
     """
     height, width, _ = rgb.shape
     norm = np.sqrt(k_dv * k_dv + k_ds * k_ds)
@@ -71,7 +67,7 @@ def hsv_points(rgb, k_dv, k_ds, out):
         for x in range(width):
             r[x], g[x], b[x] = rgb[y, x, 0], rgb[y, x, 1], rgb[y, x, 2]
         value, cos, sin = out[0, y], out[1, y], out[2, y]
-        for x in range(width):  # one output per loop: compilers vectorise few arrays at a time
+        for x in range(width):  # one output array per loop, so that the compiler can vectorise the loop
             value[x] = of_value * largest(r[x], g[x], b[x])
         for x in range(width):
             cos[x] = of_circle * hue_circle(r[x], g[x], b[x])[0]
@@ -81,7 +77,7 @@ def hsv_points(rgb, k_dv, k_ds, out):
 
 @inlined
 def color_difference(a, b, c, a_other, b_other, c_other):
-    """Eq. 4. Return delta_hsv of two points, clipped at 1. The formula exceeds 1 by up to 7e-4."""
+    """Eq. 4. Return the colour difference delta_hsv of two points, clipped to at most 1."""
     a, b, c = a - a_other, b - b_other, c - c_other
     distance = np.sqrt(a * a + b * b + c * c)
     return distance if distance < f32(1.0) else f32(1.0)

@@ -1,4 +1,4 @@
-"""Kernels for contours that are found only in the depth map, where a colour edge is missing."""
+"""Kernels that find contours in the depth map only: depth steps and concave creases."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""Margins of the first test in float32, relative and per metre. Values closer to a limit are tested again exactly."""
+"""Relative and absolute margin of a fast test in float32. Values within the margin are tested again in float64."""
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8
-"""Number of marks in a row that are tested at once. Most marks are 0."""
+"""Number of pixel marks that are compared with 0 in one step, for speed."""
 
 
 @kernel
 def fill_shadows(depth, max_run, out):
-    """Give each run of missing pixels in a row the larger depth of its two ends, as a shadow lies on the background.
+    """Fill each run of missing pixels in an image row with the depth of the background, the larger depth at both ends
+    of the run.
 
-    Runs longer than max_run and runs at the image border stay 0. depth and out (H, W) in metres.
+    Runs of more than max_run pixels and runs at the image border stay 0. depth, out (H, W) in metres.
     """
     height, width = depth.shape
     for y in range(height):
@@ -41,32 +42,32 @@ def fill_shadows(depth, max_run, out):
 
 @inlined
 def bend(before, here, after):
-    """Return the bend of the depth at a pixel, m. At a step it is the height of the step, on a slanted plane
-    almost 0.
-    """
+    """Return the second difference of three depth samples, m: the height of a depth step, or almost 0 on a plane."""
     return abs(2.0 * here - before - after)
 
 
 @inlined
 def is_step(before, here, after, step_m, step_per_m):
-    """Return True if the depth at a pixel of depth d bends by at least max(step_m, step_per_m d^2)."""
+    """Return True if the second difference of depth at a pixel of depth d is at least max(step_m, step_per_m d^2)."""
     return bend(before, here, after) >= max(step_m, step_per_m * here * here)
 
 
 @inlined
 def hollow(before, here, after):
-    """Return the distance of a pixel behind the chord between its samples, m. 1 / Z is linear along a line in space."""
+    """Return the distance of a pixel behind the straight line between the samples on both sides of the pixel, m.
+
+    Along a straight line in space, 1 / Z is linear in the image.
+    """
     return here - f32(2.0) * before * after / (before + after)
 
 
 @inlined
 def least_hollow(camera, shape, crease_px, crease_high_deg):
-    """Return a lower bound of a crease's distance behind its chord, as a share of its depth. Creases have at most
-    crease_high_deg.
+    """Return a lower bound of the distance of a crease behind the chord between its two sides, as a share of its depth.
 
-    The sides of a crease are at least crease_px d / f long. The tip of the crease lies behind the chord by the length
-    of the sides times cos(angle / 2). Along a slanted ray the distance is longer by the ray's length. With this bound,
-    the angle is computed for few pixels only.
+    The bound holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at least
+    crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle / 2). The
+    angle is not computed at pixels below the bound.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -76,7 +77,7 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
 
 @inlined
 def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
-    """Mark the pixels of row y that may be steps along (n_y, n_x): all steps and a few more, in float32 for speed."""
+    """Mark the pixels of row y that may be depth steps in the direction (n_y, n_x), by a fast test in float32."""
     v, u = step_px * n_y, step_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
     least, per_m, rounding = f32(CLOSE * step_m), f32(CLOSE * step_per_m), f32(ROUNDING)
@@ -89,8 +90,9 @@ def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
 
 @inlined
 def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe):
-    """Mark the pixels of row y that are far enough behind their chord along (n_y, n_x) for a crease, and above the
-    noise.
+    """Mark the pixels of row y that may be creases in the direction (n_y, n_x).
+
+    A pixel is marked if its distance behind the chord between two samples exceeds both the noise and a lower bound.
     """
     v, u = crease_px * n_y, crease_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
@@ -105,14 +107,16 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe
 
 @inlined
 def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
-    """Return True if both sides of a pixel along (n_y, n_x) form a contact (eqs. 14-19)."""
+    """Return True if the surfaces on both sides of a pixel in the direction (n_y, n_x) form a contact (equations
+    14-19).
+    """
     v, u = crease_px * n_y, crease_px * n_x
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
 
 
 @inlined
 def is_hole(depth, y, x, v, u):
-    """True if neither a pixel nor its samples at (v, u) before and after it have depth."""
+    """Return True if depth is missing at a pixel and at both samples, (v, u) before and (v, u) after the pixel."""
     return depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0
 
 
@@ -131,14 +135,16 @@ def mark_contours(
     steps,
     creases,
 ):
-    """Mark depth steps and concave creases in the four directions of the grid.
+    """Mark depth steps and concave creases in four directions: horizontal, vertical and both diagonals.
 
-    At a step, depth bends by at least max(step_m, step_per_m d^2) over step_px. A crease is a contact by the signed
-    angle of eqs. 14-19 over crease_px, and its tip lies behind the chord by at least noise_per_m d^2. Both are marked
-    only if the pixel or one of its two samples at step_px is valid in depth (H, W). Samples come from filled, which is
-    depth with filled shadows, in metres.
+    At a depth step, the second difference of samples step_px away is at least max(step_m, step_per_m d^2). At a crease,
+    samples crease_px away form a contact (equations 14-19), and the pixel lies behind their chord by at least
+    noise_per_m d^2. A pixel is not marked if depth is missing at the pixel and at both samples step_px away.
 
-    camera (fx, fy, cx, cy). steps, creases (H, W) uint8, initially zero.
+    - depth (H, W): depth map in metres.
+    - filled (H, W): depth with filled shadows, from which the samples are taken.
+    - camera (fx, fy, cx, cy): intrinsics.
+    - steps, creases (H, W) uint8, initially zero: marks of depth steps and of creases.
     """
     height, width = depth.shape
     margin = max(step_px, crease_px)

@@ -1,8 +1,9 @@
-"""Kernels for edge weights: depth difference and both cost functions (eqs. 9, 22, 23), in float32.
+"""Kernels that compute edge weights: the depth difference of equation 9 and the cost functions of equations 22 and 23,
+in float32.
 
-A plane holds the edges from each pixel to the neighbour at one offset (dy, dx), dx 0 or 1. Edges that leave the image
-are +inf. Each cue is computed along a whole row of edges before the next cue, so that the compiler vectorises all
-loops.
+A plane holds the edges from every pixel to its neighbour at one offset (dy, dx), with dx = 0 or 1. Edges that leave the
+image have the weight +inf. Each cue is computed for a whole image row before the next cue, so that the compiler
+vectorises all loops.
 """
 
 from __future__ import annotations
@@ -19,9 +20,12 @@ ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 
 @inlined
 def depth_difference(a, b, scale, noise):
-    """Eq. 9. Return |difference| of two depths times `scale` (1 / range), clipped at 1. 0 if an end is missing.
+    """Eq. 9. Return the depth difference of an edge, from 0 to 1. The difference is 0 if depth is missing at one pixel.
 
-    A difference within noise * d^2 counts as 0, where d is the smaller depth. The paper has noise = 0.
+    - a, b: depths of both pixels, m.
+    - scale: 1 / depth range, 1/m.
+    - noise: depth noise divided by the squared depth, 1/m. Differences within the noise count as 0. The paper uses
+      noise = 0.
     """
     near = a if a < b else b
     beyond = abs(a - b) - noise * near * near
@@ -32,7 +36,7 @@ def depth_difference(a, b, scale, noise):
 
 @inlined
 def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
-    """Eq. 22. Return the first cost function, in [0, 1]."""
+    """Eq. 22. Return the first cost function: the weight of an edge, from 0 to 1."""
     alone = k_y * log2_1p(d_hsv) + k_x * log2_1p(d_depth) + k_s * log2_1p(d_sal)
     coupled = d_depth * (power(d_sal, ONE + d_depth) + power(d_hsv, ONE + d_depth))
     cost = (alone + coupled) / (TWO + k_x + k_y + k_s)
@@ -41,14 +45,14 @@ def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
 
 @inlined
 def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
-    """Eq. 23. Return the second cost function, in [0, 1]."""
+    """Eq. 23. Return the second cost function: the weight of an edge, from 0 to 1."""
     cost = (k_x * d_depth * log2_1p(d_hsv) + k_b * d_bound) / (k_x + k_b)
     return cost if cost < ONE else ONE
 
 
 @inlined
 def color_row(color, y, v, dx, out):
-    """Eq. 4. Compute colour differences of the edges from row y to row v, dx columns to the right."""
+    """Eq. 4. Compute the colour differences of the edges from row y to row v, dx columns to the right."""
     edges = out.size
     a_here, b_here, c_here = color[0, y, :edges], color[1, y, :edges], color[2, y, :edges]
     a_there, b_there, c_there = color[0, v, dx:], color[1, v, dx:], color[2, v, dx:]
@@ -58,7 +62,7 @@ def color_row(color, y, v, dx, out):
 
 @inlined
 def depth_row(depth, y, v, dx, scale, noise, out):
-    """Eq. 9. Compute depth differences of the edges from row y to row v."""
+    """Eq. 9. Compute the depth differences of the edges from row y to row v, dx columns to the right."""
     here, there = depth[y, : out.size], depth[v, dx:]
     for x in range(out.size):
         out[x] = depth_difference(here[x], there[x], scale, noise)
@@ -66,8 +70,10 @@ def depth_row(depth, y, v, dx, scale, noise, out):
 
 @inlined
 def cue_row(cue, y, v, dx, ends, out):
-    """Compute a cue of single pixels on the edges from row y to row v: the value at the first end i as printed, or the
-    larger of both ends.
+    """Compute the value of a cue on the edges from row y to row v, dx columns to the right.
+
+    ends: ENDS_I for the value at the first pixel of the edge, as in the paper, or ENDS_MAX for the larger value of both
+    pixels.
     """
     here, there = cue[y, : out.size], cue[v, dx:]
     if ends == ENDS_I:
@@ -79,9 +85,10 @@ def cue_row(cue, y, v, dx, ends, out):
 
 @kernel
 def saliency_plane(color, depth, saliency, scale, noise, k_x, k_y, k_s, ends, dy, dx, out):
-    """Eq. 22. Compute the weights of one plane.
+    """Eq. 22. Compute the weights of all edges with the offset (dy, dx).
 
-    color (3, H, W) points, depth (H, W) metres, saliency (H, W), out (H, W).
+    color (3, H, W): points of `hsv_points`. depth (H, W) metres. saliency (H, W). out (H, W): weights, +inf where an
+    edge leaves the image.
     """
     height, width = depth.shape
     scale, noise, k_x, k_y, k_s = f32(scale), f32(noise), f32(k_x), f32(k_y), f32(k_s)
@@ -98,9 +105,10 @@ def saliency_plane(color, depth, saliency, scale, noise, k_x, k_y, k_s, ends, dy
 
 @kernel
 def boundary_plane(color, depth, boundary, scale, noise, k_x, k_b, ends, dy, dx, out):
-    """Eq. 23. Compute the weights of one plane.
+    """Eq. 23. Compute the weights of all edges with the offset (dy, dx).
 
-    color (3, H, W) points, depth (H, W) metres, boundary (H, W), out (H, W).
+    color (3, H, W): points of `hsv_points`. depth (H, W) metres. boundary (H, W). out (H, W): weights, +inf where an
+    edge leaves the image.
     """
     height, width = depth.shape
     scale, noise, k_x, k_b = f32(scale), f32(noise), f32(k_x), f32(k_b)

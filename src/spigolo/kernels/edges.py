@@ -1,4 +1,4 @@
-"""Kernels that classify Canny pixels as boundaries of objects (eqs. 12-19)."""
+"""Kernels that select the Canny pixels that are boundaries of objects (equations 12-19)."""
 
 from __future__ import annotations
 
@@ -10,16 +10,14 @@ SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
 """Value of tan 22.5 degrees."""
 ROUNDING = 1e-9
-"""Maximum relative rounding error of a cosine. If a cosine is this close to a threshold, the angle itself is
-compared.
+"""Relative rounding error of a cosine. If a cosine differs from a threshold by less, the angle is compared with the
+threshold instead of the cosine.
 """
 
 
 @kernel
 def steepest(gx, gy):
-    """Return the largest squared length of a Scharr gradient (H, W) int16. The result is below 2^26 for 8-bit
-    images.
-    """
+    """Return the largest squared length of the gradient (gx, gy), two arrays (H, W) int16."""
     largest = np.int32(0)
     for y in range(gx.shape[0]):
         along_x, along_y = gx[y], gy[y]
@@ -31,10 +29,10 @@ def steepest(gx, gy):
 
 @inlined
 def normal_direction(gx, gy):
-    """Return N = (n_y, n_x), the gradient's direction in one of four bins of 45 degrees, regardless of its sign.
+    """Return the direction N = (n_y, n_x) of a gradient as one of four neighbours, regardless of the gradient's sign.
 
-    Bins 0, 45, 90, 135 degrees give right, right and up, up, left and up (rows count downwards). This function and eqs.
-    12 and 13 have no branches, because noise makes branches hard to predict.
+    Gradients near 0, 45, 90 and 135 degrees give the neighbour at the right, upper right, top and upper left. The code
+    has no branches, for speed.
     """
     along_x, along_y = abs(float(gx)), abs(float(gy))
     level, upright = along_y <= TAN_HALF_BIN * along_x, along_x <= TAN_HALF_BIN * along_y
@@ -44,14 +42,14 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. Return rho, the depth of the edge pixel minus that of a sample next to it. 0 if either is missing."""
+    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample, m, or 0 if one depth is missing."""
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
 
 @inlined
 def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
-    """Eq. 13. Return True for a depth boundary. An edge is texture if both depth gradients are below the threshold."""
+    """Eq. 13. Return True for a depth boundary, where at least one of two depth gradients reaches the threshold."""
     if not signed:
         rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
     return not ((rho_plus < step_m) & (rho_minus < step_m))
@@ -59,20 +57,20 @@ def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
 
 @inlined
 def back_project(depth, y, x, fx, fy, cx, cy):
-    """Eq. 14. Return the point (X, Y, Z) in metres of a pixel with its depth."""
+    """Eq. 14. Return the point (X, Y, Z), in metres, that a pixel shows."""
     d = float(depth[y, x])
     return (x - cx) * d / fx, (y - cy) * d / fy, d
 
 
 @inlined
 def difference(point, origin):
-    """Return the vector from one point to another."""
+    """Return the vector from `origin` to `point`."""
     return point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
 
 
 @inlined
 def unit_vector(point, origin):
-    """Eqs. 15, 16. Return the direction from the edge point to a point next to it. Zero if they coincide."""
+    """Eqs. 15, 16. Return the unit vector from `origin` to `point`, or the zero vector if both points coincide."""
     a, b, c = difference(point, origin)
     norm = np.sqrt(a * a + b * b + c * c)
     if norm == 0.0:
@@ -94,12 +92,12 @@ def cross(a, b):
 
 @inlined
 def along_edge(c, n_y, n_x, sign_rule):
-    """Eq. 19. Return the sign that separates a valley (positive) from a ridge (negative), from the cross product.
+    """Eq. 19. Return a number that is positive in a valley and negative on a ridge.
 
-    The three points lie in one plane with the camera. So only the cross product's component along the edge has a
-    meaning, and it is positive in a valley. The printed rule takes the x component instead. Its sign is correct if the
-    normal of the edge points upwards. For upright edges the x component is zero, and rounding would make its sign
-    random.
+    - c: cross product of the directions from the edge to both sides.
+    - n_y, n_x: normal of the edge.
+    - sign_rule: SIGN_TANGENT for the component of c along the edge, SIGN_X for the x component of c as in the paper,
+      SIGN_NONE for 0. At vertical edges the x component of c is 0, so that its sign has no meaning.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -110,9 +108,7 @@ def along_edge(c, n_y, n_x, sign_rule):
 
 @inlined
 def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
-    """Eqs. 17 and 19. Return the angle between both directions in degrees, negative at an internal (convex)
-    boundary.
-    """
+    """Eqs. 17, 19. Return the angle between two directions in degrees, negative at a convex boundary."""
     c = cross(v_plus, v_minus)
     angle = np.arctan2(np.sqrt(dot(c, c)), dot(v_plus, v_minus)) * 180.0 / np.pi
     return -angle if along_edge(c, n_y, n_x, sign_rule) < 0.0 else angle
@@ -120,15 +116,15 @@ def contact_angle_deg(v_plus, v_minus, n_y, n_x, sign_rule):
 
 @inlined
 def is_contact(angle_deg, low_deg, high_deg):
-    """Eq. 18. Return True if the angle of a contact boundary lies between both thresholds."""
+    """Eq. 18. Return True if an angle lies between both thresholds of a contact boundary."""
     return not (angle_deg > high_deg or angle_deg < low_deg)
 
 
 @inlined
 def cosine_limits(low_deg, high_deg):
-    """Return the largest and smallest cosine of the angles between two thresholds.
+    """Return the largest and the smallest cosine of angles between two thresholds in degrees.
 
-    A threshold that no angle reaches gives a cosine that no angle has.
+    For a threshold outside of 0..180 degrees, the cosine is replaced by 2 or -2.
     """
     largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
     smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
@@ -137,16 +133,17 @@ def cosine_limits(low_deg, high_deg):
 
 @inlined
 def scaled_point(depth, y, x, fx, fy, cx, cy):
-    """Return the point of eq. 14 times fx fy. Angles stay the same, and no division is needed."""
+    """Return the point of equation 14 multiplied by fx fy, which needs no division and leaves angles unchanged."""
     d = float(depth[y, x])
     return (x - cx) * d * fy, (y - cy) * d * fx, d * fx * fy
 
 
 @inlined
 def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_deg, cosines):
-    """Eqs. 14-19. Return True for a contact at an edge point (y, x) between the points at offsets (v, u) on both sides.
+    """Eqs. 14-19. Return True for a contact at the edge pixel (y, x) between the surfaces at offsets (v, u) and (-v,
+    -u).
 
-    Most points are decided by the sign and the cosine of the angle (`cosine_limits`), without the angle itself.
+    The cosine of the angle is compared with the limits of `cosine_limits`. The angle is computed only close to a limit.
     """
     fx, fy, cx, cy = camera
     if low_deg >= 0.0:
@@ -168,10 +165,15 @@ def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_
 @kernel
 def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missing_is_boundary, contact_px, low_deg,
                    high_deg, sign_rule, depth_boundary, contact):  # fmt: skip
-    """Eqs. 12-19. Classify every edge pixel whose samples lie inside the image.
+    """Eqs. 12-19. Classify every edge pixel as a depth boundary, a contact, both or neither.
 
-    edges (H, W) uint8. gx, gy (H, W) int16. depth (H, W) metres. camera (fx, fy, cx, cy). depth_boundary and contact
-    (H, W) uint8, initially zero.
+    Edge pixels whose samples would lie outside the image are skipped.
+
+    - edges (H, W) uint8: edge pixels, nonzero.
+    - gx, gy (H, W) int16: colour gradient.
+    - depth (H, W): depth map in metres.
+    - camera (fx, fy, cx, cy): intrinsics.
+    - depth_boundary, contact (H, W) uint8, initially zero: marks of both kinds of boundaries.
     """
     height, width = edges.shape
     margin = max(step_px, contact_px) + 1

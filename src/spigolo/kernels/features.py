@@ -1,4 +1,4 @@
-"""Kernel for edge weights from pixel features (eq. 1), in float32."""
+"""Kernel that computes edge weights from feature vectors of pixels (equation 1), in float32."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ ZERO = np.float32(0.0)
 
 @inlined
 def squared_difference(a, b):
-    """Return the squared difference of one component. 0 if either value is missing (NaN)."""
+    """Return the squared difference of two values, or 0 if one value is missing (NaN)."""
     difference = a - b
     square = difference * difference
     return square if square >= ZERO else ZERO
@@ -19,10 +19,11 @@ def squared_difference(a, b):
 
 @kernel
 def feature_plane(features, apart, dy, dx, out):
-    """Eq. 1. Compute the Euclidean feature distance of every edge of one plane, from pixels to (dy, dx).
+    """Eq. 1. Compute the Euclidean distance of the features of both pixels, for all edges with the offset (dy, dx).
 
-    features (C, H, W) float32, NaN = missing. apart: squared distance of the coordinates of both ends, the same for all
-    edges of a plane. out (H, W) float32, +inf where an edge leaves the image.
+    - features (C, H, W) float32, NaN = missing.
+    - apart: squared distance that the pixel coordinates add to every edge.
+    - out (H, W) float32, +inf where an edge leaves the image.
     """
     components, height, width = features.shape
     out[:] = np.inf

@@ -1,4 +1,4 @@
-"""Kernel for depth at half the width and height."""
+"""Kernel that computes a depth map of half the width and height."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def halve_depth(depth, out):
-    """Set each pixel to the lower median of the valid depths in its block of 2x2 pixels, or to 0 if all are missing.
+    """Set each output pixel to the lower median of the valid depths in a block of 2x2 pixels, or to 0 if all are
+    missing.
 
-    Unlike a mean, the median is a measured depth. A mean could lie between an object and the surface behind it.
+    The mean of a block could lie between an object and the surface behind it, but the lower median is a measured depth.
 
     depth (H, W) float32 metres, 0 = missing. out (ceil(H / 2), ceil(W / 2)) float32.
     """
@@ -21,5 +22,5 @@ def halve_depth(depth, out):
             a, b, c, d = depth[top, left], depth[top, right], depth[bottom, left], depth[bottom, right]
             missing = (a == 0) + (b == 0) + (c == 0) + (d == 0)
             inner, outer = max(min(a, b), min(c, d)), min(max(a, b), max(c, d))
-            median = min(inner, outer) if missing == 0 else max(inner, outer)  # missing depth sorts first
+            median = min(inner, outer) if missing == 0 else max(inner, outer)  # missing depth, 0, sorts first
             out[y, x] = max(a, b, c, d) if missing >= 3 else median

@@ -1,6 +1,6 @@
-"""Kernels for small gaps in depth: closing of sampling holes, and detection and measurement of gaps.
+"""Kernels that fill small holes in the depth map, and find and measure connected areas of missing depth (gaps).
 
-A gap is stored as runs of missing pixels (row, first column, last column + 1), in raster order.
+Each gap consists of runs, which are missing pixels (row, first column, last column + 1) in one image row.
 """
 
 from __future__ import annotations
@@ -12,13 +12,15 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def blend(near, far, mean, step_m, step_share):
-    """Return the mean depth of a rim, or its far depth if the rim spans a depth step."""
+    """Return the mean depth around a hole, or the farthest depth if nearest and farthest depth differ by a depth
+    step.
+    """
     return far if far - near > max(step_m, step_share * near) else mean
 
 
 @inlined
 def around(depth, y, x):
-    """Return the nearest and farthest depth, the sum and the number of the valid 8-neighbours of a pixel."""
+    """Return the minimum, maximum, sum and number of the valid depth values of the 8 neighbours of a pixel."""
     near, far, total, count = np.inf, 0.0, 0.0, 0
     for v in range(max(y - 1, 0), min(y + 2, depth.shape[0])):
         for u in range(max(x - 1, 0), min(x + 2, depth.shape[1])):
@@ -30,10 +32,13 @@ def around(depth, y, x):
 
 @kernel
 def close_holes(depth, holes, step_m, step_share, values):
-    """Set each pixel of `holes` to the mean of its valid 8-neighbours, or to the farthest if they span a depth step.
+    """Fill the pixels of `holes` with the mean depth of their valid 8-neighbours, or with the farthest depth at a depth
+    step.
 
-    depth (H, W) is changed in place. holes (N,) int64: indices of missing pixels. values (N,) float32 is scratch.
-    Pixels without a valid neighbour stay 0. A second pass closes holes that are two pixels wide.
+    Pixels without a valid neighbour stay 0. To fill holes of two pixels' width, call this function twice.
+
+    depth (H, W) metres: changed in place. holes (N,) int64: indices y * W + x of missing pixels. values (N,) float32:
+    scratch memory.
     """
     width = depth.shape[1]
     for k in range(holes.size):
@@ -49,7 +54,10 @@ def close_holes(depth, holes, step_m, step_share, values):
 
 @kernel
 def find_runs(depth, runs):
-    """List the runs of missing pixels in runs (N, 3) int32, which must be large enough. Return their number."""
+    """List the runs of missing pixels of all image rows in runs (N, 3) int32. Return the number of runs.
+
+    N must be large enough for all runs.
+    """
     height, width = depth.shape
     count = 0
     for y in range(height):
@@ -69,7 +77,7 @@ def find_runs(depth, runs):
 
 @inlined
 def root_of(parent, run):
-    """Return the root of a run's tree, with path halving."""
+    """Return the root of a run in the union-find forest of runs."""
     while parent[run] != run:
         parent[run] = parent[parent[run]]
         run = parent[run]
@@ -78,9 +86,9 @@ def root_of(parent, run):
 
 @kernel
 def join_runs(runs, parent, gaps):
-    """Number the 8-connected gaps from 0 in the order of their first runs: gaps (N,) int32. Return their number.
+    """Join the runs of missing pixels to 8-connected gaps, and number the gaps from 0. Return the number of gaps.
 
-    parent (N,) int32 is scratch memory.
+    runs (N, 3): runs of `find_runs`. parent (N,) int32: scratch memory. gaps (N,) int32: number of the gap of each run.
     """
     for k in range(len(runs)):
         parent[k] = k
@@ -107,11 +115,13 @@ def join_runs(runs, parent, gaps):
 
 @kernel
 def measure_gaps(depth, runs, gaps, area, near, far, on_border):
-    """Measure each gap: number of pixels, nearest and farthest valid depth of its rim, and contact with the image
-    border.
+    """Measure each gap: number of pixels, minimum and maximum depth around the gap, and contact with the image border.
 
-    runs (N, 3), gaps (N,) as in `join_runs`. area (G,) int64, far (G,) float32 and on_border (G,) uint8 start as 0,
-    near (G,) float32 as +inf.
+    - runs (N, 3), gaps (N,): as in `join_runs`.
+    - area (G,) int64, initially zero: number of pixels of each gap.
+    - near (G,) float32, initially +inf: minimum depth around each gap, m.
+    - far (G,) float32, initially zero: maximum depth around each gap, m.
+    - on_border (G,) uint8, initially zero: 1 if a gap touches the image border.
     """
     height, width = depth.shape
     for k in range(len(runs)):
@@ -128,7 +138,10 @@ def measure_gaps(depth, runs, gaps, area, near, far, on_border):
 
 @kernel
 def widest(distance, runs, gaps, radius):
-    """Compute the largest distance (H, W) to a valid pixel in each gap. radius (G,) float32 starts as 0."""
+    """Compute the radius of each gap, which is the largest distance in the gap to a pixel with depth.
+
+    distance (H, W): distance of each pixel to the nearest pixel with depth. radius (G,) float32, initially zero.
+    """
     for k in range(len(runs)):
         gap, (y, first, end) = gaps[k], runs[k]
         for x in range(first, end):

@@ -1,4 +1,4 @@
-"""Kernel for LZF, the compression of point clouds in the Point Cloud Library."""
+"""Kernel that decompresses LZF, the compression of point clouds in the Point Cloud Library."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def unpack_lzf(packed, out):
-    """Unpack into out (M,) uint8. Return True if packed (N,) uint8 fills it exactly.
+    """Decompress packed (N,) uint8 into out (M,) uint8. Return True if the data fills out exactly.
 
-    A byte b below 32 is followed by b + 1 literal bytes. Any other byte starts a copy of earlier output. The upper
-    three bits of such a byte are the length minus 2. If they are 7, the next byte is added to the length. The lower
-    five bits and the following byte give the distance to copy from, minus 1.
+    A control byte b below 32 is followed by b + 1 literal bytes. Any other control byte starts a copy of earlier
+    output. The upper three bits of the control byte are the length of the copy minus 2. If these bits are 7, the next
+    byte is added to the length. The lower five bits and the following byte are the distance back to the copied output,
+    minus 1.
     """
     read, written = 0, 0
     while read < packed.size:

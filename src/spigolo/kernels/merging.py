@@ -1,7 +1,9 @@
-"""Kernels that merge pixels into regions by internal difference (Felzenszwalb & Huttenlocher 2004, eqs. 2, 3).
+"""Kernels that merge pixels into regions by their internal difference (Felzenszwalb & Huttenlocher 2004, equations 2,
+3).
 
-A packed edge has 64 bits: 32 of its float32 weight, 30 of its pixel, and 2 of its plane. The record of a root has 64
-bits too: the size of its region, then the bits of its merge bound. docs/performance.md explains the rounds.
+A packed edge has 64 bits: 32 bits for its float32 weight, 30 bits for its pixel and 2 bits for its direction. The
+record of a region has 32 bits for its number of pixels and 32 bits for its merge bound. docs/performance.md explains
+the algorithm.
 """
 
 from __future__ import annotations
@@ -11,28 +13,33 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel, prefetch
 
 HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
-"""Shift and mask of the halves of an edge and of a record."""
+"""Shift and mask of the lower 32 bits of packed edges and records."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""Number of edges ahead at which memory is prefetched: first a pixel's parent, then the record of that parent."""
+"""Number of edges ahead of the current edge whose memory is prefetched: `NODES_AHEAD` for parents of pixels,
+`ROOTS_AHEAD` for records of regions.
+"""
 
 
 @inlined
 def ends(edge, offsets):
-    """Return both pixels of a packed edge. All values are unsigned, so that no index is tested for its sign."""
+    """Return the indices y * W + x of both pixels of a packed edge."""
     pixel = (edge & np.uint64(LOW_HALF)) >> np.uint64(PLANE_BITS)
     return pixel, pixel + offsets[edge & np.uint64((1 << PLANE_BITS) - 1)]
 
 
 @inlined
 def weight_bits(edge):
-    """Return the bits of a packed edge's weight."""
+    """Return the bits of the float32 weight of a packed edge."""
     return edge >> np.uint64(HALF_BITS)
 
 
 @inlined
 def find(parent, node):
-    """Return the root of a node's tree, with path halving. For trees in which most nodes are children of the root."""
+    """Return the root of a node in a union-find forest, with path halving.
+
+    This function is fast if most nodes are children of their root.
+    """
     above = np.uint64(parent[node])
     root = np.uint64(parent[above])
     while above != root:
@@ -45,9 +52,9 @@ def find(parent, node):
 
 @inlined
 def find_deep(parent, node):
-    """Return the root of a node's tree and make the node its child. For trees that grow.
+    """Return the root of a node in a union-find forest, and make the node a child of the root.
 
-    Three steps are taken without a test. A mispredicted end of the path costs more time than a step.
+    Three parents are followed without a test for the root, because a mispredicted branch costs more time.
     """
     root = np.uint64(parent[np.uint64(parent[np.uint64(parent[node])])])
     above = np.uint64(parent[root])
@@ -60,19 +67,21 @@ def find_deep(parent, node):
 
 @inlined
 def may_merge(weight, bound_a, bound_b):
-    """Eq. 3. Return True if the weight of an edge is at most I(R) + gamma / |R| of both regions."""
+    """Eq. 3. Return True if the weight of an edge is at most the merge bound of both regions."""
     return weight <= bound_a and weight <= bound_b
 
 
 @inlined
 def merge_bound(internal, gamma, size):
-    """Return I(R) + gamma / |R|, the maximum weight of an edge at which a region merges (eq. 3)."""
+    """Return the merge bound I(R) + gamma / |R| of a region R: the maximum weight of an edge that merges R (equation
+    3).
+    """
     return internal + gamma / size
 
 
 @inlined
 def bits_below(bound):
-    """Return the bits of the largest float32 that is not above a bound >= 0. No weight lies between the two."""
+    """Return the bits of the largest float32 that is at most a merge bound."""
     nearest = np.float32(bound)
     bits = nearest.view(np.uint32)
     return bits - np.uint32(1) if np.float64(nearest) > bound else bits
@@ -80,25 +89,25 @@ def bits_below(bound):
 
 @inlined
 def record(size, bound):
-    """Pack the size and the merge bound of a region into the record of its root."""
+    """Pack the number of pixels and the merge bound of a region into a record of 64 bits."""
     return (np.uint64(size) << np.uint64(HALF_BITS)) | np.uint64(bits_below(bound))
 
 
 @inlined
 def size_of(node):
-    """Return the number of pixels of the region whose root has this record."""
+    """Return the number of pixels in the record of a region."""
     return node >> np.uint64(HALF_BITS)
 
 
 @inlined
 def bound_bits(node):
-    """Return the bits of the merge bound of the region whose root has this record."""
+    """Return the bits of the merge bound in the record of a region."""
     return node & np.uint64(LOW_HALF)
 
 
 @inlined
 def unite(parent, records, a, b, bound):
-    """Join two roots, the smaller below the larger."""
+    """Merge the regions of roots a and b. The root of the larger region becomes the root of both regions."""
     size_a, size_b = size_of(records[a]), size_of(records[b])
     if size_a < size_b:
         a, b = b, a
@@ -108,7 +117,7 @@ def unite(parent, records, a, b, bound):
 
 @inlined
 def ask_ahead(edges, k, offsets, parent, records):
-    """Prefetch the memory that the edges after the k-th will need."""
+    """Prefetch the memory that edges after the k-th edge require."""
     here, there = ends(edges[k + NODES_AHEAD], offsets)
     prefetch(parent, here)
     prefetch(parent, there)
@@ -119,11 +128,14 @@ def ask_ahead(edges, k, offsets, parent, records):
 
 @kernel
 def plant(weights, width, gamma, parent, records, flags):
-    """Make regions of the pixels that are connected by straight edges of weight 0. The regions may merge later.
+    """Merge pixels that are connected by horizontal or vertical edges of weight 0 into regions.
 
-    Edges of weight 0 are never refused (eq. 3), so their order does not matter.
+    Edges of weight 0 always merge two regions (equation 3), so that their order does not matter.
 
-    weights (P, H W) float32. parent (H W,) uint32, root of each pixel. records (H W,) uint64. flags (H W,) uint8.
+    - weights (P, H W) float32: edge weights.
+    - parent (H W,) uint32: root of each pixel.
+    - records (H W,) uint64: records of the roots.
+    - flags (H W,) uint8: set to 1.
     """
     right, down = weights[0], weights[1]
     for pixel in range(np.uint64(parent.size)):
@@ -144,20 +156,21 @@ def plant(weights, width, gamma, parent, records, flags):
 
 @inlined
 def hang_below_first(parent, a, b):
-    """Join two roots to the one that comes first in the image."""
+    """Merge the trees of roots a and b. The root that comes first in the image becomes the root of both trees."""
     if a != b:
         parent[max(a, b)] = np.uint32(min(a, b))
 
 
 @kernel
 def merge(edges, offsets, gamma, stop, parent, records):
-    """Eqs. 2, 3. Merge regions over sorted packed edges (K,). With `stop`, end at the first edge that is refused.
+    """Eqs. 2, 3. Merge regions over packed edges (K,) in the order of their weights.
 
-    I(R) of eq. 2 is the weight of the last merge. As edges are sorted, it is the largest weight in the minimum spanning
-    tree of R.
+    The internal difference I(R) of a region R is the weight of the last edge that merged R, because edges are sorted.
 
-    offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64. Returns the number of edges that
-    were processed.
+    - offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64.
+    - stop: end at the first edge that does not merge its two regions.
+
+    Returns the number of processed edges.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:
@@ -177,8 +190,8 @@ def merge(edges, offsets, gamma, stop, parent, records):
 
 @kernel
 def absorb_small(edges, offsets, min_size, parent, records):
-    """Join regions smaller than min_size to the neighbour across their lightest edge. Edges are sorted as in
-    `merge`.
+    """Merge regions of fewer than min_size pixels with the neighbour at their lightest edge. Edges are sorted by
+    weight.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:
@@ -191,7 +204,10 @@ def absorb_small(edges, offsets, min_size, parent, records):
 
 @kernel
 def number_regions(parent, number, labels):
-    """Compute labels 0..R-1 in the order of each region's first pixel. number (H W,) uint32 is scratch. Return R."""
+    """Number the regions 0..R-1 in the order of their first pixels. Return the number of regions R.
+
+    parent (H W,) uint32. number (H W,) uint32: scratch memory. labels (H W,): number of the region of each pixel.
+    """
     number[:] = 0
     regions = np.uint32(0)
     for pixel in range(np.uint64(parent.size)):

@@ -1,4 +1,4 @@
-"""Kernels for sums over the pixels of each region."""
+"""Kernels that compute counts and sums over the pixels of each region."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 DARK_BELOW = 24
-"""Upper end of the three darkest of 32 bins of a brightness in 0..255."""
+"""Exclusive upper limit of a dark pixel's brightness, from 0 to 255."""
 
 
 @inlined
@@ -18,7 +18,7 @@ def sum_squares(end):
 
 @kernel
 def spread(of_region, labels, out):
-    """Give every pixel the number of its region: out (H, W) = of_region[labels], all int32."""
+    """Compute out (H, W) = of_region[labels], which gives every pixel the value of its region. All arrays are int32."""
     for y in range(labels.shape[0]):
         row, label = out[y], labels[y]
         for x in range(row.size):
@@ -27,7 +27,7 @@ def spread(of_region, labels, out):
 
 @inlined
 def add_run(sums, box, y, first, end):
-    """Add columns first..end - 1 of row y to the moments (6,) and the box (4,) of their region, in closed form."""
+    """Add the pixels first..end - 1 of row y to the moments (6,) and the bounding box (4,) of a region."""
     n = float(end - first)
     sum_x = n * (first + end - 1.0) / 2.0
     sums[0] += n
@@ -41,10 +41,12 @@ def add_run(sums, box, y, first, end):
 
 @kernel
 def sum_regions(labels, sums, boxes):
-    """Count and first and second moments of the pixel coordinates, and the box of every region.
+    """Compute the number of pixels, the first and second moments of pixel coordinates, and the bounding box of every
+    region.
 
-    labels (H, W) int32. sums (R, 6) float64 = n, sum y, sum x, sum yy, sum yx, sum xx, zero before.
-    Boxes (R, 4) int32 = first row, first column, last row + 1, last column + 1. Run of equal labels by run.
+    - labels (H, W) int32: region of each pixel.
+    - sums (R, 6) float64, initially zero: number of pixels, sums of y, x, y^2, y x and x^2.
+    - boxes (R, 4) int32: first row, first column, last row + 1, last column + 1.
     """
     height, width = labels.shape
     boxes[:, 0], boxes[:, 1] = height, width
@@ -61,7 +63,7 @@ def sum_regions(labels, sums, boxes):
 
 @inlined
 def add_points(sums, y, n, sum_z, sum_xz, camera):
-    """Add the n points of a run in row y to the sums (4,) of their region."""
+    """Add n points of row y to the sums (4,) of a region: number of points, sums of X, Y and Z."""
     fx, fy, cx, cy = camera
     sums[0] += n
     sums[1] += (sum_xz - cx * sum_z) / fx
@@ -71,9 +73,9 @@ def add_points(sums, y, n, sum_z, sum_xz, camera):
 
 @kernel
 def sum_depth(labels, depth, camera, sums):
-    """Valid pixels of every region and the sum of their points in metres.
+    """Compute the number of pixels with depth, and the sum of their points in metres, for every region.
 
-    sums (R, 4) float64 = n, sum X, sum Y, sum Z, zero before.
+    sums (R, 4) float64, initially zero: number of pixels, sums of X, Y and Z.
     """
     for y in range(labels.shape[0]):
         row, along = labels[y], depth[y]
@@ -91,7 +93,7 @@ def sum_depth(labels, depth, camera, sums):
 
 @kernel
 def count_marked(labels, mask, counts):
-    """Count the pixels of each region in a mask (H, W) uint8 of 0 and 1. counts (R,) int64, initially zero."""
+    """Count the pixels of each region that are 1 in a mask (H, W) uint8. counts (R,) int64, initially zero."""
     for y in range(labels.shape[0]):
         row, marks = labels[y], mask[y]
         region, marked = row[0], 0
@@ -105,7 +107,9 @@ def count_marked(labels, mask, counts):
 
 @kernel
 def count_dark(labels, color, counts):
-    """Count the pixels of each region with a brightness max(R, G, B) in the three darkest of 32 bins."""
+    """Count the pixels of each region whose brightness max(R, G, B) is below DARK_BELOW. counts (R,), initially
+    zero.
+    """
     height, width = labels.shape
     for y in range(height):
         for x in range(width):
@@ -115,10 +119,11 @@ def count_dark(labels, color, counts):
 
 @kernel
 def sum_contours(labels, boundary, sums):
-    """Count the pairs of 4-neighbours on each region's border, and sum the boundary there.
+    """Count the pairs of 4-neighbours on the border of each region, and sum the boundary values of these pairs.
 
-    boundary (H, W) in [0, 1]: the larger of both ends counts for both regions. sums (R, 2) float64 = pairs, sum. The
-    image border is no contour.
+    The value of a pair is the larger boundary value of both pixels. The image border does not count.
+
+    labels (H, W) int32. boundary (H, W) from 0 to 1. sums (R, 2) float64: number of pairs, sum of boundary values.
     """
     height, width = labels.shape
     for y in range(height):

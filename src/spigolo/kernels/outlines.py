@@ -1,4 +1,4 @@
-"""Kernels for steps of depth and height across the outlines of regions, also across shadows."""
+"""Kernels that find steps of depth and height across the outlines of regions, also if a shadow lies between."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ SUMS = 6
 
 @inlined
 def first_measured(depth, y, x, dy, dx, most):
-    """Return the first pixel with depth from (y, x) along (dy, dx), at most `most` pixels away.
+    """Return the first pixel with depth from (y, x) in the direction (dy, dx), at most `most` steps away.
 
-    The row is -1 if all of them lack depth.
+    If no such pixel exists, the result is (-1, -1).
     """
     height, width = depth.shape
     for _ in range(most + 1):
@@ -26,7 +26,7 @@ def first_measured(depth, y, x, dy, dx, most):
 
 @inlined
 def is_inner(labels, y, x):
-    """Return True if a pixel and its four neighbours belong to one region and lie inside the image."""
+    """Return True if a pixel and its four neighbours lie inside the image and belong to one region."""
     k = labels[y, x]
     if y == 0 or x == 0 or y + 1 == labels.shape[0] or x + 1 == labels.shape[1]:
         return False
@@ -35,7 +35,7 @@ def is_inner(labels, y, x):
 
 @inlined
 def height_at(depth, slope_x, slope_y, slope, offset, y, x):
-    """Return the height of a pixel above the support."""
+    """Return the height of a pixel above the support plane in metres."""
     return (slope_x[x] + slope_y[y] + slope) * depth[y, x] + offset
 
 
@@ -45,19 +45,23 @@ def sum_outlines(
 ):
     """Count the steps of depth and of height across the outline of each region.
 
-    The height above the support is (slope_x[x] + slope_y[y] + slope) * depth + offset. The inner sample lies `near`
-    pixels inside the outline. If the region is thinner or lacks depth there, it lies on the outline. The outer sample
-    is the first pixel with depth from `near` to `near` + `shadow` pixels outside, as a shadow lies on the background.
-    The region's own slope is measured up to `deep` pixels inside.
+    At each outline pixel, depth is compared between an inner and an outer sample. The inner sample lies `near` pixels
+    inside the outline, or on the outline if the region has no depth there. The outer sample is the first pixel with
+    depth that lies between `near` and `near` + `shadow` pixels outside. The region's slope is measured up to `deep`
+    pixels inside. The height above the support plane is (slope_x[x] + slope_y[y] + slope) * depth + offset.
 
-    labels (H, W) int32. depth (H, W) float32 metres. sums (R, 6) float64, initially zero. Its columns are:
+    - labels (H, W) int32: region of each pixel.
+    - depth (H, W) float32: depth map in metres.
+    - sums (R, 6) float64, initially zero: result.
+
+    The columns of sums are numbers of:
 
     - pairs of 4-neighbours across the outline
-    - pairs with both samples
-    - pairs where the outside is farther by step_m + step_share * depth + slope
-    - pairs where the outside is nearer by that step
-    - pairs where the height changes by max(ledge_m, ledge_per_m * depth^2)
-    - sides of pixels on the image border
+    - pairs with depth at both samples
+    - pairs whose outer sample is farther by more than step_m + step_share * depth + change of depth by the slope
+    - pairs whose outer sample is nearer by more than step_m + step_share * depth + change of depth by the slope
+    - pairs whose height changes by more than max(ledge_m, ledge_per_m * depth^2)
+    - sides of the region's pixels on the image border
     """
     height, width = labels.shape
     for y in range(height):

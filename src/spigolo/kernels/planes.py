@@ -1,4 +1,4 @@
-"""Kernels for points near planes, and for surface normals."""
+"""Kernels that count points near planes, classify pixels relative to a plane, and sum surface normals."""
 
 from __future__ import annotations
 
@@ -11,9 +11,12 @@ MISSING, BELOW, ON, ABOVE = range(4)
 
 @kernel
 def count_near(points, planes, tolerance, counts):
-    """Count the points within their tolerance of each plane. counts (P,) int64.
+    """Count the points near each of P planes.
 
-    points (3, N) and tolerance (N,) float32 metres. planes (P, 4) float32: unit normal and offset.
+    - points (3, N) float32: X, Y and Z of each point in metres.
+    - planes (P, 4) float32: unit normal and offset in metres.
+    - tolerance (N,) float32: maximum distance of each point from a plane, m.
+    - counts (P,) int64: number of points near each plane.
     """
     xs, ys, zs = points
     for k in range(len(planes)):
@@ -26,9 +29,9 @@ def count_near(points, planes, tolerance, counts):
 
 @kernel
 def measure_heights(depth, slope_x, slope_y, slope, offset, out):
-    """Compute the height of every pixel above a plane, out (H, W).
+    """Compute the height out (H, W) of every pixel above a plane, in metres.
 
-    The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32.
+    The height is computed as (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32.
     """
     for y in range(depth.shape[0]):
         row, height, of_row = depth[y], out[y], slope_y[y]
@@ -38,10 +41,10 @@ def measure_heights(depth, slope_x, slope_y, slope, offset, out):
 
 @kernel
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
-    """Classify every pixel relative to a plane: out (H, W) uint8 is MISSING, BELOW, ON or ABOVE.
+    """Classify every pixel as MISSING, BELOW, ON or ABOVE a plane: out (H, W) uint8.
 
-    The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, all float32 in metres. A pixel is ON the plane if
-    its height is within max(least, noise * depth^2).
+    A pixel is ON the plane if its absolute height is at most max(least, noise * depth^2). A pixel without depth is
+    MISSING. The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32 metres.
     """
     for y in range(depth.shape[0]):
         row, side, of_row = depth[y], out[y], slope_y[y]
@@ -55,14 +58,17 @@ def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
 
 @kernel
 def sum_normals(labels, depth, wanted, camera, reach, sums):
-    """Sum the surface normals of each region, and the directions of its lines of sight.
+    """Sum the surface normals and the directions of the lines of sight over the pixels of each region.
 
-    Slopes are measured over `reach` pixels to both sides, within one region. Normals point away from the camera, as
-    lines of sight do.
+    The normal of a pixel is computed from depth samples `reach` pixels away in the same region. Normals and lines of
+    sight point away from the camera.
 
-    labels (H, W) int32. depth (H, W) float32 metres. wanted (R,) uint8: regions with 0 are skipped. camera (4,)
-    float64: fx, fy, cx, cy. sums (R, 7) float64, initially zero. Columns: number of pixels with a normal, sum of
-    normals X, Y, Z, sum of unit vectors along the lines of sight X, Y, Z.
+    - labels (H, W) int32: region of each pixel.
+    - depth (H, W) float32: depth map in metres.
+    - wanted (R,) uint8: 0 for regions that are skipped.
+    - camera (4,): fx, fy, cx, cy.
+    - sums (R, 7) float64, initially zero: number of pixels with a normal, sum of normals (X, Y, Z), sum of unit vectors
+    of the lines of sight.
     """
     fx, fy, cx, cy = camera
     for y in range(reach, labels.shape[0] - reach):

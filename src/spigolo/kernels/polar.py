@@ -1,4 +1,4 @@
-"""Kernels for depth on both sides of an edge, and for the shortest closed path around a point in polar coordinates."""
+"""Kernels that fit depth on both sides of an edge, and find the cheapest closed path around a point."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def line_through(n, s, ss, d, sd):
-    """Return intercept and slope of the least-squares line from its sums. The slope is 0 if all points coincide."""
+    """Return the intercept and the slope of a least-squares line. The slope is 0 if all points have the same position.
+
+    n, s, ss, d, sd: sums of weights, of positions, of squared positions, of values, and of positions times values.
+    """
     spread = n * ss - s * s
     if spread <= 1e-9 * n * n:
         return d / n, 0.0
@@ -19,14 +22,18 @@ def line_through(n, s, ss, d, sd):
 
 @kernel
 def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, out):
-    """Fit lines to the disparity on both sides of every edge pixel, along its normal.
+    """Fit a line to the disparity on each side of every edge pixel, along the normal of the edge.
 
-    Pixels within `radius` count. Pixels nearer than `strip` to the edge line have the weight `weak`. A side requires at
-    least the weight `least`.
+    Pixels within `radius` pixels of the edge pixel are used. Pixels nearer than `strip` pixels to the edge have the
+    weight `weak`, and other pixels the weight 1. The pixels on each side of the edge must have a total weight of at
+    least `least`.
 
-    edges (H, W) uint8. direction (H, W) uint8: index into normals (K, 2) float64, unit vectors (n_y, n_x). disparity
-    (H, W) float32, 0 if missing. out (H, W, 4) float32: disparity at the edge and its slope per pixel, first on the
-    side that the normal points to, then on the other side. All values are 0 if a side has too little weight.
+    - edges (H, W) uint8: edge pixels, nonzero.
+    - direction (H, W) uint8: index into normals.
+    - normals (K, 2) float64: unit vectors (n_y, n_x).
+    - disparity (H, W) float32, 0 where missing.
+    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel, first on the side of the normal,
+    then on the other side. All four values stay 0 if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -61,9 +68,12 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
 
 @inlined
 def advance(total, across, low, high, reached, origin):
-    """Compute the cheapest path to each radius low..high-1 of the next ray from any radius of this ray, and its origin.
+    """Compute the cheapest path from any radius on one ray to each radius low..high - 1 on the next ray.
 
-    A step between radius k and k + 1 in either direction costs across[k]. Two sweeps therefore cover all paths.
+    - total: cost of the path to each radius on this ray.
+    - across: cost of a step between radius k and k + 1.
+    - reached: cost of the path to each radius on the next ray.
+    - origin: radius on this ray from which that path comes.
     """
     best, source = np.inf, low
     for k in range(low, high):
@@ -84,8 +94,9 @@ def advance(total, across, low, high, reached, origin):
 
 @inlined
 def go_around(radial, angular, low, high, total, reached, origin):
-    """Continue the costs of the radii on ray 0 (total) around all rays within low..high. reached: cost after one
-    turn.
+    """Compute the cost of paths that start on ray 0 and pass all rays once, with radii within low..high on each ray.
+
+    total: cost of the start at each radius on ray 0. reached: cost of the path that returns to each radius on ray 0.
     """
     rays = radial.shape[0]
     for t in range(1, rays + 1):
@@ -98,14 +109,17 @@ def go_around(radial, angular, low, high, total, reached, origin):
 
 @kernel
 def closed_path(radial, angular, least, most, best):
-    """Find the cheapest closed path around the origin of a polar map, with one radius in least..most on every ray.
+    """Find the cheapest closed path around the origin of a polar map, with a radius in least..most on every ray.
 
-    Cheapest paths need not cross each other, so a path through a start divides the problem into two smaller ones. A
-    start is skipped if even the cheapest way to reach it costs more than the best path.
+    The search is divided by the cheapest path through one radius on ray 0, because cheapest paths need not cross each
+    other. A start radius is skipped if a lower bound of its cost exceeds the cost of the best path.
 
-    radial (T, R): cost of crossing ray t between radii k - 1 and k. angular (T, R): cost of passing radius k between
-    rays t and t + 1, where the last and the first ray are neighbours. Both are float32 and not negative. best (T,)
-    int32. Returns the cost.
+    - radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k.
+    - angular (T, R) float32, not negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the
+      last ray.
+    - best (T,) int32: radius of the path on each ray.
+
+    Returns the cost of the path.
     """
     rays, radii = radial.shape
     paths = np.empty((radii + 2, rays), np.int32)
@@ -113,7 +127,7 @@ def closed_path(radial, angular, least, most, best):
     total, reached, bound = np.empty(radii), np.zeros(radii), np.zeros(radii)
     origin = np.empty((rays, radii), np.int32)
     turned = np.arange(0, -rays, -1) % rays
-    for way in range(2):  # lower bound of the cost of a turn, in either direction
+    for way in range(2):  # lower bound of the cost of a closed path, from both directions
         there, across = (radial, angular) if way == 0 else (radial[turned], angular[(turned - 1) % rays])
         total[:] = np.inf
         total[least : most + 1] = there[0, least : most + 1]

@@ -1,8 +1,9 @@
-"""Kernels for a Potts model of an image with Metropolis updates (Abramov et al. 2012).
+"""Kernels for a Potts model of an image with Metropolis updates (Abramov et al., 2012).
 
-Every pixel has a spin, which is one of a few numbers. The energy is E = -sum of J over all neighbouring pairs of equal
-spin. The interaction J is positive if the pixels look alike and negative if they differ. Interactions are stored in
-planes like the weights of a graph (`spigolo.stages.graph`). Pairs that leave the image have 0.
+In a Potts model, every pixel has a spin, which is an integer. The energy is E = -(sum of J over all pairs of
+neighbouring pixels with equal spins). The interaction J is positive if both pixels have similar colours and negative
+otherwise. Interactions are stored in four planes, one for each direction to a neighbour. J is 0 for pairs that leave
+the image.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ from spigolo.kernels._jit import inlined, kernel
 NEIGHBOURS = 8
 LOW_BITS = np.uint64(0xFFFFFFFF)
 ODD_A, ODD_B, ODD_C = np.uint64(0x9E3779B1), np.uint64(0x85EBCA77), np.uint64(0xC2B2AE3D)
-"""Multipliers that spread counters over 32 bits (primes from xxHash and MurmurHash)."""
+"""Multipliers of a hash function that makes random bits from counters (primes from xxHash and MurmurHash)."""
 TO_UNIT = 1.0 / (1 << 32)
 
 
 @inlined
 def scatter_bits(value):
-    """Mix 32 bits until counters look random. The bits are kept in a uint64, so that no product overflows."""
+    """Mix the 32 lower bits of a uint64, so that consecutive integers give unrelated bits."""
     value = ((value ^ (value >> np.uint64(15))) * ODD_B) & LOW_BITS
     value = ((value ^ (value >> np.uint64(13))) * ODD_C) & LOW_BITS
     return value ^ (value >> np.uint64(16))
@@ -28,7 +29,7 @@ def scatter_bits(value):
 
 @inlined
 def draw(seed, sweep, pixel, which):
-    """Return 32 random bits that depend only on the four arguments, so the order of the pixels does not matter."""
+    """Return 32 pseudo-random bits that depend only on the four arguments, not on the order of calls."""
     first = scatter_bits((np.uint64(seed) * ODD_A + np.uint64(sweep)) & LOW_BITS)
     second = scatter_bits((first * ODD_A + np.uint64(pixel)) & LOW_BITS)
     return scatter_bits((second * ODD_A + np.uint64(which)) & LOW_BITS)
@@ -36,24 +37,31 @@ def draw(seed, sweep, pixel, which):
 
 @inlined
 def color_interaction(distance, mean, repulsion):
-    """Return J of two colours: 1 for equal colours, 0 at the mean distance, at least `-repulsion`."""
+    """Return the interaction J of two colours: 1 for equal colours, 0 at the mean colour distance, and at least
+    `-repulsion`.
+    """
     return max(np.float32(1.0) - distance / mean, -repulsion)
 
 
 @inlined
 def is_step(z_here, z_there, step, step_per_m):
-    """Return True if two depths differ more than noise and a slanted plane explain. Missing depth is not a step."""
+    """Return True if two depth values, in metres, differ by a depth step. Missing depth gives False."""
     near = min(z_here, z_there)
     return near > 0.0 and abs(z_here - z_there) > max(step, step_per_m * near * near)
 
 
 @kernel
 def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalty, dy, dx, out):
-    """Compute J of every pair of one plane.
+    """Compute the interaction J of all pairs of pixels with the offset (dy, dx).
 
-    distance (H, W) float32 of the colours of a pair, +inf without a pair. depth (H, W) metres, 0 = missing. mean,
-    repulsion: as in `color_interaction`. Depths that differ by more than step (m) and by more than step_per_m (1/m)
-    times the squared depth repel by `penalty`. out (H, W) float32.
+    Across a depth step of more than max(step, step_per_m d^2), the interaction is `-penalty`.
+
+    - distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image.
+    - depth (H, W) metres, 0 = missing.
+    - mean, repulsion: as in `color_interaction`.
+    - step: minimum depth step, m.
+    - step_per_m: minimum depth step per squared depth, 1/m.
+    - out (H, W) float32: interaction of each pair.
     """
     height, width = depth.shape
     mean, repulsion, penalty = np.float32(mean), np.float32(repulsion), np.float32(penalty)
@@ -67,8 +75,9 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
 
 @inlined
 def look_around(spins, planes, y, x, spin, force):
-    """Read spins and interactions of the 8 neighbours of a pixel into two arrays. Outside the image they are -1
-    and 0.
+    """Read the spins and the interactions of the 8 neighbours of a pixel into the arrays `spin` and `force`.
+
+    Neighbours outside the image have spin -1 and interaction 0.
     """
     height, width = spins.shape
     k = 0
@@ -80,7 +89,7 @@ def look_around(spins, planes, y, x, spin, force):
             if v < 0 or u < 0 or v >= height or u >= width:
                 spin[k], force[k] = -1, 0.0
             else:
-                # a pair is stored at its first pixel: planes are right, down, down-right, up-right
+                # a pair is stored at its first pixel, in the plane of its direction: right, down, down-right, up-right
                 plane = 0 if dy == 0 else (1 if dx == 0 else (2 if dy == dx else 3))
                 from_here = dx > 0 or (dx == 0 and dy > 0)
                 spin[k] = spins[v, u]
@@ -90,7 +99,7 @@ def look_around(spins, planes, y, x, spin, force):
 
 @inlined
 def energy(spin, force, of):
-    """Return the energy that a pixel adds if its spin is `of`."""
+    """Return the energy that a pixel with the spin `of` adds, from the spins and interactions of its neighbours."""
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
         if spin[k] == of:
@@ -100,7 +109,9 @@ def energy(spin, force, of):
 
 @inlined
 def best_other(spin, force, own, stranger):
-    """Return the spin of lowest energy other than the own one: the first best spin of a neighbour, or a random one."""
+    """Return the spin with the lowest energy among the neighbours' spins and the random spin `stranger`, except the
+    spin `own`.
+    """
     best, least = stranger, energy(spin, force, stranger)
     for k in range(NEIGHBOURS):
         if spin[k] >= 0 and spin[k] != own:
@@ -112,13 +123,17 @@ def best_other(spin, force, own, stranger):
 
 @kernel
 def sweep(spins, planes, values, temperature, seed, number):
-    """Run one Metropolis sweep. Every pixel is offered the best other spin, in four groups of pixels.
+    """Run one Metropolis sweep, which tries to change the spin of every pixel to the best other spin.
 
-    A change of energy dE <= 0 is always accepted, and else with probability exp(-dE / temperature). A group has every
-    second pixel of every second row. The pixels of a group are not neighbours, so their order does not matter.
+    A change of energy dE <= 0 is always accepted. A change dE > 0 is accepted with the probability exp(-dE /
+    temperature). Pixels are updated in four groups, each with every second pixel of every second row. Pixels of one
+    group are not neighbours, so that the order of updates in a group does not matter.
 
-    spins (H, W) int32: changed in place. planes (4, H, W) float32. values: spins are 0..values-1. seed, number: seed
-    and number of the sweep, which determine the random bits. Returns the number of spins that changed.
+    - spins (H, W) int32: spins from 0 to values - 1, changed in place.
+    - planes (4, H, W) float32: interactions.
+    - seed, number: seed and number of the sweep, which determine the random bits.
+
+    Returns the number of changed spins.
     """
     height, width = spins.shape
     spin, force = np.empty(NEIGHBOURS, np.int32), np.empty(NEIGHBOURS, np.float32)

@@ -10,9 +10,14 @@ from spigolo.kernels.registration import ROUNDING, inverse_depth_at, triangle
 
 @kernel
 def draw_mesh(points, triangles, out):
-    """Draw the triangles of a mesh where no surface is nearer. Triangles with a corner too near the camera are skipped.
+    """Draw the triangles of a mesh into a depth map, where no nearer surface has been drawn.
 
-    points (V, 3): u, v in pixels and 1 / Z, 0 if too near. triangles (T, 3) int32. out (H, W) metres, initially zero.
+    Triangles with a corner too near the camera are skipped.
+
+    - points (V, 3): image position (u, v) in pixels and 1 / Z of each vertex, with 1 / Z = 0 for vertices too near the
+    camera.
+    - triangles (T, 3) int32: indices of the vertices.
+    - out (H, W), initially zero: depth map in metres.
     """
     height, width = out.shape
     for t in range(triangles.shape[0]):

@@ -7,20 +7,20 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 NEAREST_M = 0.01
-"""Minimum distance of a surface from the colour camera, m. Nearer surfaces would fill the image."""
+"""Minimum distance of a surface from the target camera, m. Nearer surfaces are not drawn."""
 FARTHEST_PX = 1e9
-"""Maximum distance in pixels of a point from the image. This limit keeps loops over pixels short."""
+"""Maximum absolute image coordinate of a drawn point, px."""
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
-"""Minimum of twice the area of a triangle that is drawn, px^2."""
+"""Minimum of twice the area of a drawn triangle, px^2."""
 
 
 @inlined
 def project(x, y, z, P):
-    """Return (u, v, 1 / Z) in the target image of pixel (x, y) of the source at depth z.
+    """Project pixel (x, y) of the source camera at depth z to (u, v, 1 / Z) in the target camera.
 
-    1 / Z is 0 if the point is too near or far outside the image. Along a plane, 1 / Z is linear in the image.
+    The result is (0, 0, 0) if the point is too near to the target camera or too far outside the target image.
     """
     Z = (P[2, 0] * x + P[2, 1] * y + P[2, 2]) * z + P[2, 3]
     if not Z >= NEAREST_M:
@@ -35,19 +35,23 @@ def project(x, y, z, P):
 
 @inlined
 def one_surface(a, b, step_m, step_share):
-    """Return True if two depths are valid and differ by less than a step."""
+    """Return True if two depth values are valid and differ by less than a depth step, so that both belong to one
+    surface.
+    """
     return a > 0.0 and b > 0.0 and abs(a - b) <= max(step_m, step_share * min(a, b))
 
 
 @inlined
 def middle(a, b):
-    """Return the depth halfway in the image between two pixels of one plane."""
+    """Return the depth at the image point halfway between two pixels of a plane with the depths a and b."""
     return 2.0 * a * b / (a + b)
 
 
 @inlined
 def triangle(a, b, c):
-    """Return corner a, the sides to b and c in the image and in 1 / Z, and 1 / area of a triangle (0 without area)."""
+    """Return corner a of a triangle, its sides from a to b and to c, and 1 / (twice its area), or 0 for a tiny
+    triangle.
+    """
     b_x, b_y, c_x, c_y = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
     area = b_x * c_y - b_y * c_x
     scale = 1.0 / area if abs(area) > SMALLEST_PX2 else 0.0
@@ -56,7 +60,7 @@ def triangle(a, b, c):
 
 @inlined
 def inverse_depth_at(x, y, t):
-    """Return 1 / Z of a triangle at (x, y), 0 outside it."""
+    """Return 1 / Z of a triangle at the image point (x, y), or 0 outside the triangle."""
     a_x, a_y, a_w, b_x, b_y, b_w, c_x, c_y, c_w, scale = t
     share_b = ((x - a_x) * c_y - (y - a_y) * c_x) * scale
     share_c = (b_x * (y - a_y) - b_y * (x - a_x)) * scale
@@ -66,10 +70,9 @@ def inverse_depth_at(x, y, t):
 
 @inlined
 def draw_quad(a, b, c, d, out):
-    """Draw the triangles a b c and a c d into out (H, W) metres where no surface is nearer, unless a corner is too
-    near.
+    """Draw the triangles a b c and a c d into out (H, W), in metres, where no nearer surface has been drawn.
 
-    The corners are projected points (u, v, 1 / Z).
+    a, b, c, d: projected points (u, v, 1 / Z). Nothing is drawn if a point has 1 / Z = 0.
     """
     height, width = out.shape
     first_x = int(max(np.ceil(min(a[0], b[0], c[0], d[0]) - ROUNDING), 0.0))
@@ -88,10 +91,9 @@ def draw_quad(a, b, c, d, out):
 
 @inlined
 def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
-    """Draw the quarter of pixel (y, x) towards its neighbours to_y rows and to_x columns away.
+    """Draw one quarter of the square around pixel (y, x), towards the neighbours to_y rows and to_x columns away.
 
-    The quarter ends halfway to the neighbours. The depth at each corner is shared with the neighbours on the same
-    surface. Without such a neighbour it is the pixel's own depth.
+    The depth at each corner is interpolated between the pixel and its neighbours on the same surface.
     """
     height, width = depth.shape
     z = np.float64(depth[y, x])
@@ -118,7 +120,9 @@ def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
 
 @inlined
 def project_row(depth, y, P, points):
-    """Fill points (w, 3) with the projections of row y of depth. Missing depth gives 0."""
+    """Project all pixels of row y of the depth map to points (w, 3): u, v and 1 / Z, with 1 / Z = 0 for missing
+    depth.
+    """
     for x in range(depth.shape[1]):
         z = np.float64(depth[y, x])
         if z > 0.0:
@@ -129,17 +133,19 @@ def project_row(depth, y, P, points):
 
 @kernel
 def splat_depth(depth, P, step_m, step_share, out):
-    """Draw the surfaces of a depth map into the image of another camera. The nearest surface wins.
+    """Draw the surfaces of a depth map into the depth map of another camera, where the nearest surface is kept.
 
-    Four neighbouring pixels on one surface form a quad between their projections. If they are not on one surface, each
-    valid pixel draws only its own quarter of the quad. A surface then ends half a pixel beyond its last pixel. Nothing
-    is drawn across a depth step of more than max(step_m, step_share Z).
+    Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. At a depth step of
+    more than max(step_m, step_share Z), each pixel draws only its own quarter. At a depth step, a surface ends half a
+    pixel beyond its last pixel.
 
-    depth (h, w) metres. P (3, 4), with (u Z, v Z, Z) = P (x z, y z, z, 1). out (H, W) metres, initially zero.
+    - depth (h, w): depth map in metres.
+    - P (3, 4): projection (u Z, v Z, Z) = P (x z, y z, z, 1).
+    - out (H, W), initially zero: depth map of the other camera in metres.
     """
     height, width = depth.shape
     above, here = np.zeros((width, 3)), np.zeros((width, 3))
-    for y in range(height + 1):  # cells are indexed by their lower right pixel (y, x)
+    for y in range(height + 1):  # each group of four pixels is indexed by its lower right pixel (y, x)
         above, here = here, above
         if y < height:
             project_row(depth, y, P, here)

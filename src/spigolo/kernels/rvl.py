@@ -1,6 +1,6 @@
-"""Kernel for RVL, the compression of depth images in ROS: run lengths and differences in groups of three bits.
+"""Kernel that decompresses RVL, the compression of depth images in ROS.
 
-Wilson 2017, "Fast Lossless Depth Image Compression".
+RVL stores run lengths and differences in groups of three bits (Wilson 2017, "Fast Lossless Depth Image Compression").
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ MAX_GROUPS = 11
 
 @inlined
 def _number(words, at):
-    """Return the number whose first nibble is `at`, and the index of the next nibble.
+    """Decode the number that starts at nibble `at` of the words. Return the number and the index of the next nibble.
 
-    The index is -1 if the words end or the number has too many bits. The upper bit of a nibble is set if another nibble
-    follows. The other three bits belong to the number, the lowest bits first.
+    The returned index is -1 if the words end or the number has more than 32 bits. The upper bit of a nibble is set if
+    another nibble of the number follows. The other three bits belong to the number, the lowest bits first.
     """
     value = 0
     for group in range(MAX_GROUPS):
@@ -32,10 +32,10 @@ def _number(words, at):
 
 @kernel
 def unpack_rvl(words, out):
-    """Unpack words (N,) uint32 into out (M,) uint16. Return True if they fill it exactly.
+    """Decompress words (N,) uint32 into out (M,) uint16. Return True if out could be filled.
 
-    Runs of zeros and of other values alternate, each one after its length. A value is the difference to the last value
-    other than zero, with the sign in the lowest bit.
+    Runs of zeros and runs of nonzero values alternate, and the length of each run is stored before the run. Each
+    nonzero value is stored as the difference to the last nonzero value, with the sign in the lowest bit.
     """
     at, written, last = 0, 0, 0
     while written < out.size:

@@ -1,4 +1,4 @@
-"""Kernels for centre-surround saliency of Montabone & Soto 2010."""
+"""Kernels that compute the centre-surround saliency of Montabone & Soto 2010."""
 
 from __future__ import annotations
 
@@ -9,13 +9,16 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def whole_quotient(dividend, inverse):
-    """Return dividend // divisor of integers from 1 / divisor. Adding one half keeps exact quotients exact."""
+    """Return the integer quotient dividend // divisor, computed from inverse = 1 / divisor."""
     return np.int32((dividend + 0.5) * inverse)
 
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Compute the sum of a band of rows up to each column from an integral image, padded by `pad` repeated values."""
+    """Compute the sums of a band of image rows up to each column, from two rows of an integral image.
+
+    pad: number of repeated values at both ends of the result.
+    """
     columns = above.size
     strip[:pad] = 0
     inner = strip[pad : pad + columns]
@@ -26,7 +29,9 @@ def lay_strip(above, below, pad, strip):
 
 @inlined
 def measure_areas(rows, half, width, areas, inverses):
-    """Compute the pixels of the clipped window around each column, and 1 / (pixels without the centre)."""
+    """Compute the number of pixels in the clipped window around each column, and 1 / (number of pixels without the
+    centre).
+    """
     for x in range(width):
         areas[x] = rows * (min(x + half + 1, width) - max(x - half + 1, 0))
         inverses[x] = 1.0 / max(areas[x] - 1.0, 1.0)
@@ -34,7 +39,9 @@ def measure_areas(rows, half, width, areas, inverses):
 
 @inlined
 def difference_row(gray, left, right, areas, inverses, out):
-    """Compute the centre minus the mean of its window without the centre, truncated to whole grey levels."""
+    """Compute the grey value of each pixel minus the mean of its window without the pixel, truncated to whole grey
+    levels.
+    """
     for x in range(out.size):
         excess = areas[x] * gray[x] - (right[x] - left[x])
         level = whole_quotient(abs(excess), inverses[x])
@@ -43,11 +50,13 @@ def difference_row(gray, left, right, areas, inverses, out):
 
 @kernel
 def center_surround(gray, integral, surrounds, on, off):
-    """Sum over all surrounds how much brighter (on) and darker (off) each pixel is than its surround.
+    """Compute how much brighter (on) and darker (off) each pixel is than its surrounds, summed over several window
+    sizes.
 
-    gray (H, W) uint8. integral (H+1, W+1) int32 of gray. surrounds (S,): half-sizes n of 2n x 2n windows (rows
-    y-n+1..y+n, clipped). The centre pixel does not count. Each difference is truncated to a whole grey level. on and
-    off (H, W) int32.
+    The surround of size n is the window of rows y-n+1..y+n and columns x-n+1..x+n, clipped to the image, without the
+    pixel. Each difference is truncated to whole grey levels.
+
+    gray (H, W) uint8. integral (H+1, W+1) int32: integral image of gray. surrounds (S,): sizes n. on, off (H, W) int32.
     """
     height, width = gray.shape
     pad = min(surrounds.max(), width)
@@ -74,9 +83,9 @@ def center_surround(gray, integral, surrounds, on, off):
 
 @kernel
 def join_levels(on, off, out):
-    """Scale on and off (H, W) int32 to a maximum of 255 each, truncate them, and add them up to at most 255.
+    """Scale two maps on and off (H, W) int32 to a maximum of 255 each, and add both, clipped to 255.
 
-    out (H, W) uint8. A map of zeros stays zero.
+    out (H, W) uint8: sum of both maps. A map that is 0 everywhere adds 0.
     """
     inverse_on, inverse_off = 1.0 / max(on.max(), 1), 1.0 / max(off.max(), 1)
     for y in range(on.shape[0]):

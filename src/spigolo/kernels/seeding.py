@@ -1,4 +1,7 @@
-"""Kernels of the seeded partition: pixels opened along the borders of objects, and the forest that claims them."""
+"""Kernels that assign the pixels near the borders of objects anew, by a spanning forest that grows from other pixels.
+
+Pixels whose label is assigned anew are called open. Labelled pixels next to open pixels are called seeds.
+"""
 
 from __future__ import annotations
 
@@ -8,21 +11,21 @@ from spigolo.kernels._jit import inlined, kernel
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
-"""Depth values between these shares of a step belong to neither side of it."""
+"""Lower and upper limit of depth values on the ramp of a depth step, as a share of the height of the step."""
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
-"""Flags of an open pixel: those at the left and right image border have a neighbour less."""
+"""Bits that mark a pixel as open, as in the first image column, and as in the last image column."""
 LEVELS = 2048
-"""Number of weight levels, one grey level each. Larger weights have the last level."""
+"""Number of integer weights that are distinguished, in grey levels. Larger weights count as LEVELS - 1."""
 WORD = 8
-"""Number of flags in a row that are tested at once. Most flags are 0."""
+"""Number of pixel flags that are compared with 0 in one step, for speed."""
 MARGIN = f32(0.01)
 """Upper bound of the rounding error of a weight, in grey levels."""
 
 
 @inlined
 def outermost(depth, start, step, count):
-    """Return the first valid depth of `count` pixels from `start` on, or 0 if all are missing. depth (H * W,)."""
+    """Return the first valid depth among the `count` pixels start, start + step, ..., or 0 if all are missing."""
     for k in range(count):
         z = depth[start + k * step]
         if z > f32(0.0):
@@ -32,12 +35,15 @@ def outermost(depth, start, step, count):
 
 @kernel
 def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
-    """Count the pixels between both depths of every depth step on the border of an object.
+    """Measure the width in pixels over which depth steps on the borders of objects are smeared (ramps).
 
-    labels (H, W) int32, 0 = background. depth (H, W) float32 metres, 0 = missing. Each pair of neighbours with
-    different labels is one profile of reach_px pixels to both sides, along its row or column. It counts where the depth
-    at its ends differs by more than max(step_m, step_share * nearer depth).
-    sums (2,) int64 = profiles, pixels on ramps; zero before.
+    For each pair of neighbours with different labels, a depth profile of reach_px pixels to both sides is read along
+    the image row or column. A profile counts if the depth at its ends differs by more than max(step_m, step_share *
+    nearer depth).
+
+    - labels (H, W) int32, 0 = background.
+    - depth (H, W) float32 metres, 0 = missing.
+    - sums (2,) int64, initially zero: number of profiles, number of pixels between both depths of a step.
     """
     height, width = labels.shape
     flat = depth.reshape(-1)
@@ -57,7 +63,7 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag the pixels of a row that differ from the next pixel or from the pixel of the other row. flags: uint8."""
+    """Flag the pixels of an image row whose label differs from the next pixel or from the pixel of the other row."""
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
     flags[row.size - 1] = row[-1] != other[-1]
@@ -65,9 +71,10 @@ def flag_differences(row, other, flags):
 
 @inlined
 def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, sums):
-    """Count one profile of `count_ramps`, from pixel p to its neighbour p + step. flat (H * W,): the depth.
+    """Add the depth profile between pixel p and its neighbour p + step to the sums of `count_ramps`.
 
-    place and length: position of p along its row or column, and the length of that.
+    flat (H * W,): depth map. place: position of pixel p in its image row or column. length: length of this image row or
+    column.
     """
     if place + 1 < reach_px or place + 1 + reach_px > length:
         return
@@ -86,7 +93,7 @@ def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, su
 
 @inlined
 def mark_borders(labels, layer):
-    """Set the layer of the pixels that touch another label to 1, and return their numbers y * width + x."""
+    """Set layer to 1 at the pixels next to another label. Return the indices y * width + x of the pixels in layer 1."""
     height, width = labels.shape
     queue, size = np.empty(labels.size, np.int64), 0
     flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
@@ -110,11 +117,14 @@ def mark_borders(labels, layer):
 
 @kernel
 def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
-    """Number the pixels next to a border in layers: 1 touches another label, 2 touches layer 1, and so on.
+    """Number the pixels near borders in layers: layer 1 touches another label, layer 2 touches layer 1, and so on.
 
-    Layers end at width_px, and at hole_width_px where near_hole (H, W) uint8 marks missing depth.
-    labels (H, W) int32. layer (H, W) uint8, 255 in pixels without a layer. inner (N,) int32: number of layers of each
-    label, 255 if some of its pixels next to the last layer have none.
+    The maximum layer is width_px, or hole_width_px where near_hole is nonzero.
+
+    - labels (H, W) int32: label of each pixel.
+    - near_hole (H, W) uint8: nonzero near missing depth.
+    - layer (H, W) uint8: 255 in pixels beyond the maximum layer.
+    - inner (N,) int32: number of layers of each label, or 255 if the label has pixels beyond the maximum layer.
     """
     height, width = labels.shape
     layer[:] = UNREACHED
@@ -132,7 +142,7 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
             for dy in range(-1, 2):
                 for dx in range(-1, 2):
                     if number % 2 == 0 and dy != 0 and dx != 0:
-                        continue  # squares and diamonds in turn: nearly circles
+                        continue  # 8-neighbours and 4-neighbours alternate, so that layers are nearly round
                     v, u = y + dy, x + dx
                     if v < 0 or u < 0 or v >= height or u >= width or layer[v, u] != UNREACHED:
                         continue
@@ -148,11 +158,12 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
 
 @kernel
 def open_layers(labels, layer, inner, share, opened):
-    """Mark the pixels whose label is to be found anew: those in the outer `share` of the layers of their label.
+    """Mark the outer layers of each label as open, up to `share` of its layers. Return the number of open pixels.
 
-    A label with pixels beyond its last layer opens all of its layers. labels (H, W) int32; layer (H, W) uint8 and inner
-    (N,) int32 as `measure_layers` fills them; opened (H, W) uint8 flags, 0 where closed. Returns the number of marked
-    pixels.
+    If a label has pixels beyond the maximum layer, all layers of this label become open.
+
+    labels (H, W) int32. layer (H, W) uint8, inner (N,) int32: results of `measure_layers`. opened (H, W) uint8: flags
+    of open pixels, 0 for other pixels.
     """
     height, width = labels.shape
     count = 0
@@ -169,7 +180,7 @@ def open_layers(labels, layer, inner, share, opened):
 
 @kernel
 def flag_columns(opened):
-    """Flag the open pixels of the first and last column of opened (H, W) uint8."""
+    """Set the column flags of the open pixels in the first and last image column. opened (H, W) uint8."""
     last = opened.shape[1] - 1
     for y in range(opened.shape[0]):
         if opened[y, 0]:
@@ -180,14 +191,17 @@ def flag_columns(opened):
 
 @inlined
 def distance_2(red, green, blue, color, p):
-    """Return the squared distance in RGB to pixel p."""
+    """Return the squared distance in RGB between a colour and the colour of pixel p."""
     red, green, blue = red - f32(color[p, 0]), green - f32(color[p, 1]), blue - f32(color[p, 2])
     return red * red + green * green + blue * blue
 
 
 @inlined
 def step_cost(z, other, full, step_weight):
-    """Return step_weight times the size of a depth step as a share, at most 1, of a full step. 0 without depth."""
+    """Return the cost of a depth step between two depths, from 0 to step_weight. The cost is 0 if one depth is missing.
+
+    full: depth difference in metres from which the cost is step_weight.
+    """
     if z <= f32(0.0) or other <= f32(0.0):
         return f32(0.0)
     step = abs(z - other)
@@ -196,7 +210,10 @@ def step_cost(z, other, full, step_weight):
 
 @inlined
 def neighbour(p, k, flags, width, size):
-    """Return the k-th of four neighbours of pixel p, or -1 outside the image. flags: of the open pixel p."""
+    """Return the index of the k-th of the four neighbours of an open pixel p, or a negative number outside the image.
+
+    flags: flags of pixel p.
+    """
     if k == 0:
         return -1 if flags & LAST_COLUMN else p + 1
     if k == 1:
@@ -208,7 +225,11 @@ def neighbour(p, k, flags, width, size):
 
 @inlined
 def offer(bucket, p, s, size, least, head, tail, edges):
-    """Queue the edge from labelled pixel s to open pixel p unless a lighter one is known. Return the new size."""
+    """Add the edge from labelled pixel s to open pixel p to the queue, unless a lighter edge to p is known.
+
+    bucket: weight of the edge in whole grey levels. size: number of edges in the queue. Returns the new number of edges
+    in the queue.
+    """
     if bucket >= least[p]:
         return size
     least[p] = bucket
@@ -223,7 +244,7 @@ def offer(bucket, p, s, size, least, head, tail, edges):
 
 @inlined
 def sow(points, flat, state, step_m, step_per_m, step_weight, width, least, head, tail, edges, tree, source_of):
-    """Queue the edges from labelled to open pixels. Return their number and the lightest weight."""
+    """Add all edges from labelled to open pixels to the queue. Return the number of edges and the lightest weight."""
     size, level = 0, LEVELS
     for p in range(state.size):
         for k in range(4 if state[p] else 0):
@@ -243,26 +264,33 @@ def sow(points, flat, state, step_m, step_per_m, step_weight, width, least, head
 
 @kernel
 def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_per_m, step_weight, source_of):
-    """Give each open pixel the label of a seed, by a spanning forest with the labelled pixels as its roots.
+    """Give each open pixel the label of a seed, by a spanning forest whose roots are the seeds.
 
-    Prim's algorithm from all roots at once: the lightest edge from a labelled to an open pixel comes next, and no edge
-    joins two roots. The weight of an edge is the distance in RGB plus `step_cost`, where a full depth step is
-    max(step_m, step_per_m z^2). It compares the open pixel with the colour of the tree at the labelled one. That is
-    `memory` times the colour of its predecessor, the rest its own, so that noise averages out along a tree. `carry`
-    times the weight of the edge before is added, so that an image edge that is blurred over several pixels weighs as
-    much as a sharp one. With memory = carry = 0 the result is a minimum spanning forest. Weights are rounded down to
-    whole grey levels. Ties go to the edge that was found first.
+    The forest grows by Prim's algorithm, always along the lightest edge from a labelled to an open pixel. The weight of
+    an edge is a sum of three terms:
 
-    color (H, W, 3) uint8; depth (H, W) float32 metres, 0 = missing; labels (H, W) int32, those of open pixels are
-    written; opened (H, W) uint8 as `open_layers` fills it, 0 afterwards wherever a root reaches; count: of open pixels;
-    step_m, step_per_m, step_weight float32; source_of (H * W,) int32: y * width + x of the root of each open pixel.
+    - the RGB distance between the open pixel and the mean colour of the tree
+    - the cost of a depth step between both pixels of the edge
+    - `carry` times the weight of the previous edge of the tree, so that a blurred image edge is as heavy as a sharp one
+
+    The mean colour of a tree is `memory` times the previous mean plus (1 - memory) times the colour of the new pixel.
+    With memory = carry = 0 the result is a minimum spanning forest. Weights are rounded down to whole grey levels.
+    Among edges of equal weight, the edge that was found first is used.
+
+    - color (H, W, 3) uint8: RGB image.
+    - depth (H, W) float32 metres, 0 = missing.
+    - labels (H, W) int32: changed at open pixels.
+    - opened (H, W) uint8: flags of `open_layers`, set to 0 at pixels that get a label.
+    - count: number of open pixels.
+    - step_m, step_per_m float32: a depth step of max(step_m, step_per_m z^2) costs step_weight.
+    - source_of (H * W,) int32: index y * W + x of the seed of each open pixel.
     """
     width = labels.shape[1]
     points, flat, label, state = color.reshape(-1, 3), depth.reshape(-1), labels.reshape(-1), opened.reshape(-1)
     head, tail = np.full(LEVELS, -1, np.int32), np.empty(LEVELS, np.int32)
-    edges = np.empty((4 * count + 1, 3), np.int32)  # open pixel, labelled pixel, next edge of the same level
-    least = np.full(label.size, LEVELS, np.int16)  # lightest edge that was found to each pixel
-    tree = np.empty((label.size, 3), np.float32)  # colour of the tree at each labelled pixel
+    edges = np.empty((4 * count + 1, 3), np.int32)  # open pixel, labelled pixel, next edge of equal weight
+    least = np.full(label.size, LEVELS, np.int16)  # weight of the lightest edge to each pixel so far
+    tree = np.empty((label.size, 3), np.float32)  # mean colour of the tree at each labelled pixel
     keep, own, carried = f32(memory), f32(1.0 - memory), f32(carry)
     size, level = sow(
         points, flat, state, step_m, step_per_m, step_weight, width, least, head, tail, edges, tree, source_of
@@ -291,7 +319,7 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             room = f32(least[q]) - before
             colors_2 = distance_2(red, green, blue, points, q)
             if room <= f32(0.0) or colors_2 > (room + MARGIN) * (room + MARGIN):
-                continue  # a lighter edge is there, whatever the depth step
+                continue  # the edge is heavier than a known edge, even without the cost of a depth step
             bucket = min(int(before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight)), LEVELS - 1)
             size = offer(bucket, q, p, size, least, head, tail, edges)
             level = min(level, bucket)
@@ -299,10 +327,12 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
 
 @kernel
 def follow_seeds(before, after, source_of, regions, out, areas):
-    """Give each pixel whose label changed the region of its seed, and count the pixels of each region.
+    """Give each pixel whose label changed the region number of its seed, and count the pixels of each region.
 
-    before and after: labels (H, W) int32. source_of (H * W,) int32 as `grow_seeds` fills it. regions and out: region
-    numbers (H, W) int32. areas (R,) int64, zero before.
+    - before, after: labels (H, W) int32 before and after `grow_seeds`.
+    - source_of (H * W,) int32: result of `grow_seeds`.
+    - regions, out: old and new region numbers (H, W) int32.
+    - areas (R,) int64, initially zero: number of pixels of each region.
     """
     width, flat = before.shape[1], regions.reshape(-1)
     for y in range(before.shape[0]):

@@ -1,4 +1,4 @@
-"""Kernels for depth-dependent smoothing (Holzer et al. 2012, eqs. 5-8)."""
+"""Kernels that smooth a depth map with a window size that depends on depth (Holzer et al., 2012, equations 5-8)."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from spigolo.kernels._jit import inlined, kernel
 
 @kernel
 def mark_steps(depth, error_per_m, step_factor, out):
-    """Compute Holzer's depth-change map: out is 0 at a depth step to the right or lower neighbour or at missing depth,
-    else 1.
+    """Compute the inverted depth-change map of Holzer et al.: 0 at depth steps and missing depth, 1 elsewhere.
 
-    A step is a difference of at least step_factor * alpha * d^2, with d the depth of the pixel itself in metres. The
-    map is inverted, because the following distance transform measures the distance to the nearest zero.
+    A depth step at depth d (m) is a difference of at least step_factor * error_per_m * d^2 to the right or lower
+    neighbour. The depth-change map is inverted, because the distance transform measures the distance to the nearest
+    zero.
     """
     height, width = depth.shape
     for y in range(height):
@@ -27,7 +27,7 @@ def mark_steps(depth, error_per_m, step_factor, out):
 
 @inlined
 def down_and_up(mask, cap, steps):
-    """Compute the number of rows to the nearest zero of `mask` (H, W) in the same column, up to `cap`. steps (H, W)
+    """Compute the distance in rows to the nearest zero of `mask` (H, W) in the same column, at most `cap`. steps (H, W)
     int16.
     """
     height, width = mask.shape
@@ -45,8 +45,9 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    out (H, W) float32. steps (H, W) int16 is scratch. The result is exact. The distance is computed along columns
-    first, then as the minimum of (columns away)^2 + (rows away)^2 along each row, up to the row's largest distance.
+    The distance is exact. The kernel first computes distances along columns, and then the minimum over each row.
+
+    steps (H, W) int16: scratch memory. out (H, W) float32.
     """
     height, width = mask.shape
     down_and_up(mask, cap, steps)
@@ -68,9 +69,11 @@ def distance_to_zero(mask, cap, steps, out):
 
 @kernel
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
-    """Compute the smoothing area map S(y, x) = min(beta alpha d^2, T / sqrt 2), rounded and limited to the image.
+    """Compute the half-width of the smoothing window of each pixel, in pixels: min(beta alpha d^2, T / sqrt 2).
 
-    d is the depth in metres, and T the distance in pixels to the nearest depth step or missing pixel.
+    The parameters of the formula are alpha = error_per_m and beta = radius_per_error. The depth d is in metres. T is
+    the distance to the nearest depth step or missing pixel, in pixels. The half-width is rounded and limited to
+    max_radius and to the image.
     """
     height, width = depth.shape
     for y in range(height):
@@ -82,9 +85,7 @@ def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius,
 
 @inlined
 def box_sum(integral, y, x, r):
-    """Return the sum over rows y-r..y+r and columns x-r..x+r from an integral image with a leading zero row and
-    column.
-    """
+    """Return the sum over rows y-r..y+r and columns x-r..x+r, from an integral image (H+1, W+1)."""
     return (
         integral[y + r + 1, x + r + 1]
         - integral[y + r + 1, x - r]
@@ -95,7 +96,7 @@ def box_sum(integral, y, x, r):
 
 @inlined
 def box_row(integral, y, x, r, n, out):
-    """Compute `box_sum` of n pixels with the same radius from column x on."""
+    """Compute `box_sum` for n pixels of row y from column x on, all with the same half-width r."""
     above, below = integral[y - r], integral[y + r + 1]
     a, b, c, d = above[x - r :], above[x + r + 1 :], below[x - r :], below[x + r + 1 :]
     for k in range(n):
@@ -104,7 +105,10 @@ def box_row(integral, y, x, r, n, out):
 
 @kernel
 def count_boxes(integral, radius, out):
-    """Eq. 7. Count the pixels of I_B in the window of each pixel (gamma_0)."""
+    """Eq. 7. Count the pixels of the mask I_B in the smoothing window of each pixel (gamma_0).
+
+    integral: integral image of I_B. radius (H, W): half-width of each window, px.
+    """
     height, width = radius.shape
     for y in range(height):
         for x in range(width):
@@ -113,10 +117,15 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eq. 8, or eq. 5 if no pixel is left out. Compute the mean depth of each pixel's window without left-out pixels.
+    """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel, without excluded pixels (equation 8,
+    or equation 5 without exclusions).
 
-    depth_integral float64 and left_out_integral int32 (H+1, W+1). A missing pixel stays missing, as smoothing does not
-    fill shadows. Pixels are processed in runs of equal radius, so that the compiler vectorises the loop.
+    Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the
+    loop.
+
+    - depth_integral (H+1, W+1) float64: integral image of depth.
+    - left_out_integral (H+1, W+1) int32: integral image of the mask of excluded pixels.
+    - radius (H, W): half-width of each window, px.
     """
     height, width = depth.shape
     total, counted = np.empty(width), np.empty(width)

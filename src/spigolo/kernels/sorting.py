@@ -1,7 +1,7 @@
-"""Kernels that sort edges exactly by (float32 weight, edge number).
+"""Kernels that sort edges by weight, and edges of equal weight by edge number.
 
-An edge is packed into 64 bits, with the bits of its weight above those of its pixel and plane. Bits of non-negative
-float32 numbers sort in the order of the numbers.
+An edge is packed into 64 bits, with the bits of its weight in the upper half. The bits of non-negative float32 numbers
+have the same order as the numbers.
 """
 
 from __future__ import annotations
@@ -14,15 +14,19 @@ from spigolo.kernels.merging import weight_bits
 
 @inlined
 def digit_of(edge, base, shift, mask):
-    """Return one digit of an edge's weight, with bits counted from `base`."""
+    """Return one digit of (bits of the weight - base) of a packed edge, for the radix sort."""
     return ((weight_bits(edge) - base) >> shift) & mask
 
 
 @kernel
 def scatter(edges, base, shift, mask, starts, out):
-    """Run one stable pass of a radix sort: sort packed edges (E,) by the digit at `shift`, 2^b - 1 = mask.
+    """Run one stable pass of a radix sort, which sorts packed edges (E,) by one digit of their weight.
 
-    base, shift, mask uint64. starts (2^b,) uint32 is scratch memory. out (E,).
+    - base: uint64, subtracted from the bits of the weight.
+    - shift: position of the digit in bits.
+    - mask: 2^b - 1 for digits of b bits.
+    - starts (2^b,) uint32: scratch memory.
+    - out (E,): sorted edges.
     """
     starts[:] = 0
     for k in range(edges.size):

@@ -1,12 +1,13 @@
-"""Segmentation methods for comparison, including ours. Each takes a frame and returns a segmentation.
+"""Segmentation methods with a common interface, for comparisons. Every method is called with a frame and returns a
+Segmentation.
 
     import spigolo as sp
 
-    sp.METHODS["rao2010"](frame)  # with its own parameters
+    sp.METHODS["rao2010"](frame)  # with default parameters
     sp.METHODS["rao2010"].replace(k=200)(frame)
 
-All methods return the same type, and their regions are judged by the same rules. `segment_around` is `mishra2009`,
-which segments around a given point instead of a whole frame.
+All methods use the same rules to reject regions. The method `mishra2009`, which segments only the object around a given
+point, is the function `segment_around`.
 """
 
 from __future__ import annotations
@@ -42,4 +43,6 @@ __all__ = [
 METHODS: dict[str, Method] = {
     method.name: method for method in (Toscana2016(), Felzenszwalb2004(), Rao2010(), Abramov2012(), Mishra2012())
 }
-"""Methods with default parameters, indexed by name. `replace` returns a method with other parameters."""
+"""Methods with default parameters, indexed by name. `METHODS[name].replace(...)` returns a method with other
+parameters.
+"""

@@ -1,8 +1,8 @@
-"""Abramov et al. 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
+"""Abramov et al., 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
-Only the abstract and the timings of their papers were available. The interactions, the penalty of a depth step and the
-joining of domains follow a public re-implementation. All values are our choice. Frames are processed independently.
-Label tracking by optical flow, as in their papers, saves sweeps and does not change the equilibrium of a single frame.
+Only the abstract and the timings of the papers were available. The interactions, the penalty of a depth step and the
+joining of domains follow a public re-implementation. The default parameters are our choice. Frames are processed
+independently, without the papers' tracking of labels by optical flow.
 """
 
 from __future__ import annotations
@@ -25,75 +25,75 @@ from spigolo.stages.graph import OFFSETS
 from spigolo.stages.regions import Regions
 
 LEAST_MEAN = 1e-6
-"""Minimum mean colour difference, which prevents a division by zero in frames of a single colour."""
+"""Minimum mean colour difference, which prevents a division by zero in a frame of a single colour."""
 
 
 class AbramovConfig(MethodConfig):
-    """Parameters of `abramov2012`. Colours are 0..255. Interactions and temperatures are shares of the largest
-    interaction.
+    """Parameters of the method `abramov2012`. Colours range from 0 to 255. Interactions and temperatures are relative
+    to the interaction of equal colours, which is 1.
     """
 
     shrink: Annotated[int, Field(ge=1, le=8)] = 2
-    """Factor by which rows and columns are reduced for the model. Labels are enlarged again. 2 makes 320x240 of
-    640x480, as in their paper. 1 takes four times as long.
+    """Factor by which the width and height of the image are reduced before segmentation. The paper reduces 640x480 to
+    320x240.
     """
     sigma_px: NotNegative = 0.0
-    """Sigma of the Gaussian smoothing of colour, in pixels of the model, after the mean by which the image is reduced
-    (our choice).
+    """Standard deviation of the Gaussian smoothing of colour, in pixels of the reduced image. 0 does not smooth (our
+    choice).
     """
     alpha: Positive = 2.5
-    """Range of attraction, as a multiple of the mean colour difference of neighbours. Colours that differ more repel
-    each other (our choice). The public re-implementation uses 1 to 1.35, which leaves thousands of fragments.
+    """Colour difference at which two neighbours neither attract nor repel each other, as a multiple of the mean
+    difference of neighbours. Larger values make larger regions (our choice, the public re-implementation: 1 to 1.35).
     """
     repulsion: NotNegative = 1.0
-    """Maximum repulsion of two colours. A lower limit keeps prints from outweighing all attraction (our choice, theirs
-    has no limit).
-    """
+    """Maximum repulsion of two neighbours with different colours. Smaller values make larger regions (our choice)."""
     step_m: Positive | None = 0.02
-    """Minimum depth difference in metres at which neighbours repel each other regardless of colour. None ignores depth,
-    also at the start (our choice for table-tops, the public re-implementation: 0.3).
+    """Minimum depth difference in metres at which neighbours repel each other regardless of colour. None ignores depth
+    (our choice, the public re-implementation: 0.3).
     """
     step_per_m: NotNegative = 0.0083
-    """Minimum depth difference per squared distance at which neighbours repel each other, 1/m, so that noise and
-    slanted planes do not count. The larger of this limit and `step_m` applies (our choice).
+    """Minimum depth difference per squared distance at which neighbours repel each other, 1/m. The larger of two limits
+    applies: `step_m`, or `step_per_m` times the squared distance (our choice).
     """
     penalty: NotNegative = 20.0
-    """Repulsion across a depth step (our choice, the public re-implementation: 250). A lower value keeps a single pair
-    from outweighing the attraction of hundreds.
-    """
+    """Repulsion of two neighbours across a depth step (our choice, the public re-implementation: 250)."""
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
-    """Number of values of a spin (theirs)."""
+    """Number of different spins (as in the paper)."""
     temperature: Positive = 1.0
-    """Temperature of the first sweep (our choice)."""
+    """Temperature of the first Metropolis sweep (our choice)."""
     cooling: Annotated[float, Field(gt=0, le=1)] = 0.9
-    """Factor on the temperature after each sweep (our choice)."""
+    """Factor by which the temperature is multiplied after each Metropolis sweep (our choice)."""
     sweeps: Annotated[int, Field(ge=0, le=10_000)] = 60
-    """Number of sweeps before domains are joined (our choice)."""
+    """Number of Metropolis sweeps before domains are joined (our choice)."""
     last_sweeps: Annotated[int, Field(ge=0, le=10_000)] = 10
-    """Number of sweeps after domains are joined (the public re-implementation)."""
+    """Number of Metropolis sweeps after domains are joined (as in the public re-implementation)."""
     last_temperature: Positive = 0.05
-    """Temperature of the sweeps after domains are joined (our choice)."""
+    """Temperature of the Metropolis sweeps after domains are joined (our choice)."""
     piece_px2: Area_px2 = 20000.0
-    """Maximum area of regions that are joined with each other, px^2, the most attractive first. Prints break into such
-    pieces, which are more similar to each other than to the table (our addition, 0 switches it off).
+    """Maximum area of two small regions that are joined with each other, px^2, such as the pieces of a print. 0
+    switches the joining of small regions off (our addition).
     """
     piece_above: float = -2.0
-    """Minimum mean interaction for joining such pieces. Depth steps have lower values (our addition)."""
+    """Minimum mean interaction across the border of two small regions that are joined (our addition)."""
     min_size_px2: Area_px2 = 1500.0
-    """Minimum area of a region, px^2. Smaller regions join the neighbour that attracts them most (our choice)."""
+    """Minimum area of a region, px^2. Smaller regions join the neighbour with the largest mean interaction (our
+    choice).
+    """
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 7
-    """Seed of all random draws. The same seed gives the same labels."""
+    """Seed of the random numbers. Equal seeds give equal labels."""
 
 
 @dataclass(frozen=True)
 class Abramov2012(Baseline[AbramovConfig]):
-    """Potts model whose spins are cooled by Metropolis sweeps. Domains with attractive borders are joined."""
+    """Segmentation by a Potts model, whose spins are simulated by Metropolis sweeps at a falling temperature."""
 
     name = "abramov2012"
     config: AbramovConfig = field(default_factory=AbramovConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of the model, enlarged to the frame. The border strength is the repulsion."""
+        """Return the regions of equal spin, enlarged to the size of the frame. The border strength of a pixel is its
+        repulsion.
+        """
         height, width = frame.shape
         size = max(width // self.config.shrink, 1), max(height // self.config.shrink, 1)
         color = np.asarray(cv2.resize(frame.color, size, interpolation=cv2.INTER_AREA), np.uint8)
@@ -105,7 +105,9 @@ class Abramov2012(Baseline[AbramovConfig]):
         return Division(Regions(np.asarray(labels, np.int32), regions.count), np.asarray(contour, np.float32))
 
     def interactions(self, color: npt.NDArray[np.uint8], depth: DepthMap) -> Planes:
-        """Return the interactions J (4, H, W) of all neighbours, from colour (H, W, 3) and depth (H, W) in metres."""
+        """Return the interactions J (4, H, W) of all pairs of neighbours, from colour (H, W, 3) and depth (H, W) in
+        metres.
+        """
         config = self.config
         distances = feature_graph(color_features(color, config.sigma_px), connectivity=8).weights
         there = np.isfinite(distances)
@@ -119,9 +121,9 @@ class Abramov2012(Baseline[AbramovConfig]):
         return planes
 
     def cool(self, depth: DepthMap, planes: Planes) -> Spins:
-        """Return the spins (H, W) after all sweeps.
+        """Return the spins (H, W) of all pixels after the Metropolis sweeps.
 
-        depth: initial state, (H, W). planes: interactions (4, H, W).
+        depth: depth map (H, W) in metres, from which the initial spins are computed. planes: interactions (4, H, W).
         """
         config = self.config
         spins = _start(np.zeros_like(depth) if config.step_m is None else depth, config.spins, config.seed)
@@ -134,7 +136,7 @@ class Abramov2012(Baseline[AbramovConfig]):
         return spins
 
     def regions(self, spins: Spins, planes: Planes) -> Regions:
-        """Return the connected areas of equal spin, after joining pieces and small areas."""
+        """Return the connected areas of equal spin (H, W) as regions, after small areas were joined."""
         areas, config = connected_areas(spins), self.config.at_size(spins.shape)
         piece, least = config.piece_px2, config.min_size_px2
 
@@ -143,7 +145,7 @@ class Abramov2012(Baseline[AbramovConfig]):
 
 
 def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
-    """Return depth quantised to `spins` levels from the nearest to the farthest. Missing pixels get random levels."""
+    """Return initial spins (H, W): depth divided into `spins` levels, and random levels where depth is missing."""
     random = np.random.default_rng(seed).integers(spins, size=depth.shape, dtype=np.int32)
     valid = depth > 0
     if not valid.any():
@@ -155,8 +157,8 @@ def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
 
 
 def _repulsion(planes: Planes) -> npt.NDArray[np.float32]:
-    """Return the difference of each pixel to its right and lower neighbour, from 0 to 1.
+    """Return the repulsion (H, W) between each pixel and its right or lower neighbour, from 0 to 1.
 
-    0 is full attraction, 1/2 is neutral, 1 is full repulsion.
+    0 is the largest attraction, 1/2 is no interaction, and 1 is the largest repulsion.
     """
     return np.asarray(np.clip((1 - np.minimum(planes[0], planes[1])) / 2, 0, 1), np.float32)

@@ -1,4 +1,4 @@
-"""Common base of the methods for comparison: parameters, and the way from regions to a result."""
+"""Common base of the segmentation methods for comparison: parameters, and the rules that reject regions."""
 
 from __future__ import annotations
 
@@ -24,25 +24,29 @@ from spigolo.stages.regions import Regions
 
 _ADDED = OBJECTS_2.additions or Additions()
 RULES = Additions(support=_ADDED.support, rules=_ADDED.rules.replace(min_contour=None, min_contour_holes=None))
-"""Rules of OBJECTS_2 without the minimum contour, as the other methods have no boundary map."""
+"""Support plane and rejection rules of the preset OBJECTS_2, without the rule that requires a boundary map."""
 
 C = TypeVar("C", bound="MethodConfig")
 
 
 class MethodConfig(Parameters):
-    """Base of the parameters of a method.
+    """Base class of the parameters of a segmentation method.
 
-    Lengths and areas in pixels refer to a 640x480 image. Areas (`_px2`) scale with the number of pixels.
+    Lengths and areas in pixels refer to a 640x480 image. Areas (`_px2`) are scaled to the number of pixels of the
+    image.
     """
 
     rejection: Rejection = OBJECTS_2.rejection
-    """Rules of the paper that reject regions. All methods use the same rules, so that only the regions differ."""
+    """Rejection rules of Toscana & Rosa 2016, by default the same for all methods."""
     additions: Additions = RULES
-    """Support plane and our rules that reject regions. All methods use the same rules."""
+    """Parameters of the support plane and of our rejection rules, by default the same for all methods."""
 
 
 class Division(NamedTuple):
-    """Regions of a frame, and the strength of their borders, (H, W) float32 in [0, 1]."""
+    """Regions of a frame, and a map of border strength.
+
+    contour: (H, W) float32, strength of a border at each pixel, from 0 to 1.
+    """
 
     regions: Regions
     contour: npt.NDArray[np.float32]
@@ -50,24 +54,24 @@ class Division(NamedTuple):
 
 @dataclass(frozen=True)
 class Baseline(Configured[C], ABC):
-    """Method that divides a frame into regions. Common rules then decide which regions are objects."""
+    """Base class of methods that divide a frame into regions, of which common rules then select the objects."""
 
     name: ClassVar[str]
     preset: ClassVar[str] = ""
 
     @abstractmethod
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of the whole frame, both background and objects."""
+        """Return all regions of a frame, of the background and of objects."""
 
     def __call__(self, frame: Frame) -> Segmentation:
-        """Return the objects of a frame."""
+        """Segment a frame into objects."""
         check_frame(frame)
         regions, contour = self.divide(frame)
         additions = self.config.additions.at_size(frame.shape)
         plane = find_support(frame.depth, frame.camera, additions.support)
         scene = Scene(
             frame=frame,
-            depth=inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape)),  # as in OBJECTS
+            depth=inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape)),  # as in the preset OBJECTS
             contour=contour,
             plane=plane,
             rejection=self.config.rejection.at_size(frame.shape),

@@ -1,4 +1,4 @@
-"""Base of methods with a single configuration."""
+"""Base class of segmentation methods whose parameters are one configuration."""
 
 from __future__ import annotations
 
@@ -14,21 +14,23 @@ M = TypeVar("M", bound="Configured[Any]")
 
 @dataclass(frozen=True)
 class Configured(Generic[C]):
-    """Method with a single configuration."""
+    """Segmentation method whose parameters are one configuration."""
 
     config: C
-    """Configuration of the method."""
+    """Parameters of the method."""
 
     @property
     def digest(self) -> str:
-        """Digest of the configuration's values."""
+        """Hash of the parameter values, eight hexadecimal digits."""
         return self.config.digest
 
     @property
     def parameters(self) -> Mapping[str, Any]:
-        """Values of the configuration, ready for JSON."""
+        """Parameter values as a dict that can be written as JSON."""
         return self.config.model_dump(mode="json")
 
     def replace(self: M, **changes: Any) -> M:
-        """Return the method with other values, as in `Settings.replace`. Raises ConfigError."""
+        """Return the method with changed parameters, as in `Settings.replace`. Raises ConfigError for an invalid
+        parameter.
+        """
         return replace(self, config=self.config.replace(**changes))

@@ -1,6 +1,7 @@
-"""Domains of equal spin, and joining of neighbouring domains by the interactions across their borders.
+"""Domains, which are connected areas of equal spin, and joining of neighbouring domains by their interactions.
 
-A lattice is (H, W). Interactions are (4, H, W), one plane for each offset of `graph.OFFSETS`. B = number of borders.
+Spins have the shape (H, W). Interactions have the shape (4, H, W), one plane for each offset of `graph.OFFSETS`. B =
+number of borders.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ Ends = tuple[tuple[slice, slice], tuple[slice, slice]]
 
 
 def connected_areas(spins: Spins) -> Regions:
-    """Return the connected areas of equal spin. Only edges of weight 0 merge."""
+    """Return the connected areas of equal spin (H, W) as regions."""
     weights = np.full((len(OFFSETS), *spins.shape), np.inf, np.float32)
     for plane, offset in zip(weights, OFFSETS, strict=True):
         here, there = pair_ends(spins.shape, offset)
@@ -31,10 +32,11 @@ def connected_areas(spins: Spins) -> Regions:
 
 
 class Borders(NamedTuple):
-    """Borders between two domains. Every border is listed twice, once from each side.
+    """Borders between neighbouring domains. Every border is listed twice, once from each side.
 
-    domain (2, B): number of this domain and of the other one. area (2, B): their numbers of pixels. mean (B,): mean
-    interaction of the pixel pairs across the border.
+    - domain: (2, B), number of this domain and of the other domain.
+    - area: (2, B), numbers of pixels of both domains.
+    - mean: (B,), mean interaction of the pixel pairs across the border.
     """
 
     domain: Counts
@@ -43,10 +45,12 @@ class Borders(NamedTuple):
 
 
 def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders], Mask]) -> Regions:
-    """Join neighbouring domains by their interactions (4, H, W) until no more joins are allowed.
+    """Join neighbouring domains until `may_join` allows no further border.
 
-    In each round, every domain joins the neighbour with the largest mean interaction among those that it may join. The
-    means are then computed again.
+    In each round, every domain joins the allowed neighbour with the largest mean interaction. The mean interactions are
+    computed again after each round.
+
+    planes: interactions (4, H, W). may_join: function that returns a mask (B,) of the borders that may be removed.
     """
     while True:
         borders = find_borders(domains, planes)
@@ -57,7 +61,9 @@ def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders],
 
 
 def find_borders(domains: Regions, planes: Planes) -> Borders:
-    """Return the borders between the domains of a lattice, with the interactions across them."""
+    """Return the borders between domains, with the mean interaction across each border. planes: interactions (4, H,
+    W).
+    """
     keys, forces = [], []
     for pairs, offset in zip(planes, OFFSETS, strict=True):
         here, there = pair_ends(domains.labels.shape, offset)
@@ -75,15 +81,17 @@ def find_borders(domains: Regions, planes: Planes) -> Borders:
 
 
 def _join_best(count: int, domain: Counts, mean: npt.NDArray[np.float64]) -> Counts:
-    """Return the new number of each of `count` domains after each one joins its neighbour with the largest mean.
+    """Return the new number (count,) of each domain after every domain joined the neighbour with the largest mean
+    interaction.
 
-    domain (2, B): the first one may join the second one. The new number is that of the first domain in the group.
+    domain: (2, B), pairs of domains that may join. mean: (B,), mean interaction of each pair. A joined domain gets the
+    smallest number of the domains that it contains.
     """
     one, other = domain
-    order = np.lexsort((domain.max(0), domain.min(0), mean))  # the best border comes last and overwrites the others
+    order = np.lexsort((domain.max(0), domain.min(0), mean))  # the border with the largest mean is assigned last
     best = np.arange(count)
     best[one[order]] = other[order]
-    # the order has no ties, so cycles have exactly two members
+    # the order is strict, so that a cycle has exactly two domains
     mutual = (best[best] == np.arange(count)) & (np.arange(count) < best)
     best[mutual] = np.flatnonzero(mutual)
     while not np.array_equal(best, best[best]):
@@ -94,7 +102,7 @@ def _join_best(count: int, domain: Counts, mean: npt.NDArray[np.float64]) -> Cou
 
 
 def pair_ends(shape: tuple[int, ...], offset: tuple[int, int]) -> Ends:
-    """Return the slices of the first and of the second pixels of all pairs with an offset."""
+    """Return the slices of the first pixels and of the second pixels of all pairs of pixels with an offset (dy, dx)."""
     (height, width), (dy, dx) = shape, offset
     rows = slice(max(0, -dy), max(height - max(0, dy), 0)), slice(max(0, dy), max(height + min(0, dy), 0))
     return (rows[0], slice(0, max(width - dx, 0))), (rows[1], slice(dx, width))

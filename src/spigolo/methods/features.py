@@ -1,4 +1,4 @@
-"""Pixel features and the graph of their distances, for methods with edge weights by eq. 1."""
+"""Feature vectors of pixels, and a graph whose edge weights are distances of features (equation 1)."""
 
 from __future__ import annotations
 
@@ -16,19 +16,24 @@ Features = npt.NDArray[np.float32]
 
 
 def color_features(image: Color, sigma_px: float) -> Features:
-    """Return R, G, B (3, H, W) in 0..255, each smoothed by a Gaussian of `sigma_px`. 0 does not smooth."""
+    """Return the RGB channels (3, H, W) of an image as features from 0 to 255, smoothed by a Gaussian of `sigma_px`
+    pixels.
+    """
     return np.ascontiguousarray(smooth(image.astype(np.float32), sigma_px).transpose(2, 0, 1))
 
 
 def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
-    """Return depth (H, W) in levels of a colour channel, smoothed like colour over valid pixels. NaN is missing."""
+    """Return depth as a feature (H, W), smoothed over valid pixels by a Gaussian of `sigma_px` pixels. NaN is missing.
+
+    depth: (H, W) in metres. levels_per_m: levels of a colour channel that correspond to one metre.
+    """
     valid = (depth > 0).astype(np.float32)
     mean = smooth(depth, sigma_px) / np.maximum(smooth(valid, sigma_px), np.float32(1e-6))
     return np.where(valid > 0, mean * np.float32(levels_per_m), np.float32(np.nan))
 
 
 def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.float32]:
-    """Smooth an image (H, W) or (H, W, C) by a Gaussian with a radius of 4 sigma. The image border is replicated."""
+    """Smooth an image (H, W) or (H, W, C) by a Gaussian with a radius of 4 sigma and replicated image borders."""
     if sigma_px == 0:
         return image
     size = 2 * math.ceil(4 * sigma_px) + 1
@@ -37,9 +42,9 @@ def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.fl
 
 
 def feature_graph(features: Features, connectivity: int, k_xy: float = 0.0) -> Graph:
-    """Return the graph whose edge weights are the feature distances (eq. 1). features: (C, H, W).
+    """Return the graph whose edge weights are the distances of features (C, H, W) of neighbours (equation 1).
 
-    k_xy: weight of the pixel coordinates among the features, per pixel.
+    connectivity: 4 or 8 neighbours. k_xy: weight of the pixel coordinates among the features, per pixel.
     """
     weights = np.empty((connectivity // 2, *features.shape[1:]), np.float32)
     for plane, (dy, dx) in zip(weights, OFFSETS, strict=False):

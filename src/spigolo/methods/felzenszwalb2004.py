@@ -1,6 +1,7 @@
-"""Felzenszwalb & Huttenlocher 2004, *Efficient Graph-Based Image Segmentation*, on which the paper builds.
+"""Felzenszwalb & Huttenlocher 2004, *Efficient Graph-Based Image Segmentation*.
 
-The method uses only colour. Edge weights follow eq. 1, regions eqs. 2 and 3.
+This method uses only colour. Edge weights are computed by equation 1, and pixels are merged into regions by equations 2
+and 3.
 """
 
 from __future__ import annotations
@@ -18,22 +19,24 @@ from spigolo.stages.regions import partition
 
 
 class FelzenszwalbConfig(MethodConfig):
-    """Parameters of `felzenszwalb2004`. Colours are 0..255."""
+    """Parameters of the method `felzenszwalb2004`. Colours range from 0 to 255."""
 
     sigma_px: NotNegative = 0.8
-    """Sigma of the Gaussian smoothing of each channel, px (their paper, section 5). 0 does not smooth."""
+    """Standard deviation of the Gaussian smoothing of colour, px. 0 does not smooth. The default value is that of the
+    paper.
+    """
     k: NotNegative = 800.0
-    """Threshold gamma of eq. 3, colour difference times pixels. Larger values make larger regions. Their paper uses 150
-    to 500. Ours was the best of several values for whole objects on real frames.
+    """Threshold gamma of equation 3, as a colour difference times a number of pixels. Larger values make larger
+    regions. The paper uses 150 to 500. The default was the best of several values in tests on real frames.
     """
     k_xy: NotNegative = 0.0
-    """Weight of a pixel's coordinates in eq. 1. As printed it is 1. The cited method has no coordinates on a grid, as
-    they would add a constant to all edges of one direction (our reading).
+    """Weight of the pixel coordinates in equation 1, per pixel. With 0, only colour counts, as in Felzenszwalb &
+    Huttenlocher 2004. Toscana & Rosa 2016 print the weight 1.
     """
     connectivity: Literal[4, 8] = 8
-    """Number of neighbours of a pixel (their paper)."""
+    """Number of neighbours of a pixel, 4 or 8. The paper uses 8 neighbours."""
     min_size_px2: Area_px2 = 1500.0
-    """Minimum area of a region, px^2. Smaller regions join a neighbour across their lightest edge (chosen like `k`)."""
+    """Minimum area of a region, px^2. Smaller regions join the neighbour at their lightest edge."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +47,12 @@ class Felzenszwalb2004(Baseline[FelzenszwalbConfig]):
     config: FelzenszwalbConfig = field(default_factory=FelzenszwalbConfig)
 
     def graph(self, frame: Frame) -> Graph:
-        """Eq. 1. Return the graph whose edge weights are colour differences."""
+        """Eq. 1. Return the graph whose edge weights are colour differences of neighbouring pixels."""
         features = color_features(frame.color, self.config.sigma_px)
         return feature_graph(features, self.config.connectivity, self.config.k_xy)
 
     def divide(self, frame: Frame) -> Division:
-        """Divide the frame into regions by internal difference."""
+        """Return the regions of a frame, found by merging pixels by internal difference (equations 2, 3)."""
         graph = self.graph(frame)
         config = self.config.at_size(frame.shape)
         return Division(partition(graph, config.k, config.min_size_px2), weight_contour(graph))

@@ -1,11 +1,11 @@
-"""Mishra et al. 2009, *Active Segmentation With Fixation*: segmentation of the object around a given point.
+"""Mishra et al., 2009, *Active Segmentation With Fixation*: segmentation of the object around a given point.
 
-The boundary map is transformed to polar coordinates around the point. In polar coordinates, the border of a small
-object is as long as that of a large object. The inside is separated from the outside at the lowest cost.
+The boundary map is transformed to polar coordinates around the point, where small and large objects have borders of
+equal length. The contour of the object is the closed path of lowest cost in the polar map.
 
-Costs follow their paper and released code. In our reading, the contour crosses each ray once, so it is star-shaped.
-Dynamic programming finds the optimal contour of this kind as a shortest closed path. A general minimum cut may cross a
-ray several times. We sample the polar map from a widened boundary map. Their code draws each edge into the polar map.
+Costs follow the paper and its released code. In this implementation, two details differ from the released code. The
+contour crosses each ray only once, so that dynamic programming replaces a minimum cut. The polar map is sampled from a
+widened boundary map.
 """
 
 from __future__ import annotations
@@ -29,34 +29,33 @@ from spigolo.stages.regions import Regions
 Points = npt.NDArray[np.float64]
 
 RAYS = 360
-"""Number of rays, one per degree (their released code)."""
+"""Number of rays of the polar map, one for each degree (as in the released code)."""
 LEAST_RADIUS_PX = 4
-"""Minimum distance between a contour and its fixation point, px. An edge through the point is not a contour
-around it.
-"""
+"""Minimum distance between a contour and the given point inside the contour, px."""
 
 
 class FixationConfig(BoundaryConfig):
-    """Parameters of `mishra2009`."""
+    """Parameters of the method `mishra2009`."""
 
     blur_px: Positive = 1.0
-    """Sigma of the Gaussian that widens edges, px. Rays would pass through thin lines."""
+    """Standard deviation of the Gaussian that widens edges before the polar transform, px."""
     frame_edge: Share = 20 / 255
-    """Boundary value at the border of the image (their released code)."""
+    """Boundary value at the image border, from 0 to 1 (as in the released code)."""
     weakest: Share = 5 / 255
-    """Minimum boundary value of an edge (their released code)."""
+    """Minimum boundary value of an edge, from 0 to 1 (as in the released code)."""
     gap_cost: NotNegative = 50.0
-    """Cost of a ray without an edge (their released code)."""
+    """Cost of a contour point without an edge (as in the released code)."""
     sharpness: NotNegative = 5.0
-    """Sharpness of the cost of an edge. An edge of probability p costs exp(-sharpness p). The value follows a public
-    re-implementation of the 2009 paper (their released code: 20).
+    """Sharpness in the cost exp(-sharpness p) of an edge with the boundary value p. The default is that of a public
+    re-implementation (the released code: 20).
     """
 
 
 def segment_around(frame: Frame, point: tuple[float, float], config: FixationConfig | None = None) -> ObjectMask:
-    """Segment the object around a pixel (y, x) by `mishra2009`. The region is an object even if it violates a rule.
+    """Segment the object around a pixel (y, x) by the method `mishra2009`.
 
-    Raises IndexError for a point outside the image.
+    The region around the pixel is returned even if a rule rejects it. Raises IndexError if the pixel lies outside the
+    image.
     """
     check_frame(frame)
     pixel = pixel_of(point, frame.shape)
@@ -65,21 +64,21 @@ def segment_around(frame: Frame, point: tuple[float, float], config: FixationCon
 
 @dataclass(frozen=True)
 class _Around(Baseline[FixationConfig]):
-    """Method that divides a frame into the object around a point and the rest."""
+    """Method that divides a frame into two regions: the object around a point, and the rest of the frame."""
 
     name = "mishra2009"
     point: tuple[int, int]
 
     def divide(self, frame: Frame) -> Division:
-        """Return the region around the point, and the rest of the frame."""
+        """Return two regions: the object around the point, and the rest of the frame."""
         boundary = find_boundary(frame.color, frame.depth, frame.camera, self.config)
         contour = contour_around(edge_map(boundary, self.config), self.point, self.config)
         return Division(paint([inside(contour, frame.shape)], frame.shape), boundary.value)
 
 
 def edge_map(boundary: Boundary, config: FixationConfig) -> Floats:
-    """Return the boundary map (H, W) in [0, 1] for rays. Edges are widened, and the image border is an edge."""
-    gain = np.float32(math.sqrt(2 * math.pi) * config.blur_px)  # keeps the value of a straight line
+    """Return the boundary map (H, W) from 0 to 1 with widened edges, where the image border counts as an edge."""
+    gain = np.float32(math.sqrt(2 * math.pi) * config.blur_px)  # keeps the boundary value of a straight line
     edges = np.minimum(cv2.GaussianBlur(boundary.value, (0, 0), config.blur_px) * gain, np.float32(1))
     for border in (edges[0], edges[-1], edges[:, 0], edges[:, -1]):
         np.maximum(border, np.float32(config.frame_edge), out=border)
@@ -87,9 +86,9 @@ def edge_map(boundary: Boundary, config: FixationConfig) -> Floats:
 
 
 def contour_around(edges: Floats, point: tuple[int, int], config: FixationConfig) -> Points:
-    """Return the cheapest closed contour around a pixel (y, x), with one point (y, x) on each of the 360 rays.
+    """Return the closed contour of lowest cost around a pixel (y, x), as one point (y, x) on each of 360 rays.
 
-    edges: (H, W) as returned by `edge_map`.
+    edges: boundary map (H, W) of `edge_map`.
     """
     height, width = edges.shape
     y, x = point
@@ -106,7 +105,7 @@ def contour_around(edges: Floats, point: tuple[int, int], config: FixationConfig
 
 
 def _cost(a: Floats, b: Floats, config: FixationConfig) -> Floats:
-    """Return the cost of separating neighbours with these edge values."""
+    """Return the cost of a contour between neighbouring pixels with the boundary values a and b."""
     edge = np.float32(0.5) * (a + b)
     cost = np.exp(np.float32(-config.sharpness) * edge)
     cost[edge < config.weakest] = config.gap_cost
@@ -114,22 +113,23 @@ def _cost(a: Floats, b: Floats, config: FixationConfig) -> Floats:
 
 
 def inside(contour: Points, shape: tuple[int, int]) -> Mask:
-    """Return the pixels (H, W) on and inside a contour of points (y, x)."""
+    """Return the mask (H, W) of the pixels on and inside a contour of points (y, x)."""
     mask = np.zeros(shape, np.uint8)
     cv2.fillPoly(mask, [np.rint(contour[:, ::-1]).astype(np.int32)], 1)
     return mask.view(bool)
 
 
 def innermost(mask: Mask) -> tuple[int, int]:
-    """Return the pixel (y, x) of a mask with the largest distance to the outside."""
+    """Return the pixel (y, x) inside a mask (H, W) that is farthest from the outline of the mask."""
     depth = cv2.distanceTransform(np.pad(mask, 1).view(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
     y, x = np.unravel_index(int(depth.argmax()), mask.shape)
     return int(y), int(x)
 
 
 def paint(masks: list[Mask], shape: tuple[int, int]) -> Regions:
-    """Return the regions of masks (H, W), numbered by first pixel. Later masks cover earlier ones. The rest is one
-    region.
+    """Return one region for each mask (H, W), and one region for all other pixels.
+
+    If masks overlap, the last mask is used. Regions are numbered in the order of their first pixels.
     """
     labels = np.zeros(shape, np.int32)
     for k, mask in enumerate(masks, start=1):

@@ -1,13 +1,12 @@
-"""Mishra et al. 2012, *Segmenting "Simple" Objects Using RGB-D*: choice of points inside objects, and segmentation
-there.
+"""Mishra et al., 2012, *Segmenting "Simple" Objects Using RGB-D*: segmentation around automatically chosen points.
 
-At a depth border, the nearer side owns the border. A border so indicates a point inside an object. `mishra2009` finds
-the region around that point. The region is a simple object if it is enclosed by borders that it owns or by contact
-boundaries.
+A depth border belongs to the surface on its nearer side, called the owner of the border. A point on the owner's side
+probably lies inside an object. The method `mishra2009` finds the region around such a point. A region is accepted as an
+object if its contour consists mostly of contact boundaries and of borders that the region owns.
 
-Only an outline of the text was available. The choice of points and the acceptance of objects are our reading, and all
-values are our choice. Their method detects contact with the table from the camera's pose. In our implementation, a
-contact is a valley of the depth.
+Only an outline of the paper was available. The choice of points, the acceptance of objects and the default parameters
+are our interpretation. The paper detects contact with the table from the camera's pose. In this implementation, a
+contact is a valley in the depth map.
 """
 
 from __future__ import annotations
@@ -27,40 +26,47 @@ from spigolo.methods.ownership import Boundary, Floats, find_boundary
 from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 
 HARDLY = 0.5
-"""Share of the required contour quality that is enough for a second fixation."""
+"""Share of `min_strong` that a contour must reach before the region is segmented again from its innermost point."""
 BESIDE_PX = 3.0
-"""Maximum distance between a contour and the edge that it follows, px."""
+"""Maximum distance between a contour point and the edge that the contour follows, px."""
 VOTES_PX = 9
-"""Width of the square in which votes are counted, px."""
+"""Side of the square in which votes for a point are counted, px."""
 
 
 class SimpleConfig(FixationConfig):
-    """Parameters of `mishra2012`: those of `mishra2009`, the choice of points, and the acceptance of objects."""
+    """Parameters of the method `mishra2012`: the parameters of `mishra2009`, the choice of points, and the acceptance
+    of objects.
+    """
 
     min_length_px: Annotated[int, Field(ge=1, le=10_000)] = 20
-    """Minimum length of a fragment of strong edges, px. Shorter fragments do not vote for points."""
+    """Minimum length of an edge that votes for points, px."""
     shift_px: Positive = 18.0
-    """Distance of fixation points from a border, px, on the side that owns the border."""
+    """Distance between a border and the points for which the border votes, on the side that owns the border, px."""
     max_fixations: Annotated[int, Field(ge=0, le=10_000)] = 40
-    """Maximum number of fixation points that are tried."""
+    """Maximum number of points around which the method segments."""
     min_votes: NotNegative = 8.0
-    """Minimum number of border pixels that vote for a fixation point. A single straight border gives 9."""
+    """Minimum number of border pixels that vote for a point. A single straight border gives 9 votes."""
     refixate: bool = True
-    """Repeat the segmentation from the innermost point of the region that was found."""
+    """Repeat the segmentation around the innermost point of the region that was found."""
     min_strong: Share = 0.5
-    """Minimum share of the contour that is a contact boundary, or a strong edge owned by the inside."""
+    """Minimum share of an object's contour that consists of contact boundaries and of strong edges that the object
+    owns.
+    """
     max_iou: Share = 0.5
-    """Maximum intersection over union of two objects. If two overlap more, the one with the higher contour share
-    stays.
+    """Maximum intersection over union of two objects. If two objects overlap more, the object whose contour has the
+    smaller share of contact boundaries and owned edges is removed.
     """
     min_area_px2: Area_px2 = 500.0
     """Minimum area of an object, px^2."""
     max_area: Share = 0.2
-    """Maximum area of an object as a share of the frame. Larger regions are surfaces on which objects stand."""
+    """Maximum area of an object as a share of the frame. Larger regions are probably tables or walls."""
 
 
 class Found(NamedTuple):
-    """Mask (H, W) of an object, and the share of its contour that supports it."""
+    """Object found around a point.
+
+    mask: (H, W). strong: share of the contour that consists of contact boundaries and of edges that the object owns.
+    """
 
     mask: Mask
     strong: float
@@ -68,15 +74,13 @@ class Found(NamedTuple):
 
 @dataclass(frozen=True)
 class Mishra2012(Baseline[SimpleConfig]):
-    """Segmentation around points that are indicated by depth borders. The rest of the frame is one region."""
+    """Segmentation around points on the nearer side of depth borders."""
 
     name = "mishra2012"
     config: SimpleConfig = field(default_factory=SimpleConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the rest of the frame and every simple object. If two overlap, the one with the higher contour
-        share gets the pixels.
-        """
+        """Return one region for each object, and one region for the rest of the frame."""
         config = self.config.at_size(frame.shape)
         boundary = find_boundary(frame.color, frame.depth, frame.camera, config)
         found = find_simple(boundary, config)
@@ -84,7 +88,10 @@ class Mishra2012(Baseline[SimpleConfig]):
 
 
 def find_simple(boundary: Boundary, config: SimpleConfig) -> list[Found]:
-    """Return the simple objects of a frame, the one with the highest contour share first."""
+    """Return the objects of a frame, best contour first.
+
+    The best contour has the largest share of contact boundaries and of edges that the object owns.
+    """
     kept: list[Found] = []
     for found in sorted(_look_around(boundary, config), key=lambda f: -f.strong):
         if all(_iou(found.mask, other.mask) <= config.max_iou for other in kept):
@@ -93,7 +100,7 @@ def find_simple(boundary: Boundary, config: SimpleConfig) -> list[Found]:
 
 
 def _look_around(boundary: Boundary, config: SimpleConfig) -> Iterator[Found]:
-    """Yield the objects around fixation points, in descending order of votes."""
+    """Yield the objects around the points with the most votes, in descending order of votes."""
     votes, edges, judge = count_votes(boundary, config), edge_map(boundary, config), Judge(boundary, config)
     for _ in range(config.max_fixations):
         y, x = np.unravel_index(int(votes.argmax()), votes.shape)
@@ -109,10 +116,10 @@ def _look_around(boundary: Boundary, config: SimpleConfig) -> Iterator[Found]:
 
 
 def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
-    """Return the number of border pixels that vote for each pixel (H, W).
+    """Return the number (H, W) of border pixels that vote for each pixel as a point inside an object.
 
-    A border pixel votes for the point at a distance of `shift_px` on the owner's side. Borders without an owner count
-    only if there are no others. Such borders vote for both sides.
+    A border pixel votes for the point at a distance of `shift_px` on the side that owns the border. If no border has an
+    owner, every border pixel votes for both sides.
     """
     owned = boundary.side != 0
     strong = (boundary.strong & owned if owned.any() else boundary.strong).view(np.uint8)
@@ -131,7 +138,7 @@ def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
 
 
 class Judge:
-    """Evaluation of fixation points: finds the region around a point, and the share of its contour that supports it."""
+    """Segmentation around single points, with a test of the contour."""
 
     def __init__(self, boundary: Boundary, config: SimpleConfig) -> None:
         self.boundary, self.config = boundary, config
@@ -144,8 +151,10 @@ class Judge:
         self.number[self.nearest[self.y, self.x]] = np.arange(self.y.size)
 
     def __call__(self, edges: Floats, point: tuple[int, int]) -> Found | None:
-        """Return the region around a pixel (y, x). None if its area is out of range or it owns too little of its
-        border.
+        """Return the object around a pixel (y, x), or None if the area or the contour of the region does not pass the
+        tests.
+
+        edges: boundary map (H, W) of `edge_map`.
         """
         config, shape = self.config, edges.shape
         contour = contour_around(edges, point, config)
@@ -157,9 +166,9 @@ class Judge:
         return Found(mask, strong) if strong >= HARDLY * config.min_strong else None
 
     def share(self, contour: Points, point: tuple[int, int]) -> float:
-        """Return the share of a contour next to a strong edge whose owner is the inside or unknown.
+        """Return the share of a contour that follows strong edges whose owner is the inside of the contour or unknown.
 
-        Contour points are weighted by their length.
+        The share is measured by length along the contour.
         """
         height, width = self.distance.shape
         y, x = np.rint(contour).astype(int).T

@@ -1,9 +1,10 @@
-"""Probability that an edge is the border of an object, and the side that owns it, for the methods of Mishra et al.
+"""Probability that an edge is the border of an object, and the side that owns the border (Mishra et al., 2009 and
+2012).
 
-Their probability is a logistic function of the difference in mean disparity between two half-discs. In our
-implementation, a line is fitted to each half-disc, and both lines are compared at the edge (our reading). The slope of
-a table is then not a step. If both lines form a valley, the edge is a contact boundary. Their texts name contact
-boundaries, but the available parts do not define them.
+In the papers, the probability is a logistic function of the difference in mean disparity between the half-discs on both
+sides of an edge. In this implementation, a line is fitted to the disparity in each half-disc, and both lines are
+compared at the edge. With fitted lines, the slope of a table is not mistaken for a depth step. If both lines form a
+valley, the edge is a contact boundary.
 """
 
 from __future__ import annotations
@@ -27,65 +28,63 @@ Floats = npt.NDArray[np.float32]
 
 ORIENTATIONS = 8
 NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) * (math.pi / ORIENTATIONS)])
-"""Normals (n_y, n_x) of the quantised edge orientations. y points downwards."""
+"""Unit normals (n_y, n_x) of the eight edge orientations, with y downwards."""
 NOMINAL_FOCAL = 0.9
-"""Assumed focal length as a share of the image width if the camera is not known."""
+"""Assumed focal length as a share of the image width if the camera is unknown."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels next to the edge line, where depth is smeared (their released code)."""
+"""Weight of pixels close to an edge, where depth is smeared (as in the released code)."""
 LEAST_WEIGHT = 20.0
-"""Minimum weight of measured pixels in a valid half-disc (our choice)."""
+"""Minimum total weight of the measured pixels in a half-disc (our choice)."""
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
-"""Levels per pixel of disparity for Canny, response of the Scharr filter to a slope of 1, and ratio of Canny's
-thresholds.
+"""Grey levels per pixel of disparity for Canny, response of the Scharr filter to a slope of 1, and ratio of Canny's
+high to low threshold.
 """
 
 
 class BoundaryConfig(MethodConfig):
-    """Parameters of the boundary probability. Disparities are in pixels of a stereo pair with the camera's focal
+    """Parameters of the boundary probability. Disparities are pixels of a virtual stereo pair with the camera's focal
     length.
 
-    The depth noise of triangulating sensors is constant in disparity, so one threshold is valid at all distances: 0.3
-    px are 7 mm at 1 m.
+    The noise of triangulating depth cameras is constant in disparity, so that one threshold is valid at all distances.
+    A disparity of 0.3 px corresponds to 7 mm at 1 m.
     """
 
     depth: bool = True
-    """Use depth. If false, edges are weighted only by colour contrast and have no owner, to measure the benefit of
-    depth.
-    """
+    """Use depth. If false, the boundary value of an edge depends only on colour contrast, and edges have no owner."""
     baseline_m: Positive = 0.075
-    """Baseline of the virtual stereo pair, m. The default is that of a Kinect (our choice)."""
+    """Baseline of the virtual stereo pair, m. The default value is the baseline of a Kinect (our choice)."""
     half_disc: Positive = 0.015
-    """Radius of the half-discs as a share of the image diagonal (their released code)."""
+    """Radius of the half-discs on both sides of an edge, as a share of the image diagonal (as in the released code)."""
     near_line: Share = 0.4
-    """Distance from the edge line, as a share of the radius, below which pixels have a small weight (their released
-    code).
+    """Distance from an edge below which pixels have a small weight, as a share of the radius (as in the released code).
     """
     steepness: Positive = 10.0
-    """Steepness beta_1 of the logistic function, 1/px (their released code)."""
+    """Steepness beta_1 of the logistic function of disparity, 1/px (as in the released code)."""
     step_px: Positive = 0.3
-    """Disparity step beta_2 at which the border probability is 1/2, px (their released code)."""
+    """Disparity step beta_2 at which the border probability is 1/2, px (as in the released code)."""
     valley_px: Positive | None = 0.6
-    """Depth of a valley at which the contact probability is 1/2, px: the sum of the rise of both lines over the radius.
-    None: no contact boundaries.
+    """Depth of a valley at which the contact probability is 1/2, px of disparity. The depth of a valley is the sum of
+    the rises of both lines over the radius. None finds no contact boundaries.
     """
     texture: Share = 50 / 255
-    """Minimum value of every edge, also without a depth difference (their released code)."""
+    """Minimum boundary value of every edge, even without a depth difference (as in the released code)."""
     max_shadow_px: Length_px = 60
-    """Maximum width of a shadow that gets the depth of its farther side, px, as in `DepthContours`."""
+    """Maximum width of a shadow that gets the depth of its farther side, px."""
     disparity_slope: Positive = 0.08
-    """Minimum disparity gradient of an edge in the disparity map, px per px. Such edges are added to the colour edges
-    (our choice).
+    """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are
+    added to the image edges (our choice).
     """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boundary:
-    """Edges and their owners, all (H, W).
+    """Edges of a frame and their owners.
 
-    value: float32 in [0, 1], the probability at edge pixels, else 0. strong: edges with a border probability above 1/2.
-    normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge. side: int8, the owner of the edge, which is the
-    nearer side: 1 for the side that the normal points to, -1 for the other side, and 0 if the owner is not known
-    (contact boundaries, no depth).
+    - value: (H, W) float32, border probability of edge pixels, 0 elsewhere.
+    - strong: mask (H, W) of edge pixels with a border probability above 1/2.
+    - normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge.
+    - side: (H, W) int8, owner of the edge: 1 for the side of the normal, -1 for the other side, 0 if the owner is
+      unknown.
     """
 
     value: Floats
@@ -95,7 +94,7 @@ class Boundary:
 
 
 def find_boundary(image: Color, depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -> Boundary:
-    """Return the boundary map of an image (H, W, 3) with depth (H, W) in metres."""
+    """Return the edges of an RGB image (H, W, 3) with a depth map (H, W) in metres, and their owners."""
     canny, gx, gy = scharr_canny(image, EdgesConfig())
     if not config.depth:
         return _by_contrast(canny, gx, gy)
@@ -119,7 +118,7 @@ def _by_depth(
     by_step = _logistic(np.abs(step), config.steepness, config.step_px)
     probability = by_step
     if config.valley_px is not None:
-        rise = (sides[..., 1] - sides[..., 3]) * np.float32(radius)  # slopes are along the normal, on both sides
+        rise = (sides[..., 1] - sides[..., 3]) * np.float32(radius)  # both slopes are along the normal
         probability = np.maximum(probability, _logistic(rise, config.steepness, config.valley_px))
     probability = np.where(sides[..., 0] > 0, probability, np.float32(0))
     strong = probability > 0.5
@@ -130,7 +129,7 @@ def _by_depth(
 
 
 def _by_contrast(canny: Mask, gx: Gradient, gy: Gradient) -> Boundary:
-    """Return edges weighted only by their gradient, as a share of the 95th percentile of the frame's edges."""
+    """Return the edges with boundary values from colour gradients, divided by the 95th percentile of the frame."""
     size = np.hypot(gx.astype(np.float32), gy.astype(np.float32))
     largest = float(np.percentile(size[canny], 95)) if canny.any() else 1.0
     value = np.where(canny, np.minimum(size / np.float32(largest), 1), np.float32(0))
@@ -139,7 +138,7 @@ def _by_contrast(canny: Mask, gx: Gradient, gy: Gradient) -> Boundary:
 
 
 def _disparity(depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -> Floats:
-    """Return disparity (H, W) in pixels, 0 if missing. Shadows get the disparity of the background."""
+    """Return the disparity (H, W) in pixels, 0 where missing. Shadows get the disparity of the background."""
     filled = np.empty_like(depth)
     contours.fill_shadows(depth, config.max_shadow_px, filled)
     focal = NOMINAL_FOCAL * depth.shape[1] if camera is None else camera.fx
@@ -148,7 +147,7 @@ def _disparity(depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -
 
 
 def _disparity_edges(disparity: Floats, slope: float) -> tuple[Mask, Gradient, Gradient]:
-    """Return the edges of a disparity map (H, W), and the gradients along x and y from which they were computed."""
+    """Return the Canny edges of a disparity map (H, W), and its gradients along x and y."""
     smooth = cv2.GaussianBlur(disparity, (5, 5), 0) * np.float32(LEVELS_PER_PX)
     largest = np.iinfo(np.int16).max
     gx, gy = (
@@ -160,7 +159,7 @@ def _disparity_edges(disparity: Floats, slope: float) -> tuple[Mask, Gradient, G
 
 
 def _orientation(gx: Gradient, gy: Gradient) -> npt.NDArray[np.uint8]:
-    """Return the index in NORMALS that is nearest to each gradient, regardless of its sign."""
+    """Return the index (H, W) of the vector of NORMALS that is nearest to each gradient or its opposite."""
     angle = np.arctan2(gy.astype(np.float32), gx.astype(np.float32)) * np.float32(ORIENTATIONS / math.pi)
     return (np.rint(angle).astype(np.int32) % ORIENTATIONS).astype(np.uint8)
 

@@ -1,4 +1,4 @@
-"""Interface of a method, which takes a frame and returns a segmentation."""
+"""Interface of a segmentation method, which is called with a frame and returns a Segmentation."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from spigolo.objects.segmentation import Segmentation
 
 
 class Method(Protocol):
-    """Method with its parameters. Methods can be pickled for worker processes.
+    """Interface of a segmentation method with its parameters. Methods can be pickled for worker processes.
 
-    name: name of the method. preset: name of its parameters, "" without a name. digest: text that changes with any
-    parameter value. parameters: values of the parameters, ready for JSON.
+    - name: name of the method.
+    - preset: name of the parameters, or "".
+    - digest: hash of the parameter values.
+    - parameters: parameter values as a mapping that can be written as JSON.
     """
 
     @property
@@ -26,7 +28,7 @@ class Method(Protocol):
     def parameters(self) -> Mapping[str, Any]: ...  # noqa: D102
 
     def replace(self, **changes: Any) -> Method:
-        """Return the same method with other parameters. Raises ConfigError for a parameter that it does not have."""
+        """Return the method with changed parameters. Raises ConfigError for an unknown parameter."""
 
     def __call__(self, frame: Frame) -> Segmentation:
-        """Return the objects of a frame. Raises SpigoloError for a frame that the method cannot use."""
+        """Segment a frame into objects. Raises SpigoloError if the method cannot use the frame."""

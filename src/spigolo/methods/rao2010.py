@@ -1,8 +1,8 @@
-"""Rao et al. 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth channel in addition to R, G, B.
+"""Rao et al., 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth channel in addition to R, G, B.
 
-This module implements only their segmentation. Their system then chooses graspable segments with a trained classifier.
-Only the paper's summary of their text was available. The scale of depth, the treatment of missing depth and all values
-are our reading.
+This module implements the segmentation, but not the trained classifier that selects graspable segments. Only a summary
+of the paper was available. The scale of depth, the treatment of missing depth and the default parameters are our
+interpretation.
 """
 
 from __future__ import annotations
@@ -19,24 +19,26 @@ from spigolo.stages.graph import Graph
 
 
 class RaoConfig(FelzenszwalbConfig):
-    """Parameters of `rao2010`: those of `felzenszwalb2004` and the scale of depth."""
+    """Parameters of the method `rao2010`: the parameters of `felzenszwalb2004` and the scale of depth."""
 
     levels_per_m: NotNegative = 1200.0
-    """Weight of one metre of depth difference, in levels of a colour channel. 0 ignores depth (chosen like `k`)."""
+    """Colour difference that corresponds to a depth difference of one metre, in levels of a colour channel. 0 ignores
+    depth.
+    """
 
 
 @dataclass(frozen=True)
 class Rao2010(Felzenszwalb2004):
     """Segmentation by merging pixels with small differences of colour and depth.
 
-    Edges to missing depth have a depth difference of 0 (our reading).
+    The depth difference of an edge is 0 if depth is missing at one of its pixels (our interpretation).
     """
 
     name = "rao2010"
     config: RaoConfig = field(default_factory=RaoConfig)
 
     def graph(self, frame: Frame) -> Graph:
-        """Return the graph with weights of eq. 1, with depth among the features."""
+        """Return the graph whose edge weights are differences of colour and depth of neighbours (equation 1)."""
         config = self.config
         color = color_features(frame.color, config.sigma_px)
         depth = depth_feature(frame.depth, config.sigma_px, config.levels_per_m)

@@ -1,4 +1,4 @@
-"""Toscana & Rosa 2016, the method of this package, with the interface of all methods."""
+"""Toscana & Rosa 2016, the method of this package, with the same interface as the methods for comparison."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, repr=False)
 class Toscana2016(Configured[Config]):
-    """Toscana & Rosa 2016 with one configuration. Each thread keeps its buffers between frames."""
+    """Method of Toscana & Rosa 2016 with one configuration. Each thread reuses its scratch memory from frame to
+    frame.
+    """
 
     name: ClassVar[str] = "toscana2016"
     config: Config = OBJECTS
@@ -24,11 +26,11 @@ class Toscana2016(Configured[Config]):
 
     @property
     def preset(self) -> str:
-        """Name of the configuration."""
+        """Name of the preset from which the configuration comes."""
         return self.config.name
 
     def __call__(self, frame: Frame) -> Segmentation:
-        """Return the objects of a frame."""
+        """Segment a frame into objects."""
         if not hasattr(self._own, "segmenter"):
             self._own.segmenter = Segmenter(self.config)
         segmenter: Segmenter = self._own.segmenter
@@ -38,5 +40,5 @@ class Toscana2016(Configured[Config]):
         return f"Toscana2016({self.preset} {self.digest})"
 
     def __reduce__(self) -> tuple[type[Toscana2016], tuple[Config]]:
-        """Pickle only the configuration, without buffers."""
+        """Pickle the configuration without the scratch memory."""
         return type(self), (self.config,)

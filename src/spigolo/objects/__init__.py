@@ -1,1 +1,1 @@
-"""Output: measured regions, verdicts with reasons, and the result."""
+"""Output of the method: measured regions, reasons for rejection, and the segmentation result."""

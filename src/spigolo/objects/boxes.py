@@ -15,25 +15,23 @@ from spigolo.frames.frame import Camera, DepthMap, Mask
 Vectors = npt.NDArray[np.float64]
 
 TRIM_PERCENT = 1.0
-"""Share of the points removed at each end of each axis, per cent, against flying pixels left by erosion (our
-choice).
-"""
+"""Per cent of the points that are ignored at each end of each axis, to remove flying pixels (our choice)."""
 LEAST_POINTS = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OrientedBox:
-    """Oriented box in the camera's frame."""
+    """Oriented box around the visible surface of an object, in the camera's frame."""
 
     center_m: Vectors
-    """Centre (3,) in metres."""
+    """Centre (3,) of the box in metres."""
     size_m: Vectors
-    """Size (3,) along the axes of the box in metres, longest first."""
+    """Side lengths (3,) of the box in metres, longest first."""
     R_camera_box: Vectors
-    """Rotation (3, 3). Its columns are the axes of the box in the camera's frame, right-handed."""
+    """Rotation matrix (3, 3) whose columns are the axes of the box in the camera's frame."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the values by name, ready for json.dumps."""
+        """Return the box as a dict that can be written as JSON."""
         return {name: getattr(self, name).tolist() for name in ("center_m", "size_m", "R_camera_box")}
 
     def contains(self, points_m: npt.NDArray[np.floating], margin_m: float = 0.0) -> Mask:
@@ -42,18 +40,23 @@ class OrientedBox:
         return np.asarray(inside.all(axis=1))
 
     def corners_m(self) -> Vectors:
-        """Return the corners (8, 3) in the camera's frame."""
+        """Return the corners (8, 3) of the box in metres in the camera's frame."""
         signs = np.array(list(itertools.product((-0.5, 0.5), repeat=3)))
         return np.asarray(self.center_m + signs * self.size_m @ self.R_camera_box.T)
 
 
 def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = None) -> OrientedBox | None:
-    """Fit a box to the valid depth (H, W) under a mask (H, W). Return None if fewer than 10 pixels have depth.
+    """Fit an oriented box to the measured depth inside a mask.
 
-    up: (3,) unit vector that one axis of the box follows, such as the normal of the support. Without it, that axis is
-    the direction in which the surface varies least. That direction is tilted if the camera sees both top and sides. The
-    box covers only the visible surface. Depth at an outline mixes object and background (flying pixels). Therefore the
-    rim of the mask and the outermost points along each axis are left out.
+    The box covers only the visible surface. Pixels at the outline of the mask and the outermost points along each axis
+    are ignored. Depth at outlines often mixes object and background (flying pixels).
+
+    - mask: mask (H, W) of the pixels of the object.
+    - depth: depth map (H, W) in metres.
+    - up: unit vector (3,) that one axis of the box follows, such as the normal of the support plane. If `up` is None,
+    one axis of the box is the direction in which the points vary least.
+
+    Returns None if fewer than 10 pixels have depth.
     """
     core = cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
     points = camera.back_project(depth, core)
@@ -66,12 +69,12 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
 
 
 def _flattest(points: Vectors) -> Vectors:
-    """Return the direction in which points (N, 3) vary least."""
+    """Return the unit vector (3,) of the direction in which points (N, 3) vary least."""
     return np.asarray(np.linalg.eigh(np.cov(points.T))[1][:, 0])
 
 
 def _tight_box(points: Vectors, axis: Vectors) -> OrientedBox:
-    """Return the tightest box with a given axis. The other two axes follow the smallest rectangle across it."""
+    """Return the smallest box around points (N, 3) with one given axis (3,)."""
     middle = np.median(points, axis=0)
     across = np.linalg.svd(axis[None, :])[2][1:].T
     plane = (points - middle) @ across

@@ -1,4 +1,4 @@
-"""Drawings of objects over the colour image."""
+"""Drawing of objects over the colour image."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ Tint = npt.NDArray[np.uint8]
 
 
 def palette(count: int) -> npt.NDArray[np.uint8]:
-    """Return RGB colours (count, 3) in which neighbouring numbers differ clearly."""
+    """Return RGB colours (count, 3) uint8 for the numbers 1..count. Colours of consecutive numbers differ clearly."""
     return np.array([tint_of(number) for number in range(1, count + 1)], np.uint8).reshape(-1, 3)
 
 
 def tint_of(number: int) -> Tint:
-    """Return the RGB colour (3,) of a number. Numbers start at 1."""
+    """Return the RGB colour (3,) uint8 of an object number, which starts at 1."""
     hue = (0.02 + (number - 1) * GOLDEN_RATIO) % 1.0
     color = colorsys.hsv_to_rgb(hue, 0.9, 0.92) if number % 2 else colorsys.hsv_to_rgb(hue, 0.75, 1.0)
     return np.asarray(np.round(np.array(color) * 255), np.uint8)
 
 
 def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
-    """Draw masks (H, W) over an image (H, W, 3). The background is dimmed, and each object is tinted and outlined.
+    """Draw the masks of objects over an image (H, W, 3): dimmed background, tinted and outlined objects.
 
-    masks: indexed by the number that determines the colour.
+    masks: masks (H, W), indexed by the object number that determines the colour.
     """
     picture = (color * np.float32(0.45)).astype(np.uint8)
     for number, mask in masks.items():
@@ -45,7 +45,10 @@ def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
 
 
 def draw_numbers(picture: Color, masks: Mapping[int, Mask]) -> None:
-    """Write the number of each mask into it, in place."""
+    """Draw the number of each object into a picture (H, W, 3), which is changed in place.
+
+    masks: masks (H, W), indexed by object number.
+    """
     for number, mask in masks.items():
         _draw_number(picture, number, mask, tint_of(number), _scale(picture))
 
@@ -55,7 +58,7 @@ def _scale(picture: Color) -> float:
 
 
 def _draw_number(picture: Color, number: int, mask: Mask, tint: Tint, scale: float) -> None:
-    """Write a number in a disc at the innermost pixel of the mask. The centroid may lie outside the object."""
+    """Draw a number in a disc at the innermost pixel of a mask, because the centroid may lie outside the mask."""
     inside = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)
     y, x = np.unravel_index(int(inside.argmax()), inside.shape)
     center = int(x) - 1, int(y) - 1

@@ -1,4 +1,4 @@
-"""Measurements of every region, in the image and in space."""
+"""Measurements of every region in the image and in space."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from spigolo.stages.regions import Regions
 Labels = npt.NDArray[np.int32]
 
 SPREAD_OF_SQUARE = 12
-"""Ratio of the squared side of a rectangle to the variance along that side."""
+"""Squared length of a side of a rectangle, divided by the variance of the coordinates along that side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
@@ -33,53 +33,56 @@ class RegionFacts:
     region: int
     """Number of the region in `Segmentation.regions`."""
     score: float
-    """Score of the region as an object, in [0, 1] (`region_score`)."""
+    """Score of the region from 0 to 1, computed by `region_score`. Whole objects have high scores."""
     area_px: int
     """Number of pixels of the region."""
     box_px: tuple[int, int, int, int]
-    """Bounding box (y0, x0, y1, x1) in pixels, the last two exclusive."""
+    """Bounding box (y0, x0, y1, x1) of the region in pixels, y1 and x1 exclusive."""
     centroid_px: tuple[float, float]
-    """Centroid (y, x) in pixels."""
+    """Centroid (y, x) of the region in pixels."""
     centroid_m: tuple[float, float, float] | None
-    """Mean (X, Y, Z) of the region's measured points in metres. None without measured points or intrinsics."""
+    """Mean (X, Y, Z) of the region's measured points in metres. None if measured points or intrinsics are missing."""
     spread_px2: tuple[float, float]
-    """Eigenvalues (lambda1, lambda2) of the covariance of the pixel coordinates, px^2."""
+    """Eigenvalues (lambda1, lambda2) of the covariance of the region's pixel coordinates, px^2, largest first."""
     eccentricity: float
-    """Eccentricity sqrt(1 - lambda2 / lambda1), in [0, 1]. 0 is round, 1 is a line."""
+    """Eccentricity sqrt(1 - lambda2 / lambda1) of the region, from 0 for a disc to 1 for a line."""
     missing: float
     """Share of the region's pixels without measured depth."""
     unfilled: float
     """Share of the region's pixels without depth after in-painting."""
     dark: float
-    """Share of the region's pixels in the three darkest of 32 brightness bins."""
+    """Share of the region's pixels that are dark: brightness max(R, G, B) in the three lowest of 32 bins."""
     above: float | None
-    """Share of the region's measured pixels above the support plane. None without a plane."""
+    """Share of the region's measured pixels above the support plane. None if the frame has no support plane."""
     inside: float | None
-    """Share of the region's pixels inside the region of interest. None without a region of interest."""
+    """Share of the region's pixels inside the region of interest. None if no region of interest is given."""
     contour: float
-    """Mean boundary value along the region's border, in [0, 1]."""
+    """Mean boundary value along the region's border, from 0 to 1."""
     cut: float | None
-    """Share of the region's outline on the image border. None if walls are not checked or the region is low."""
+    """Share of the region's outline that lies on the image border. None if walls are not checked or the region is
+    low.
+    """
     hides: float | None
-    """Share of the region's own outline beyond which depth is larger by a step.
+    """Share of the region's outline beyond which the depth is larger by a step. Parts of the outline next to a nearer
+    object do not count.
 
     None if walls are not checked, the region is low, or too little of its outline has depth.
     """
     ledge: float | None
-    """Share of the region's outline along which the height above the support changes by a step. None without a plane or
-    enough depth.
+    """Share of the region's outline along which the height above the support plane changes by a step. None if the
+    support plane or enough depth is missing.
     """
     lean_deg: float | None
-    """Angle between the region's mean normal and the line of sight, degrees.
+    """Angle between the region's mean surface normal and the line of sight, degrees.
 
     None if walls are not checked, the region is low, or too little of its outline has depth.
     """
     regions: Labels
     """Region numbers (H, W) of the whole frame."""
     frame: Frame
-    """Frame of the region."""
+    """Frame that contains the region."""
     plane: Plane | None
-    """Support plane, or None."""
+    """Support plane of the frame. None if no plane was found."""
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._summary()})"
@@ -91,20 +94,19 @@ class RegionFacts:
 
     @property
     def mask(self) -> Mask:
-        """Pixels of the region, (H, W) bool. Each access makes a new array."""
+        """Mask (H, W) of the region's pixels. Each access creates a new array."""
         return np.asarray(self.regions == self.region)
 
     @property
     def distance_m(self) -> float | None:
-        """Distance of the centroid from the camera in metres. None without depth or intrinsics."""
+        """Distance of the region's centroid from the camera in metres. None if depth or intrinsics are missing."""
         return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
 
     @property
     def size_m(self) -> tuple[float, float] | None:
-        """Length and width of a rectangle with the region's spread, facing the camera at the centroid's depth, in
-        metres.
+        """Approximate length and width of the region in metres. None if depth or intrinsics are missing.
 
-        None without depth or intrinsics.
+        Length and width are the sides of a rectangle at the centroid, facing the camera, with the spread of the region.
         """
         camera, center = self.frame.camera, self.centroid_m
         if camera is None or center is None:
@@ -114,16 +116,17 @@ class RegionFacts:
         return length, width
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the measurements by name, ready for json.dumps."""
+        """Return the measurements as a dict that can be written as JSON."""
         facts = {name: getattr(self, name) for name in MEASURED}
         return {name: list(fact) if isinstance(fact, tuple) else fact for name, fact in facts.items()}
 
     def points_m(self, trim_m: float | None = None) -> npt.NDArray[np.float32]:
-        """Return the region's measured points (N, 3) in the camera's frame, in raster order, without in-painted depth.
+        """Return the region's measured points (N, 3) in metres in the camera's frame, in raster order.
 
-        trim_m: leave out points that are farther than this outside the oriented box, in metres. These are flying
-        pixels: depth at an outline mixes object and background. None: all points. Raises CameraError for a frame
-        without intrinsics.
+        In-painted depth is not included. Raises CameraError for a frame without intrinsics.
+
+        trim_m: maximum distance of a point outside the oriented box, in metres. Points farther outside are flying
+        pixels, whose depth mixes object and background, and are left out. None: all points are returned.
         """
         if self.frame.camera is None:
             raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
@@ -132,10 +135,10 @@ class RegionFacts:
         return points if box is None or trim_m is None else points[box.contains(points, trim_m)]
 
     def oriented_box(self) -> OrientedBox | None:
-        """Return the box around the region's measured surface, without flying pixels. The box stands upright on the
-        support.
+        """Return the oriented box around the region's measured surface. One axis of the box is the normal of the
+        support plane.
 
-        None with fewer than 10 measured pixels, or without intrinsics.
+        The result is None if fewer than 10 pixels have depth, or without intrinsics.
         """
         camera = self.frame.camera
         if camera is None:
@@ -157,11 +160,14 @@ def measure_regions(
     stance: Stance | None = None,
     plane: Plane | None = None,
 ) -> list[RegionFacts]:
-    """Measure every region. Results are indexed by region number.
+    """Measure every region. The result is indexed by region number.
 
-    depth: (H, W) after in-painting. contour: (H, W) as returned by `contour_cue`. above: (H, W), measured pixels above
-    the support. inside: two masks (H, W), the pixels in the region of interest and the pixels that count. plane: the
-    support.
+    - depth: in-painted depth map (H, W) in metres.
+    - contour: boundary map (H, W) of `contour_cue`.
+    - above: mask (H, W) of the measured pixels above the support plane.
+    - inside: the two masks (H, W) of `roi_mask`.
+    - stance: measurements of walls and ledges.
+    - plane: support plane.
     """
     points = _sum_points(regions, frame)
     measured = points[:, 0]
@@ -191,17 +197,17 @@ def measure_regions(
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
     """Measure regions again after their outlines have changed.
 
-    facts: earlier measurements, indexed by new region number. depth: (H, W) after in-painting.
+    Measurements of the mask are updated. Measurements by which the region was accepted or rejected are kept: score,
+    above, inside, contour, cut, hides, ledge and lean_deg.
 
-    Measurements that describe the mask are updated. Measurements that decided the verdict stay: score, above, inside,
-    contour, cut, hides, ledge and lean_deg.
+    facts: earlier measurements, indexed by new region number. depth: in-painted depth map (H, W) in metres.
     """
     places = _places(regions, depth, frame, _sum_points(regions, frame))
     return [replace(f, region=k, frame=frame, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]
 
 
 def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
-    """Return the measurements that describe each region's mask, by name. points: (R, 4) as returned by
+    """Return the measurements of each region's mask as dicts, indexed by region number. points: (R, 4) from
     `_sum_points`.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
@@ -230,9 +236,9 @@ def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray
 
 
 def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
-    """Return lambda1 >= lambda2 (px^2) and the eccentricity of each region from its moments (R, 6).
+    """Return the variances lambda1 >= lambda2 (px^2) along the principal axes, and the eccentricity, of each region.
 
-    The covariance is divided by N.
+    sums: number of pixels and sums of coordinates (R, 6), from `moments.sum_regions`.
     """
     n, y, x, yy, yx, xx = sums.T
     n = np.maximum(n, 1)
@@ -244,9 +250,9 @@ def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.floa
 
 
 def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
-    """Return the number of measured pixels and the sums of their X, Y, Z for each region (R, 4).
+    """Return the number of measured pixels and the sums of their X, Y and Z in metres for each region (R, 4).
 
-    Without a camera only the number is valid.
+    Without a camera, only the number of measured pixels is valid.
     """
     sums = np.zeros((regions.count, 4))
     moments.sum_depth(regions.labels, frame.depth, kernel_numbers(frame.camera), sums)

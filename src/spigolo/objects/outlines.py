@@ -1,4 +1,4 @@
-"""Redrawn outlines in the result (ours)."""
+"""Refinement of object outlines in the segmentation result (our addition)."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ Value = TypeVar("Value", bound=np.generic)
 
 @stage("outlines")
 def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
-    """Redraw the outlines of all objects by colour where depth does not locate them.
+    """Move the outlines of all objects to colour differences, within a band where depth is smeared or missing.
 
-    A pixel that leaves an object joins the rejected region of its seed. Rejected regions that lose all pixels are
+    A pixel that is removed from an object is added to a neighbouring region. Rejected regions that lose all pixels are
     removed, and the other regions get new numbers.
     """
     if config.refinement is None or not result.objects:
@@ -38,9 +38,9 @@ def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
 
 @stage("enlarging")
 def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None = None) -> Segmentation:
-    """Return the result of a frame from the result of its half (`halve_frame`), with outlines placed at full size.
+    """Convert the result of a frame at half resolution (`halve_frame`) to full resolution, with refined outlines.
 
-    config: the parameters named in the result. roi: region of interest in the full frame.
+    frame: frame at full resolution. config: parameters of the segmentation. roi: region of interest in the full frame.
     """
     regions = Regions(_doubled(result.regions.labels, frame.shape), result.regions.count)
     scene = _enlarged_scene(result.scene, frame, config, roi)
@@ -51,7 +51,10 @@ def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None 
 
 
 def _enlarged_scene(scene: Scene, frame: Frame, config: Config, roi: Roi | None) -> Scene:
-    """Return the scene of a frame from the scene of its half. In-painted depth is taken from the half."""
+    """Convert the scene of a frame at half resolution to full resolution.
+
+    Missing depth is filled with the in-painted depth at half resolution.
+    """
     sized = config.at_size(frame.shape)
     ours = sized.additions
     if ours is not None:
@@ -71,16 +74,16 @@ def _enlarged_scene(scene: Scene, frame: Frame, config: Config, roi: Roi | None)
 
 
 def _doubled(values: npt.NDArray[Value], shape: tuple[int, int]) -> npt.NDArray[Value]:
-    """Repeat each value in a block of two by two, and cut the result to (H, W)."""
+    """Enlarge an array to twice its size by repeating values in blocks of 2x2, and crop the result to shape (H, W)."""
     return np.ascontiguousarray(values.repeat(2, axis=0).repeat(2, axis=1)[: shape[0], : shape[1]])
 
 
 def _redrawn(
     result: Segmentation, scene: Scene, regions: Regions, before: npt.NDArray[np.int32], claimed: Claimed
 ) -> Segmentation:
-    """Return the result in a scene after pixels were claimed. Regions get new numbers.
+    """Return the segmentation result after pixels near borders were reassigned. Empty regions are removed.
 
-    before: (H, W), labels of the objects before pixels were claimed.
+    before: labels (H, W) of the objects before the reassignment. claimed: labels after the reassignment.
     """
     labels, areas = np.empty_like(regions.labels), np.zeros(regions.count, np.int64)
     kernel.follow_seeds(before, claimed.labels, claimed.source_of, regions.labels, labels, areas)

@@ -1,4 +1,4 @@
-"""Scene of a frame: its depth, support plane and rules, by which regions are judged."""
+"""Input of the rejection rules: depth, support plane, boundary map and limits of a frame."""
 
 from __future__ import annotations
 
@@ -20,57 +20,61 @@ from spigolo.stages.regions import Regions
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Scene:
-    """Maps and rules by which regions of any method are judged. Corrections by hand use them again."""
+    """Maps and rules of a frame that decide which regions are objects."""
 
     frame: Frame
-    """Frame whose regions are judged."""
+    """Frame to which the regions belong."""
     depth: DepthMap
-    """Depth (H, W) in metres, in-painted if in-painting is on. 0 counts as missing."""
+    """Depth map (H, W) in metres, 0 where missing, with small gaps in-painted if in-painting is on."""
     contour: npt.NDArray[np.float32]
-    """Boundary value (H, W) in [0, 1] of each pixel."""
+    """Boundary map (H, W) with values from 0 to 1."""
     plane: Plane | None
-    """Support plane, or None."""
+    """Support plane of the frame. None if no plane was found."""
     rejection: Rejection
-    """Rules of the paper, sized for the image."""
+    """Rejection rules of the paper, with lengths and areas scaled to the image size."""
     additions: Additions | None
-    """Our rules, sized for the image. None without additions."""
+    """Our additions, with lengths and areas scaled to the image size. None if the preset has no additions."""
     preset: str
-    """Name of the preset that the regions were made with."""
+    """Name of the preset that produced the regions."""
     digest: str
-    """Digest of the preset's values."""
+    """Hash of the parameter values of the preset."""
     left_out: tuple[str, ...] = ()
-    """Cues that need intrinsics and were left out."""
+    """Names of cues that were not computed because intrinsics are missing."""
     above: Mask | None = None
-    """Measured pixels (H, W) above the support plane. None without a plane."""
+    """Mask (H, W) of the measured pixels above the support plane. None if the frame has no support plane."""
     inside: tuple[Mask, Mask] | None = None
-    """Pixels (H, W) in the region of interest, and the pixels that count. None without a region of interest."""
+    """Mask (H, W) of the pixels inside the region of interest, and mask (H, W) of the pixels that can be judged. None
+    if no region of interest is given.
+    """
 
     @property
     def support(self) -> Support | None:
-        """Parameters of the support plane. None if no plane was searched."""
+        """Parameters of the support plane. None if the support plane is switched off."""
         return None if self.additions is None else self.additions.support
 
     @property
     def rules(self) -> Rules:
-        """Our rules, all off without additions."""
+        """Our rejection rules. Without additions, all rules are switched off."""
         return Rules() if self.additions is None else self.additions.rules
 
     def measure(self, regions: Regions) -> list[RegionFacts]:
-        """Return the measurements of each region."""
+        """Measure every region in the image and in space."""
         stance = self._stance(regions)
         return measure_regions(
             regions, self.depth, self.frame, self.contour, self.above, self.inside, stance, self.plane
         )
 
     def on_support(self, labels: Labels) -> Mask | None:
-        """Return the background pixels (H, W) on the support plane. None without a plane."""
+        """Return the mask (H, W) of background pixels on the support plane, or None if the frame has no support
+        plane.
+        """
         camera = self.frame.camera
         if self.plane is None or self.support is None or camera is None:
             return None
         return np.asarray(support_mask(self.plane, self.frame.depth, camera, self.support) & (labels == 0))
 
     def all_left_out(self) -> tuple[str, ...]:
-        """Return the names of all features that were left out because intrinsics are missing."""
+        """Return the names of all results that are missing because the frame has no intrinsics."""
         if self.frame.camera is not None:
             return ()
         support = ("support plane",) if self.support is not None else ()
@@ -80,7 +84,7 @@ class Scene:
         plane, camera, wall = self.plane, self.frame.camera, self.rules.wall
         if wall is None or self.support is None or camera is None:
             return None
-        if plane is None:  # without a plane every region is tested
+        if plane is None:  # without a support plane, every region is tested for a wall
             tall = np.asarray(self.depth > 0)
         else:
             high = self.support.model_copy(update={"min_height_m": wall.min_height_m})
@@ -89,14 +93,12 @@ class Scene:
 
 
 def find_above(frame: Frame, plane: Plane | None, additions: Additions | None) -> Mask | None:
-    """Return the measured pixels (H, W) above the support plane. None without a plane."""
+    """Return the mask (H, W) of measured pixels above the support plane, or None if the frame has no support plane."""
     if plane is None or additions is None or additions.support is None or frame.camera is None:
         return None
     return above_mask(plane, frame.depth, frame.camera, additions.support)
 
 
 def find_inside(frame: Frame, roi: Roi | None) -> tuple[Mask, Mask] | None:
-    """Return the pixels (H, W) in the region of interest, and the pixels that count. None without a region of
-    interest.
-    """
+    """Return the two masks (H, W) of `roi_mask` for a region of interest, or None if no region of interest is given."""
     return None if roi is None else roi_mask(roi, frame)

@@ -15,14 +15,16 @@ SUPPORTED_SHARE = 3000 / (640 * 480)
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """Return the map (H, W) in [0, 1] that measures borders: the boundary map, or the weights without one."""
+    """Return a map (H, W) of border strength from 0 to 1: the boundary map, or a map of edge weights without a boundary
+    map.
+    """
     return weight_contour(graph) if cues.boundary is None else cues.boundary
 
 
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
-    """Return a boundary map (H, W) in [0, 1] that is computed only from edge weights.
+    """Return a boundary map (H, W) from 0 to 1 that is computed from edge weights.
 
-    Each pixel gets the larger weight of its right and lower edge, divided by the 95th percentile of all pixels.
+    Each pixel gets the larger weight of its right and lower edge, divided by the 95th percentile of these weights.
     """
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)
@@ -32,9 +34,7 @@ def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
 
 
 def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Return the mean of a map (H, W) along the border of each region (R,). The mean is 0 for a region without
-    neighbours.
-    """
+    """Return the mean value (R,) of a map (H, W) along the border of each region, 0 for a region without neighbours."""
     sums = np.zeros((regions.count, 2))
     moments.sum_contours(regions.labels, contour, sums)
     return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
@@ -43,13 +43,14 @@ def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.
 def region_score(
     contour: npt.NDArray[np.float64], measured: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
 ) -> npt.NDArray[np.float64]:
-    """Return the score (R,) of each region as an object, in [0, 1].
+    """Return the score (R,) of each region from 0 to 1, which is high for whole objects.
 
-    The score is contour x (1 - exp(-measured / 0.98 %)) x share above the support plane. The last factor is 1 without a
-    plane.
+    The score is contour * (1 - exp(-measured / 0.98 %)) * above. Large surfaces with a strong contour above the support
+    plane are more often whole objects.
 
-    measured: the region's measured pixels as a share of the image. Large surfaces with a closed contour above the
-    support are more often whole objects.
+    - contour: mean boundary value (R,) along each region's border.
+    - measured: number of each region's measured pixels (R,), as a share of the image.
+    - above: share (R,) of each region above the support plane, or None if the frame has no support plane.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

@@ -1,4 +1,4 @@
-"""Result of a segmentation: objects, rejected regions, and corrections by hand."""
+"""Segmentation result: objects, rejected regions, and corrections by hand."""
 
 from __future__ import annotations
 
@@ -24,29 +24,29 @@ from spigolo.stages.regions import Regions
 
 FACTS = tuple(f.name for f in dataclasses.fields(RegionFacts))
 CROP_MARGIN = 0.15
-"""Margin of an object's picture, as a share of its box."""
+"""Margin around an object in its PNG picture, as a share of the size of its bounding box."""
 _facts = attrgetter(*FACTS)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class ObjectMask(RegionFacts):
-    """One object: its mask, its measurements and its number."""
+    """Object in a frame, with its mask, its measurements and its number."""
 
     label: int
-    """Number of the object in `Segmentation.labels`, from 1."""
+    """Number of the object in the label image `Segmentation.labels`, from 1."""
     id: int | None = None
-    """Id of the object, from 1. It stays the same from frame to frame. None without `Segmenter(ids=True)`."""
+    """Id that the object keeps from frame to frame, from 1. None unless `Segmenter(ids=True)` is used."""
 
     @property
     def number(self) -> int:
-        """Number that pictures and messages show: the id if the object has one, else the label."""
+        """Number of the object in pictures and messages: the id or, without ids, the label."""
         return self.label if self.id is None else self.id
 
     def _summary(self) -> str:
         return f"{self.label}: {RegionFacts._summary(self)}"
 
     def _repr_png_(self) -> bytes:
-        """Return the object cut out of its frame as a PNG, for notebooks."""
+        """Return a PNG picture of the object, which notebooks display."""
         picture = draw_objects(self.frame.color, {self.number: self.mask})
         y0, x0, y1, x1 = self.box_px
         dy, dx = round(CROP_MARGIN * (y1 - y0)) + 1, round(CROP_MARGIN * (x1 - x0)) + 1
@@ -55,12 +55,12 @@ class ObjectMask(RegionFacts):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class RejectedRegion(RegionFacts):
-    """A region that is not an object."""
+    """Region that was rejected as an object, with the reason."""
 
     reason: Reason
-    """First rule that the region breaks."""
+    """First rule that the region violates."""
     why: str
-    """Reason in words, with the measured value and the limit."""
+    """Reason for the rejection as text, with the measured value and the limit."""
 
     def _summary(self) -> str:
         return f"{self.why}; {RegionFacts._summary(self)}"
@@ -68,26 +68,27 @@ class RejectedRegion(RegionFacts):
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Segmentation:
-    """Result of `segment`. Iterating, indexing and len() use the objects, best score first. np.asarray() gives
-    the labels.
+    """Segmentation result of a frame.
+
+    Iterating, indexing and len() use the objects, best score first. np.asarray() returns the label image.
     """
 
     labels: Labels
     """Label image (H, W) int32: 0 = background, 1..N = objects."""
     objects: tuple[ObjectMask, ...]
-    """The objects, best score first."""
+    """Objects in descending order of their scores."""
     rejected: tuple[RejectedRegion, ...]
-    """All regions that are not objects, each with the reason for its rejection."""
+    """Rejected regions with the reasons for their rejection. All regions that are not objects are included."""
     left_out: tuple[str, ...]
-    """Results that need intrinsics and were left out."""
+    """Names of results that were not computed because intrinsics are missing."""
     preset: str
-    """Name of the parameters."""
+    """Name of the preset."""
     digest: str
-    """Hash of the parameters."""
+    """Hash of the parameter values, eight hexadecimal digits."""
     regions: Regions
-    """All regions of the frame."""
+    """Regions of the whole frame, of the background and of objects."""
     scene: Scene
-    """Input of the rejection rules: frame, depth, plane and limits."""
+    """Input of the rejection rules: frame, depth map, support plane and limits."""
 
     def __repr__(self) -> str:
         height, width = self.labels.shape
@@ -95,23 +96,25 @@ class Segmentation:
         return f"Segmentation({found}, {width}x{height}, {self.preset} {self.digest})"
 
     def _repr_png_(self) -> bytes:
-        """Return the overlay as a PNG, for notebooks."""
+        """Return the overlay as a PNG picture, which notebooks display."""
         return _png(self.overlay())
 
     @property
     def frame(self) -> Frame:
-        """The frame that was segmented."""
+        """Frame that was segmented."""
         return self.scene.frame
 
     @property
     def support(self) -> Mask | None:
-        """Background pixels (H, W) on the support plane, a new array each time. None if there is no plane."""
+        """Mask (H, W) of background pixels on the support plane. None if the frame has no support plane. Each access
+        creates a new array.
+        """
         return self.scene.on_support(self.labels)
 
     def overlay(self) -> Color:
         """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered.
 
-        The numbers and tints are those of ids, if objects have them, so that they last from frame to frame.
+        If objects have ids, numbers and tints depend on the ids and stay the same from frame to frame.
         """
         masks = {o.number: o.mask for o in self}
         picture = draw_objects(self.frame.color, masks)
@@ -119,9 +122,10 @@ class Segmentation:
         return picture
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all except the pixels as a dictionary for json.dumps: objects, and rejected regions with reasons.
+        """Return objects and rejected regions, without pixels, as a dict that can be written as JSON.
 
-        Names are those of `RegionFacts`. Metres in the camera's frame (X right, Y down, Z forward), pixels as (y, x).
+        Measurements have the names of the fields of `RegionFacts`. Points in space are in metres in the camera's frame.
+        Pixels are (y, x).
         """
         return {
             "preset": self.preset,
@@ -134,7 +138,7 @@ class Segmentation:
         }
 
     def table(self) -> dict[str, list[Any]]:
-        """Return the measurements of the objects as columns, one row per object: `pandas.DataFrame(result.table())`."""
+        """Return the measurements of the objects as a dict of columns, for `pandas.DataFrame(result.table())`."""
         rows = [{**_numbers(o), **o.to_dict()} for o in self]
         names = [*(["label", "id"] if any(o.id is not None for o in self) else ["label"]), *MEASURED]
         return {name: [row.get(name) for row in rows] for name in names}
@@ -155,33 +159,37 @@ class Segmentation:
         return labels.copy() if copy else labels
 
     def at(self, point: tuple[float, float]) -> ObjectMask | RejectedRegion:
-        """Return the object or rejected region at a pixel (y, x). Raises IndexError outside the image."""
+        """Return the object or rejected region at a pixel (y, x). Raises IndexError for a point outside the image."""
         region = int(self.regions.labels[pixel_of(point, self.frame.shape)])
         everything: tuple[ObjectMask | RejectedRegion, ...] = (*self.objects, *self.rejected)
         return next(r for r in everything if r.region == region)
 
     def object_at(self, point: tuple[float, float]) -> ObjectMask:
-        """Return the object at a pixel (y, x), even if its region breaks a rule, as after a click of a user."""
+        """Return the region at a pixel (y, x) as an object, even if a rule rejected the region."""
         found = self.at(point)
         kept = found if isinstance(found, ObjectMask) else self.keep(found).at(point)
         assert isinstance(kept, ObjectMask)
         return kept
 
     def keep(self, region: RegionFacts) -> Segmentation:
-        """Return the result with a rejected region as an object. Raises SpigoloError for a region of another result."""
+        """Return the result with a rejected region turned into an object. Raises SpigoloError for a region of another
+        result.
+        """
         self._check_own(region)
         return self._with(region, None)
 
     def drop(self, region: RegionFacts) -> Segmentation:
-        """Return the result without an object. Raises SpigoloError for an object of another result."""
+        """Return the result with an object turned into a rejected region. Raises SpigoloError for an object of another
+        result.
+        """
         self._check_own(region)
         return self._with(region, (Reason.BY_HAND, "dropped by hand"))
 
     def merge(self, a: RegionFacts, b: RegionFacts) -> Segmentation:
-        """Return the result with two objects or regions merged to one object, measured again.
+        """Return the result with two objects or rejected regions merged into one object.
 
-        The regions of the new result have new numbers, so keep, drop and merge of it require regions from its own `at`.
-        Raises SpigoloError for regions of another result.
+        The merged object is measured again. Regions get new numbers, so that regions of the old result cannot be used
+        with the new result. Raises SpigoloError for regions of another result.
         """
         self._check_own(a, b)
         if a.region == b.region:
@@ -202,7 +210,7 @@ class Segmentation:
                 raise SpigoloError(
                     f"expected an object or region of this answer, as its `at` gives it, got {shortened(region)}"
                 )
-            # pickled apart from its answer, a region has labels of its own
+            # a region that was pickled without its result has a copy of the labels
             if region.regions is not own and not np.array_equal(region.regions, own):
                 raise SpigoloError(
                     "expected an object or region of this answer, got one of regions that were numbered otherwise, such"
@@ -217,7 +225,7 @@ class Segmentation:
         )
 
     def verdicts(self) -> list[Verdict | None]:
-        """Return the verdict of each region, indexed by region number. None: an object."""
+        """Return the reason for rejection of each region, or None for an object, indexed by region number."""
         verdicts: list[Verdict | None] = [None] * self.regions.count
         for r in self.rejected:
             verdicts[r.region] = (r.reason, r.why)
@@ -227,7 +235,11 @@ class Segmentation:
 def assemble(
     scene: Scene, regions: Regions, facts: Sequence[RegionFacts], verdicts: Sequence[Verdict | None]
 ) -> Segmentation:
-    """Return the result from the measurements and the verdict (None: an object) of each region, by region number."""
+    """Build the segmentation result from the measurements and the reasons for rejection of all regions.
+
+    facts: measurements, indexed by region number. verdicts: reason for rejection, or None for an object, indexed by
+    region number.
+    """
     accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
     objects = tuple(ObjectMask(label=k, id=getattr(f, "id", None), **_fields(f)) for k, f in enumerate(accepted, 1))
     rejected = tuple(

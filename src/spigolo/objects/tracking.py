@@ -1,4 +1,4 @@
-"""Object ids that persist across frames, matched one to one by overlap and position in space (ours)."""
+"""Tracking of objects from frame to frame by mask overlap and position in space (our addition)."""
 
 from __future__ import annotations
 
@@ -11,41 +11,41 @@ from spigolo.objects.facts import Labels
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 KEPT_FRAMES = 15
-"""Number of frames for which an object that is not found keeps its id (our choice)."""
+"""Number of frames for which the id of a missing object is kept (our choice)."""
 REACH_M = 0.05
-"""Distance at which the closeness term falls to 37 %, metres (our choice)."""
+"""Distance between two detections at which their closeness falls to 37 %, metres (our choice)."""
 MIN_AFFINITY = 0.15
-"""Minimum affinity of two detections of the same object (our choice)."""
+"""Minimum affinity of two detections that are matched as the same object (our choice)."""
 MAX_SIZE_RATIO = 4.0
-"""Maximum ratio of areas of two detections of the same object (our choice)."""
+"""Maximum ratio of the areas of two detections that are matched as the same object (our choice)."""
 
 Matrix = npt.NDArray[np.float64]
 
 
 @dataclass(slots=True)
 class Track:
-    """Last detection of one object."""
+    """Last detection of a tracked object."""
 
     id: int
     """Id of the object."""
     area_px: int
-    """Number of pixels."""
+    """Area of the object in pixels at its last detection."""
     center_m: npt.NDArray[np.float64] | None
-    """Centroid (X, Y, Z), metres. None without depth or intrinsics."""
+    """Centroid (X, Y, Z) of the object at its last detection, metres. None if depth or intrinsics are missing."""
     unseen: int = 0
-    """Number of frames since it was last found."""
+    """Number of frames since the last detection of the object."""
 
 
 class Tracker:
-    """Tracker that gives objects the ids of the same objects in earlier frames."""
+    """Tracker that gives an object the same id in all frames."""
 
     def __init__(self) -> None:
         self._tracks: list[Track] = []
-        self._image: Labels | None = None  # 1 + index of the track at each pixel, 0 = none
+        self._image: Labels | None = None  # 1 + index of the tracked object at each pixel, 0 = no object
         self._next = 1
 
     def follow(self, result: Segmentation) -> Segmentation:
-        """Return a copy of the result with ids."""
+        """Match the objects of a result with tracked objects, and return the result with ids."""
         if self._image is not None and self._image.shape != result.labels.shape:
             self._tracks, self._image = [], None
         pairs = match(self._affinity(result)) if self._tracks else {}
@@ -58,7 +58,9 @@ class Tracker:
         return self._next - 1
 
     def _affinity(self, result: Segmentation) -> Matrix:
-        """Return the affinity (objects, tracks): overlap plus closeness, 0 for objects that cannot be the same."""
+        """Return the affinity (objects, tracks): overlap of masks plus closeness in space, or 0 for pairs that cannot
+        match.
+        """
         assert self._image is not None
         overlap = _overlaps(result, self._image, [t.area_px for t in self._tracks])
         drift = self._drift(result, overlap)
@@ -70,7 +72,9 @@ class Tracker:
         return np.where((ratio <= MAX_SIZE_RATIO) & (both >= MIN_AFFINITY), both, 0)
 
     def _drift(self, result: Segmentation, overlap: Matrix) -> npt.NDArray[np.float64]:
-        """Return the median shift (3,) in metres of clearly overlapping objects, which is due to camera motion."""
+        """Return the median shift (3,), in metres, of objects that overlap with tracked objects, as an estimate of
+        camera motion.
+        """
         shifts = [
             np.subtract(o.centroid_m, center)
             for k, o in enumerate(result)
@@ -81,7 +85,7 @@ class Tracker:
         return np.median(shifts, axis=0) if shifts else np.zeros(3)
 
     def _remember(self, result: Segmentation, ids: list[int], found: dict[int, int]) -> None:
-        """Keep the objects of this frame, and for `KEPT_FRAMES` frames also those that were not found."""
+        """Store the objects of this frame, and tracked objects that were missing for at most `KEPT_FRAMES` frames."""
         lost = [(k, t) for k, t in enumerate(self._tracks) if k not in found and t.unseen < KEPT_FRAMES]
         image = np.zeros(result.labels.shape, np.int32)
         number_of = np.zeros(len(self._tracks) + 1, np.int32)
@@ -98,9 +102,9 @@ class Tracker:
 
 
 def match(affinity: Matrix) -> dict[int, int]:
-    """Match rows to columns one to one, largest affinity first. Return columns indexed by row.
+    """Match the rows of an affinity matrix with its columns, one to one, largest affinity first.
 
-    Pairs of affinity 0 do not match.
+    Pairs of affinity 0 are not matched. Returns a dict of columns, indexed by row.
     """
     pairs: dict[int, int] = {}
     taken: set[int] = set()
@@ -115,7 +119,7 @@ def match(affinity: Matrix) -> dict[int, int]:
 
 
 def _overlaps(result: Segmentation, image: Labels, areas: list[int]) -> Matrix:
-    """Return the intersection over union (objects, tracks) of masks."""
+    """Return the intersection over union (objects, tracks) of the masks of objects and of tracked objects."""
     rows, columns = len(result) + 1, len(areas) + 1
     joint = np.bincount((result.labels * columns + image).ravel(), minlength=rows * columns).reshape(rows, columns)
     labels = [o.label for o in result]

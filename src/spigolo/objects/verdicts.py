@@ -1,4 +1,4 @@
-"""Rules that reject regions, each with its reason (section III-F)."""
+"""Rules that reject regions as objects, and their reasons (section III-F)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from spigolo.settings.rules import Ledge, Rules, Wall
 
 
 class Reason(str, Enum):
-    """Reason why a region is not an object, in the order in which the rules are checked."""
+    """Reasons for rejecting a region, in the order in which the rules are checked."""
 
     NO_DEPTH = "no depth"
     """The frame has no depth at all."""
@@ -47,9 +47,14 @@ Verdict = tuple[Reason, str]
 
 
 def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
-    """Return the first rule that a region violates, and a sentence with its values. None if it violates no rule.
+    """Return the first rule that a region violates, with an explanation, or None if the region violates no rule.
 
-    paper: the rules of section III-F. ours: our own rules. Both are sized for the image.
+    Lengths and areas in the limits must be scaled to the image size.
+
+    - facts: measurements of the region.
+    - paper: limits of the paper, section III-F.
+    - ours: limits of our rules.
+    - support: parameters of the support plane, with the minimum share of a region above the plane.
     """
     return (
         _judge_place(facts, support)
@@ -61,7 +66,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
 
 
 def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
-    """Check the position: inside the region of interest, and above the support."""
+    """Check that a region lies inside the region of interest and above the support plane."""
     if facts.inside is not None and facts.inside < LEAST_INSIDE:
         why = f"only {facts.inside:.0%} of it lies in the region of interest (minimum {LEAST_INSIDE:.0%})"
         return Reason.OUTSIDE, f"outside: {why}"
@@ -72,7 +77,7 @@ def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
 
 
 def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
-    """Check that the region is not a wall and that its contour is strong enough (ours)."""
+    """Check that a region is not a wall and that its mean boundary value is large enough (our rules)."""
     if rules.wall is not None and (why := _lacks_stance(facts, rules.wall)):
         return Reason.WALL, f"wall: {why}"
     if rules.min_contour is not None and facts.contour < rules.min_contour and not _is_ledge(facts, rules.ledge):
@@ -82,9 +87,10 @@ def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
 
 
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
-    """Return the reason why a tall region is a wall, or None.
+    """Return the reason why a region is a wall, or None if the region is not a wall.
 
-    A wall hides little behind it, or is a rail that the image border cuts off.
+    A region is a wall if depth steps back along too little of its outline. A long region that the image border cuts off
+    is a wall too.
     """
     lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)
@@ -104,9 +110,10 @@ def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
 
 
 def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
-    """Check the size and the eccentricity.
+    """Check the size and the eccentricity of a region.
 
-    The size is checked in metres if there is such a limit and intrinsics are known, and else in pixels.
+    Sizes are compared with the limits in metres if intrinsics are known. The limits in pixels apply unless
+    `ours.metric` is set and intrinsics are known.
     """
     large, small = facts.spread_px2
     length, width = facts.size_m or (None, None)
@@ -122,7 +129,7 @@ def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict |
 
 
 def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
-    """Check the depth and the brightness of the pixels."""
+    """Check that not too many pixels of a region lack depth or are dark."""
     missing = _above(Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, MISSING)
     if missing is None and rules.max_dark is not None and facts.dark >= rules.max_dark:
         return Reason.DARK, f"dark: {facts.dark:.0%} of it in the three darkest bins (maximum {rules.max_dark:.0%})"

@@ -1,1 +1,4 @@
-"""ROS 2 node: frames from topics, results in standard messages. rclpy comes from the user's ROS installation."""
+"""ROS 2 node that segments images from topics and publishes results as standard messages.
+
+The package rclpy must be installed, usually by the user's ROS installation.
+"""

@@ -1,4 +1,7 @@
-"""Results as ROS messages with the header of their colour image."""
+"""Conversion of segmentation results to ROS messages, and publishers for these messages.
+
+Every message has the header of the segmented colour image.
+"""
 
 from __future__ import annotations
 
@@ -17,18 +20,18 @@ from spigolo.ros.messages import POINT, fill_cloud, fill_image, fill_pose, point
 TEXT_HEIGHT_M = 0.03
 OPACITY = 0.4
 MAX_NUMBER = 65535
-"""Maximum object number in a mono16 image."""
+"""Maximum object number in a 16-bit image."""
 
 
 def number_of(o: ObjectMask) -> int:
-    """Return the number of an object in all messages: its id if it has one, else its label. Ids restart at 1 after the
-    maximum.
+    """Return the number of an object in all messages: its id or, without ids, its label. After 65535, numbers restart
+    at 1.
     """
     return (o.number - 1) % MAX_NUMBER + 1
 
 
 def label_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return the number of the object at each pixel as a mono16 Image. 0 is background."""
+    """Return a mono16 Image with the object number at each pixel, 0 for background."""
     numbers = np.zeros(len(result) + 1, np.uint16)
     for o in result:
         numbers[o.label] = number_of(o)
@@ -36,25 +39,23 @@ def label_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def overlay_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return the colour image with tinted and numbered objects as an rgb8 Image."""
+    """Return an rgb8 Image of the colour image with tinted and numbered objects."""
     return fill_image(kinds.sensor.Image(), header, result.overlay(), "rgb8")
 
 
 def mask_image(kinds: Kinds, header: Any, found: ObjectMask) -> Any:
-    """Return the mask of an object as a mono8 Image. 255 is the object."""
+    """Return a mono8 Image of the mask of an object, 255 for the object and 0 elsewhere."""
     return fill_image(kinds.sensor.Image(), header, found.mask.astype(np.uint8) * np.uint8(255), "mono8")
 
 
 def object_clouds(kinds: Kinds, header: Any, result: Segmentation) -> Iterator[Any]:
-    """Yield a PointCloud2 for each object in the order of labels. Clouds require intrinsics."""
+    """Yield a PointCloud2 for each object in the order of labels, or nothing without intrinsics."""
     for records in _records(result):
         yield fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, records)
 
 
 def cloud(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return one PointCloud2 with the points of all objects in the order of labels. The field `label` holds the
-    number.
-    """
+    """Return one PointCloud2 with the points of all objects. The field `label` of a point is the object number."""
     everything = np.concatenate([np.empty(0, POINT), *_records(result)])
     return fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, everything)
 
@@ -67,7 +68,9 @@ def _records(result: Segmentation) -> Iterator[Any]:
 
 
 def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return a MarkerArray: first a marker that deletes the previous ones, then a box and a number for each object."""
+    """Return a MarkerArray with a box and a number for each object, and a first marker that deletes all earlier
+    markers.
+    """
     assert kinds.visualization is not None
     kind = kinds.visualization.Marker
     clear = kind()
@@ -91,7 +94,9 @@ def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def detections(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return a Detection3DArray with box, score and number of each object. The class is "object"."""
+    """Return a Detection3DArray with the box, the score and the number of each object. The class of all objects is
+    "object".
+    """
     assert kinds.vision is not None
     found = []
     for o, box in _boxes(result):
@@ -110,7 +115,7 @@ def detections(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
-    """Yield pairs (object, oriented box). Objects without an oriented box are skipped."""
+    """Yield each object with its oriented box. Objects without an oriented box are skipped."""
     for o in result:
         box = o.oriented_box()
         if box is not None:
@@ -118,7 +123,9 @@ def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
 
 
 class Answers:
-    """Publishers of results. Topics without subscribers cost no time, except the labels."""
+    """Publishers of segmentation results. All messages except the labels are created only for topics with
+    subscribers.
+    """
 
     def __init__(self, node: Any, kinds: Kinds, qos: Any) -> None:
         self._kinds = kinds
@@ -137,7 +144,7 @@ class Answers:
         self._others = [(node.create_publisher(kind, f"~/{name}", qos), make) for name, (kind, make) in topics.items()]
 
     def publish(self, header: Any, result: Segmentation) -> None:
-        """Publish a result with the header of its colour image, labels first."""
+        """Publish a segmentation result, labels first. header: header of the segmented colour image."""
         self._labels.publish(label_image(self._kinds, header, result))
         for publisher, make in self._others:
             if publisher.get_subscription_count():
@@ -147,5 +154,5 @@ class Answers:
                 self._objects.publish(message)
 
     def publish_mask(self, header: Any, found: ObjectMask) -> None:
-        """Publish the mask of the object that was clicked."""
+        """Publish the mask of the object that the user clicked. header: header of the segmented colour image."""
         self._mask.publish(mask_image(self._kinds, header, found))

@@ -1,4 +1,4 @@
-"""Message packages of the user's ROS 2 installation, imported when a node starts."""
+"""Import of the ROS 2 packages when a node starts."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ MISSING = (
 
 @dataclass(frozen=True, slots=True)
 class Kinds:
-    """Python packages of ROS 2. Optional packages are None if they are not installed."""
+    """Python packages of ROS 2 that the node uses. An optional package is None if it is not installed."""
 
     rclpy: Any
     """Client library rclpy."""
     interfaces: Any
-    """Package rcl_interfaces.msg with parameters."""
+    """Package rcl_interfaces.msg with the messages for parameters."""
     sensor: Any
     """Package sensor_msgs.msg with images, camera information and point clouds."""
     geometry: Any
@@ -35,7 +35,9 @@ class Kinds:
 
 
 def find_kinds() -> Kinds:
-    """Import the packages. Raises SpigoloError with instructions for their installation."""
+    """Import the ROS 2 packages. Raises SpigoloError with installation instructions if a required package is
+    missing.
+    """
     for module in ("rclpy", "rclpy.node", "rclpy.qos", "rclpy.executors", "rclpy.parameter"):
         _required(module)
     return Kinds(

@@ -1,6 +1,7 @@
-"""Conversion of NumPy arrays to ROS messages without cv_bridge. `sources.ros_images` converts the other way.
+"""Conversion of NumPy arrays to ROS messages without cv_bridge.
 
-This module does not import ROS. The caller passes a new message to be filled.
+This module does not import ROS, so that the caller must create each message before a function fills the message. The
+module `sources.ros_images` converts ROS messages to NumPy arrays.
 """
 
 from __future__ import annotations
@@ -14,9 +15,9 @@ import numpy.typing as npt
 from spigolo.frames.frame import Color
 
 POINT = np.dtype([("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("rgb", "<u4"), ("label", "<u4")])
-"""Record of a point in a cloud. RViz and PCL read `rgb` as a float with the same bytes."""
+"""Data type of a point in a point cloud. RViz and PCL interpret the bytes of `rgb` as a float."""
 UINT32, FLOAT32 = 6, 7
-"""Constants of sensor_msgs/PointField for data types."""
+"""Numbers of the data types uint32 and float32 in sensor_msgs/PointField."""
 
 Points = npt.NDArray[np.float32]
 
@@ -34,7 +35,9 @@ def fill_image(message: Any, header: Any, pixels: npt.NDArray[Any], encoding: st
 
 
 def fill_cloud(message: Any, field: Any, header: Any, points: npt.NDArray[np.void]) -> Any:
-    """Fill a sensor_msgs/PointCloud2 with records of `POINT` and return it. field: the class PointField."""
+    """Fill a sensor_msgs/PointCloud2 with points of the data type `POINT` and return it. field: the class
+    PointField.
+    """
     message.header = header
     message.height, message.width = 1, len(points)
     kinds = {"x": FLOAT32, "y": FLOAT32, "z": FLOAT32, "rgb": FLOAT32, "label": UINT32}
@@ -47,7 +50,9 @@ def fill_cloud(message: Any, field: Any, header: Any, points: npt.NDArray[np.voi
 
 
 def point_records(points_m: Points, colors: Color, label: int) -> npt.NDArray[np.void]:
-    """Return points (N, 3) in metres with colours (N, 3) RGB as records of `POINT`."""
+    """Return points (N, 3) in metres with RGB colours (N, 3) and an object number as an array (N,) of data type
+    `POINT`.
+    """
     records = np.empty(len(points_m), POINT)
     for k, name in enumerate("xyz"):
         records[name] = points_m[:, k]
@@ -58,7 +63,7 @@ def point_records(points_m: Points, colors: Color, label: int) -> npt.NDArray[np
 
 
 def fill_pose(message: Any, center_m: npt.NDArray[np.float64], R: npt.NDArray[np.float64]) -> Any:
-    """Fill a geometry_msgs/Pose with a position (3,) and a rotation (3, 3) and return it."""
+    """Fill a geometry_msgs/Pose with a position (3,) in metres and a rotation matrix (3, 3), and return it."""
     message.position.x, message.position.y, message.position.z = map(float, center_m)
     q = message.orientation
     q.x, q.y, q.z, q.w = quaternion(R)
@@ -66,7 +71,7 @@ def fill_pose(message: Any, center_m: npt.NDArray[np.float64], R: npt.NDArray[np
 
 
 def quaternion(R: npt.NDArray[np.float64]) -> tuple[float, float, float, float]:
-    """Return the rotation (3, 3) as a unit quaternion x, y, z, w."""
+    """Convert a rotation matrix (3, 3) to a unit quaternion (x, y, z, w)."""
     # eigenvector of the largest eigenvalue of this symmetric matrix (Bar-Itzhack 2000), stable at every angle
     K = np.array(
         [
@@ -86,7 +91,7 @@ def _field(message: Any, name: str, offset: int, kind: int) -> Any:
 
 
 def _bytes(values: npt.NDArray[Any]) -> array.array[int]:
-    """Return the bytes as an array type that rclpy accepts without checking each byte."""
+    """Return the bytes of an array as `array.array`, which rclpy accepts without a slow check of each byte."""
     out = array.array("B")
     out.frombytes(np.ascontiguousarray(values).tobytes())
     return out

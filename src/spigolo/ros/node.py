@@ -1,6 +1,4 @@
-"""ROS 2 node that reads colour, aligned depth and CameraInfo and publishes labels, overlay, markers, clouds and
-masks.
-"""
+"""ROS 2 node that subscribes to colour, aligned depth and CameraInfo, and publishes segmentation results."""
 
 from __future__ import annotations
 
@@ -27,29 +25,29 @@ from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from spigolo.stream import Segmenter, warm_up
 
 STATUS_S = 10.0
-"""Interval between log lines about received and processed pairs, s."""
+"""Interval between log messages about received and segmented pairs of images, s."""
 QUIET_S = 5.0
-"""Minimum interval between reports of unusable pairs, s."""
+"""Minimum interval between log messages about pairs of images that cannot be segmented, s."""
 TAKE_S = 0.2
 KEPT = 5
-"""Minimum queue length of each topic, so that a burst does not separate a pair."""
+"""Minimum queue length of each topic, so that no image of a pair is lost if many messages arrive together."""
 TOPICS = ("color", "depth", "camera_info")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """Newest result, for clicks."""
+    """Newest segmentation result, which clicks refer to."""
 
     pair: Pair
-    """Messages from which the result was computed."""
+    """Colour and depth message from which the result was computed."""
     result: Segmentation
-    """Result of the segmentation."""
+    """Segmentation result of the pair."""
     state: State
-    """Parameters of the segmentation."""
+    """Parameters of the node and of the method at the time of the segmentation."""
 
 
 class SpigoloNode:
-    """Node that receives messages on the spinning thread and segments on a second thread."""
+    """ROS 2 node that receives messages on the spinning thread and segments on a second thread."""
 
     def __init__(self, kinds: Kinds, overrides: Mapping[str, Any]) -> None:
         parameter = kinds.rclpy.parameter.Parameter
@@ -73,7 +71,7 @@ class SpigoloNode:
         self._worker = threading.Thread(target=self._work, name="segmenter", daemon=True)
 
     def _open(self, options: Options) -> None:
-        """Create topics, service and timer."""
+        """Create the subscriptions, the publishers, the service and the timer of the node."""
         qos = self._kinds.rclpy.qos
         policy = qos.ReliabilityPolicy.RELIABLE if options.reliable else qos.ReliabilityPolicy.BEST_EFFORT
         incoming = qos.QoSProfile(depth=max(options.queue, KEPT), reliability=policy)
@@ -88,7 +86,7 @@ class SpigoloNode:
         node.create_timer(STATUS_S, self._report)
 
     def start(self) -> None:
-        """Compile the kernels, then start segmentation."""
+        """Compile the kernels, and then start the segmentation thread."""
         warm_up(self._parameters.state.config)
         self._worker.start()
         config = self._parameters.state.config
@@ -127,7 +125,7 @@ class SpigoloNode:
     # segmentation
 
     def _work(self) -> None:
-        """Segment one pair after the other until the node ends."""
+        """Segment pairs of images until the node stops. This function runs on the segmentation thread."""
         try:
             while not self._ended.is_set():
                 pair = None if self._info is None else self._waiting.take(TAKE_S)
@@ -140,7 +138,7 @@ class SpigoloNode:
             self._kinds.rclpy.try_shutdown()
 
     def _segment(self, pair: Pair) -> Answer | str:
-        """Segment a pair and publish the result. If that fails, return the reason as text."""
+        """Segment a pair of images and publish the result. If the segmentation fails, return the reason as text."""
         with self._busy:
             state = self._parameters.state
             if self._segmenter.ids != state.options.ids:
@@ -160,7 +158,10 @@ class SpigoloNode:
         return self._answer
 
     def _current(self) -> Answer | str:
-        """Return the result for clicks: the newest one or, with `continuous` off, a result for the newest pair."""
+        """Return the result that a click refers to, or the reason as text if no result exists.
+
+        If `continuous` is off, the newest pair of images is segmented first.
+        """
         state, answer, pair = self._parameters.state, self._answer, self._newest
         if pair is None or self._info is None:
             return self._lacking()
@@ -168,14 +169,14 @@ class SpigoloNode:
         return answer if fresh and answer is not None else self._segment(pair)
 
     def _lacking(self) -> str:
-        """Return a text about the missing inputs of a frame."""
+        """Return a text that names the topics without messages."""
         silent = [self.node.resolve_topic_name(name) for name, count in self._received.items() if not count]
         return f"no message on {', '.join(silent)}" if silent else "no pair of colour and depth within the tolerance"
 
     # services and clicks
 
     def _on_segment(self, _: Any, response: Any) -> Any:
-        """Handle the service `segment`: segment the newest pair."""
+        """Handle a call of the service `segment`, which segments the newest pair of images."""
         pair = self._newest
         found = self._lacking() if pair is None or self._info is None else self._segment(pair)
         response.success = isinstance(found, Answer)
@@ -183,7 +184,9 @@ class SpigoloNode:
         return response
 
     def _on_click(self, message: Any) -> None:
-        """Publish the mask of the object at the clicked pixel, x to the right and y down."""
+        """Publish the mask of the object at the pixel of a click. The message holds x to the right and y down in
+        pixels.
+        """
         found = self._current()
         if isinstance(found, str):
             self._log.warning(f"a click was ignored: {found}")
@@ -196,7 +199,7 @@ class SpigoloNode:
         self._answers.publish_mask(found.pair.color.header, object_mask)
 
     def _report(self) -> None:
-        """Log the numbers of received and processed pairs."""
+        """Log the numbers of segmented, dropped and failed pairs of images."""
         if self._newest is None or self._info is None:
             self._log.warning(f"nothing to segment: {self._lacking()}{self._hint()}")
             return
@@ -207,7 +210,7 @@ class SpigoloNode:
         )
 
     def _hint(self) -> str:
-        """Return advice if no publisher exists or its quality of service does not match."""
+        """Return advice for a topic without messages: no publisher exists, or its quality of service does not match."""
         for name in (topic for topic, count in self._received.items() if not count):
             publishers = self.node.get_publishers_info_by_topic(self.node.resolve_topic_name(name))
             if not publishers:
@@ -218,7 +221,7 @@ class SpigoloNode:
 
 
 def _frame_of(pair: Pair, info: Any, options: Options) -> Frame:
-    """Return the frame of a pair. Raises FrameError or CameraError for unusable messages."""
+    """Convert a pair of messages to a Frame. Raises FrameError or CameraError for unusable messages."""
     depth = depth_of(pair.depth)
     scale = options.depth_scale if depth.dtype.kind == "u" else None
     camera = info
@@ -229,9 +232,12 @@ def _frame_of(pair: Pair, info: Any, options: Options) -> Frame:
 
 
 def run(overrides: Mapping[str, Any], ros_args: Sequence[str]) -> None:
-    """Run the node until it is interrupted. ros_args: arguments for ROS such as remappings.
+    """Run the ROS 2 node until it is interrupted.
 
-    Raises SpigoloError without rclpy or for a wrong parameter.
+    - overrides: values of node parameters, indexed by name.
+    - ros_args: arguments for ROS such as remappings.
+
+    Raises SpigoloError if rclpy is missing or a parameter is wrong.
     """
     kinds = find_kinds()
     rclpy = kinds.rclpy

@@ -1,4 +1,4 @@
-"""Pairs of colour and depth images of the same time, and their queue."""
+"""Pairs of colour and depth messages with the same time stamp, and a queue of pairs."""
 
 from __future__ import annotations
 
@@ -10,20 +10,18 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pair:
-    """Colour and depth message of the same time."""
+    """Colour message and depth message with nearly the same time stamp."""
 
     color: Any
-    """Colour image. Results get its header."""
+    """Colour image message, whose header is copied to the results."""
     depth: Any
-    """Depth image, registered to colour."""
+    """Depth image message, registered to colour."""
     arrived_s: float
-    """Time at which the pair was complete, s, on the clock `time.perf_counter`."""
+    """Arrival time of the second message of the pair, s, on the clock `time.perf_counter`."""
 
 
 class Waiting:
-    """Queue of pairs between the receiving and the segmenting thread. A new pair replaces the oldest one if it is
-    full.
-    """
+    """Queue of pairs between the receiving thread and the segmentation thread."""
 
     def __init__(self, length: int) -> None:
         self.dropped = 0
@@ -31,14 +29,14 @@ class Waiting:
         self._changed = threading.Condition()
 
     def put(self, pair: Pair) -> None:
-        """Add a pair. If the queue is full, the oldest pair is dropped and counted."""
+        """Add a pair to the queue. If the queue is full, the oldest pair is dropped and counted."""
         with self._changed:
             self.dropped += len(self._pairs) == self._pairs.maxlen
             self._pairs.append(pair)
             self._changed.notify()
 
     def take(self, timeout_s: float) -> Pair | None:
-        """Return the oldest pair, or None if no pair arrives within the timeout."""
+        """Remove and return the oldest pair of the queue, or return None if no pair arrives within the timeout."""
         with self._changed:
             self._changed.wait_for(lambda: bool(self._pairs), timeout_s)
             return self._pairs.popleft() if self._pairs else None

@@ -1,4 +1,4 @@
-"""Fields of the configuration as ROS parameters, validated when they are set."""
+"""ROS parameters of the node: its options, and all fields of the configuration."""
 
 from __future__ import annotations
 
@@ -16,55 +16,60 @@ from spigolo.settings.parameters import NotNegative, Positive, Settings
 from spigolo.settings.presets import OBJECTS, PRESETS, preset
 
 FIXED = ("queue", "reliable")
-"""Options that cannot change while the node runs."""
+"""Names of options that cannot change while the node runs."""
 ON, OFF = "on", "none"
-"""Values of the parameter that switches a stage on or off."""
+"""Values of a parameter that switches a stage on or off."""
 
 
 class Options(Settings):
-    """Parameters of the node itself."""
+    """Parameters of the node, in addition to the parameters of the method."""
 
     preset: str = "OBJECTS"
-    """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. Setting it resets all fields to those of the preset."""
+    """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. A new preset replaces the values of all parameters of the
+    method.
+    """
     continuous: bool = True
-    """Segment every pair. If false, segment only on a call of the service `segment` and on clicks."""
+    """Segment every pair of colour and depth images. If false, segment only on a call of the service `segment` and on
+    clicks.
+    """
     tolerance_s: NotNegative = 0.015
-    """Maximum difference between the stamps of a colour and a depth image, s. A value below half the frame period never
-    pairs images of different frames.
+    """Maximum difference between the time stamps of a colour and a depth image that form a pair, s. Choose less than
+    half the frame period.
     """
     depth_scale: Positive = 0.001
-    """Metres per unit of integer depth. 0.001 is ROS's standard, millimetres."""
+    """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard of ROS."""
     rectified: bool = False
-    """Treat the images as rectified: use the matrix P of CameraInfo and ignore the distortion D."""
+    """Treat the images as rectified. If true, use the matrix P of CameraInfo and ignore the distortion D."""
     ids: bool = False
-    """Number objects in all messages by ids that persist while the objects stay in view. If false, numbers are 1..N by
-    score and change from frame to frame. Setting it restarts the ids at 1.
+    """Give objects ids that stay the same while the objects are in view. If false, objects are numbered 1..N in the
+    order of their scores. Ids restart at 1 when this parameter changes.
     """
     queue: Annotated[int, Field(ge=1, le=1000)] = 1
-    """Maximum number of waiting pairs. 1 keeps only the newest pair, so no delay builds up. Read-only."""
+    """Maximum number of pairs of images that wait for segmentation. 1 keeps only the newest pair, for the shortest
+    delay. Read-only.
+    """
     reliable: bool = True
-    """Subscribe with the RELIABLE quality of service. Drivers that publish with best effort require false.
-    Read-only.
+    """Subscribe with the quality of service RELIABLE. Set false for drivers that publish with BEST_EFFORT. Read-only.
     """
 
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """All parameters of a node."""
+    """Values of all parameters of a node."""
 
     options: Options
-    """Parameters of the node."""
+    """Parameters of the node, such as the queue length."""
     config: Config
-    """Parameters of the method."""
+    """Parameters of the segmentation method."""
 
 
 def first_state(name: str = "OBJECTS") -> State:
-    """Return the state with a preset and default options. Raises ConfigError for an unknown preset."""
+    """Return the parameter values for a preset and default options. Raises ConfigError for an unknown preset."""
     return State(Options(preset=name), preset(name))
 
 
 def descriptions(config: Config = OBJECTS) -> dict[str, str]:
-    """Return the name and help text of every parameter: the options, and the fields that any preset can have."""
+    """Return the help texts of all parameters of the node, indexed by parameter name."""
     found = {name: " ".join((field.description or "").split()) for name, field in Options.model_fields.items()}
     for one in (config, *PRESETS.values()):
         found = field_names(one) | found
@@ -72,7 +77,9 @@ def descriptions(config: Config = OBJECTS) -> dict[str, str]:
 
 
 def values_of(state: State) -> dict[str, Any]:
-    """Return the value of every parameter as ROS expects it. Fields that the preset does not have are "none"."""
+    """Return the values of all parameters in the types of ROS, indexed by parameter name. Fields that are None become
+    "none".
+    """
     options = state.options.model_dump()
     return {name: options[name] if name in options else _stored(state, name) for name in descriptions(state.config)}
 
@@ -87,8 +94,9 @@ def _stored(state: State, name: str) -> Any:
 
 
 def changed(state: State, changes: Mapping[str, Any]) -> State:
-    """Return the state with changed parameters. If a preset is among them, it is set first. Raises ConfigError for a
-    wrong name or value.
+    """Return the values of all parameters after some parameters were changed. A change of the preset is applied first.
+
+    changes: new values, indexed by parameter name. Raises ConfigError for a wrong name or value.
     """
     known = descriptions(state.config)
     unknown = next((name for name in changes if name not in known), None)
@@ -102,16 +110,19 @@ def changed(state: State, changes: Mapping[str, Any]) -> State:
 
 
 def _given(config: Config, name: str, value: Any) -> Any:
-    """Return a value from ROS in the form that the configuration expects."""
+    """Convert the value of a ROS parameter to the type that the configuration expects."""
     if value == ON:
-        return {}  # keep the stage's values, or its defaults
+        return {}  # an empty dict switches a stage on and keeps its values
     if isinstance(value, str):
         return value_of_text(value)
     return value if isinstance(value, bool | int | float) else list(value)
 
 
 class NodeParameters:
-    """Parameters of a node, declared in ROS. `state` always has the same values."""
+    """Parameters of a node that are declared in ROS.
+
+    state: current values of all parameters.
+    """
 
     def __init__(self, node: Any, kinds: Kinds, on_change: Callable[[State], None]) -> None:
         self._node, self._kinds, self._on_change = node, kinds, on_change
@@ -132,12 +143,12 @@ class NodeParameters:
     def _descriptor(self, name: str, meaning: str) -> Any:
         descriptor = self._kinds.interfaces.ParameterDescriptor()
         descriptor.description = meaning
-        descriptor.dynamic_typing = True  # accept integers for floats, and "none" for any type
+        descriptor.dynamic_typing = True  # dynamic types allow integers for floats, and "none" for any type
         descriptor.read_only = name in FIXED
         return descriptor
 
     def _set(self, parameters: list[Any]) -> Any:
-        """Validate and set new values. The caller receives the reason of a refusal."""
+        """Validate and set parameter values that ROS passes. If a value is invalid, the result contains the reason."""
         answer = self._kinds.interfaces.SetParametersResult
         if self._syncing:
             return answer(successful=True)
@@ -153,7 +164,7 @@ class NodeParameters:
         return answer(successful=True)
 
     def _store(self, names: set[str]) -> None:
-        """Store values that follow from other parameters into the node's parameters."""
+        """Write values that changed together with other parameters, such as the preset, to the parameters in ROS."""
         values = values_of(self.state)
         kind = self._kinds.rclpy.parameter.Parameter
         self._syncing = True

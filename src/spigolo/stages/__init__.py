@@ -1,3 +1,1 @@
-"""Stages of the paper, equations 2 to 23, without additions. Each stage takes arrays and parameters and returns
-them.
-"""
+"""Stages of the paper's method (equations 2-23), without our additions."""

@@ -1,4 +1,4 @@
-"""Conversion of colour to points whose Euclidean distances are colour differences (eq. 4)."""
+"""Conversion of RGB colours to points whose Euclidean distances are colour differences (equation 4)."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Points = npt.NDArray[np.float32]
 
 @stage("colour")
 def color_points(image: frame.Color, config: ColorConfig) -> Points:
-    """Return the points (3, H, W) of an RGB image (H, W, 3) in the HSV cone, smoothed before the conversion.
+    """Smooth an RGB image (H, W, 3) and convert its colours to points (3, H, W) in the HSV cone.
 
-    The Euclidean distance of two points, clipped at 1, is eq. 4. Hue wraps around and grey has no hue, both without
-    special cases. Smoothing comes first, as a mean of hues on both sides of 0 degrees has no meaning.
+    The Euclidean distance of two points, clipped to 1, is the colour difference of equation 4. The image is smoothed
+    before the conversion, because the mean of hues on both sides of 0 degrees is wrong.
     """
     rgb = image.astype(np.float32)
     if config.sigma_px > 0:

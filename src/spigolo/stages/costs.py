@@ -1,6 +1,7 @@
-"""Cost functions. Each names the cue that it reads and the kernel that computes a plane of edge weights (eqs. 22, 23).
+"""Cost functions, which compute edge weights from the cues (equations 22, 23).
 
-To add one, write its parameters as a model in `settings.paper`, its kernel in `kernels.costs`, and its entry in COSTS.
+To add a cost function, add a class of parameters to `settings.paper`, a kernel to `kernels.costs`, and an entry to
+COSTS.
 """
 
 from __future__ import annotations
@@ -13,21 +14,25 @@ from spigolo.kernels import costs as kernel
 from spigolo.settings.paper import AutoCost, BoundaryCost, Cost, SaliencyCost
 
 PixelCost = SaliencyCost | BoundaryCost
-"""Cost function of a single frame. AutoCost is already resolved to one of these."""
+"""Parameters of a cost function that can be used for a frame. AutoCost chooses one of these two cost functions for each
+frame.
+"""
 
 Reads = Literal["saliency", "boundary"]
 
 
 @dataclass(frozen=True, slots=True)
 class CostFunction:
-    """Description of a cost function for the graph."""
+    """Description of a cost function: its cue, its kernel and its weights."""
 
     reads: Reads
-    """Name of the cue that it reads in addition to colour and depth."""
+    """Name of the cue that the cost function reads in addition to colour and depth."""
     plane: Callable[..., None]
-    """Kernel (color, depth, cue, scale, noise, *weights, ends, dy, dx, out) that computes a plane of edge weights."""
+    """Kernel (color, depth, cue, scale, noise, *weights, ends, dy, dx, out) that computes the weights of all edges in
+    one direction.
+    """
     weights: Callable[[Any], tuple[float, ...]]
-    """Function that returns the weights of a cost model, in the kernel's order."""
+    """Function that returns the weights of the cues, such as k_x and k_b, in the order of the kernel's arguments."""
 
 
 COSTS: Mapping[type, CostFunction] = {
@@ -37,17 +42,17 @@ COSTS: Mapping[type, CostFunction] = {
 
 
 def reads(cost: PixelCost, cue: Reads) -> bool:
-    """Return True if a cost function reads the cue."""
+    """Return True if a cost function reads a cue."""
     return COSTS[type(cost)].reads == cue
 
 
 def possible_costs(cost: Cost) -> tuple[PixelCost, ...]:
-    """Return the cost functions that may be used for a frame."""
+    """Return the cost functions from which one is chosen for each frame."""
     return (cost.full, cost.shadows) if isinstance(cost, AutoCost) else (cost,)
 
 
 def choose_cost(cost: Cost, missing: float | None) -> PixelCost:
-    """Return the cost function for a frame. missing: share of missing depth within the working range."""
+    """Return the cost function for a frame. missing: share of the frame without depth within the working range."""
     if not isinstance(cost, AutoCost):
         return cost
     return cost.full if missing is not None and missing <= cost.max_missing else cost.shadows

@@ -1,6 +1,7 @@
-"""Cues of every pixel in addition to its colour: depth, and saliency or boundary (eqs. 11, 21).
+"""Cues from which edge weights are computed: depth, and saliency or boundary (equations 11, 21).
 
-The cost function decides which cues are computed. The first cost function reads saliency, the second one the boundary.
+Only the cues that the cost function reads are computed. The cost function of equation 22 reads saliency. The cost
+function of equation 23 reads the boundary map.
 """
 
 from __future__ import annotations
@@ -22,14 +23,14 @@ from spigolo.stages.saliency import saliency_cue
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weighing:
-    """Cost function and gamma that were chosen for a frame."""
+    """Cost function and threshold gamma that were chosen for a frame."""
 
     cost: PixelCost
-    """Cost function, with AutoCost resolved."""
+    """Parameters of the cost function."""
     missing: float | None
-    """Share of the frame without depth within the working range. None without AutoCost."""
+    """Share of the frame without depth within the working range. None if the cost function is fixed."""
     gamma: float
-    """Threshold gamma of eq. 3 for this cost function."""
+    """Threshold gamma of equation 3 for this cost function."""
 
     @property
     def reads_boundary(self) -> bool:
@@ -42,15 +43,15 @@ class Cues:
     """Cues from which the edge weights are computed."""
 
     depth: DepthMap
-    """Smoothed depth D_s (H, W) float32 in metres, 0 where missing."""
+    """Smoothed depth map D_s (H, W) float32 in metres, 0 where missing."""
     saliency: npt.NDArray[np.float32] | None
-    """Power-law saliency (H, W) in [0, 1]. None if the cost function does not read it."""
+    """Saliency map (H, W) from 0 to 1, after a power law. None if the cost function does not read saliency."""
     boundary: npt.NDArray[np.float32] | None
-    """Boundary map (H, W) in [0, 1]. None if the cost function does not read it."""
+    """Boundary map (H, W) from 0 to 1. None if the cost function does not read the boundary map."""
 
     @property
     def delta_sal(self) -> npt.NDArray[np.float32]:
-        """Eq. 11. Return delta_sal (H, W), the power-law saliency of each pixel."""
+        """Eq. 11. Return delta_sal (H, W), the saliency of each pixel after a power law."""
         assert self.saliency is not None
         return self.saliency
 
@@ -62,7 +63,10 @@ class Cues:
 
 
 def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
-    """Choose the cost function and gamma for a frame with prepared depth (H, W) (section III-E)."""
+    """Choose the cost function and the threshold gamma for a frame (section III-E).
+
+    depth: prepared depth map (H, W) in metres.
+    """
     missing = missing_share(depth, config.rejection.max_distance_m) if isinstance(config.cost, AutoCost) else None
     cost, gamma = choose_cost(config.cost, missing), config.partition.gamma
     if config.partition.gamma_shadows is not None and not reads(cost, "boundary"):
@@ -72,10 +76,11 @@ def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
 
 @stage("cues")
 def gather_cues(image: Color, depth: DepthMap, lines: Mask | None, weighing: Weighing, config: Config) -> Cues:
-    """Compute the cues that the frame's cost function reads.
+    """Compute the cues that the cost function of a frame reads.
 
-    image: (H, W, 3) RGB. depth: (H, W) prepared, in metres. lines: (H, W), the lines of E_F, for a cost function that
-    reads the boundary.
+    - image: (H, W, 3) RGB.
+    - depth: prepared depth map (H, W) in metres.
+    - lines: mask (H, W) of the boundary lines E_F, or None if the cost function does not read the boundary map.
     """
     return Cues(
         depth=depth,

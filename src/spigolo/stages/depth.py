@@ -1,7 +1,7 @@
-"""Preparation of depth: in-painting of small gaps and smoothing that respects shadows (eqs. 5-8).
+"""Preparation of the depth map: in-painting of small gaps, and smoothing that does not fill shadows (equations 5-8).
 
-In-painting comes first. In a depth map with a grid of sampling holes, no smoothing window exists before the holes are
-closed. Neither step fills large shadows, which stay 0.
+In-painting comes first, because sampling holes would make all smoothing windows tiny. Large shadows are not filled and
+stay 0.
 """
 
 from __future__ import annotations
@@ -22,22 +22,21 @@ Integral = npt.NDArray[np.float64]
 
 @stage("depth")
 def prepare_depth(depth: DepthMap, config: DepthConfig) -> DepthMap:
-    """Return D_s (H, W), the prepared depth for all cues, in metres. 0 where it is still missing."""
+    """In-paint and smooth a depth map (H, W) in metres. Return D_s (H, W), which is 0 where depth is still missing."""
     if config.inpainting is not None:
         depth = inpaint_small_gaps(depth, config.inpainting)
     return depth if config.smoothing.mean == "none" else smooth(depth, config.smoothing)
 
 
 def missing_mask(depth: DepthMap) -> Mask:
-    """Eq. 6. Return B_D (H, W), True where depth is 0."""
+    """Eq. 6. Return the mask B_D (H, W) of pixels without depth."""
     return np.asarray(depth == 0)
 
 
 def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[np.int32], Mask]:
-    """Return S (H, W) of Holzer et al., the smoothing radius of each pixel in pixels, and the depth-change map C (H,
-    W).
+    """Return the smoothing radius S (H, W) of each pixel, in pixels, and the depth-change map C (H, W) of Holzer et al.
 
-    Radii grow with the depth error alpha d^2 and shrink near depth steps, missing pixels and the image border.
+    The radius grows with the depth error alpha d^2, and decreases near depth steps, missing depth and the image border.
     """
     smooth_here = np.empty(depth.shape, np.uint8)
     smoothing.mark_steps(depth, config.error_per_m, config.step_factor, smooth_here)
@@ -50,7 +49,7 @@ def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[
 
 
 def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-    """Eq. 7. Return gamma_0 (H, W), the number of pixels of `mask` in the window of each pixel."""
+    """Eq. 7. Return gamma_0 (H, W), the number of pixels of `mask` in the smoothing window of each pixel."""
     out = np.empty(mask.shape, np.int32)
     smoothing.count_boxes(_count_integral(mask), radius, out)
     return out
@@ -58,10 +57,10 @@ def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.i
 
 @stage("depth: smoothing")
 def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
-    """Eqs. 5 and 8. Return the mean over each pixel's window.
+    """Eqs. 5, 8. Return the mean depth (H, W) in the smoothing window of each pixel, in metres.
 
-    The mean is over valid pixels, or with `plain` over all pixels with missing ones as zeros. In both cases the window
-    has (2r+1)^2 pixels, as the printed divisor implies. A missing pixel stays missing.
+    The window of a pixel with radius r has (2r+1)^2 pixels. The mean is computed over valid pixels or, if `config.mean`
+    is "plain", over all pixels with missing depth as 0. Missing depth stays missing.
     """
     radius, steps = smoothing_area_map(depth, config)
     if config.mean == "plain":
@@ -75,23 +74,23 @@ def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
 
 
 def _integral(image: DepthMap) -> Integral:
-    """Return the integral image (H+1, W+1) in float64. In float32 a mean over a few pixels would be off by
-    centimetres.
-    """
+    """Return the integral image (H+1, W+1) of an image in float64, as float32 would cause errors of centimetres."""
     return np.asarray(cv2.integral(image, sdepth=cv2.CV_64F), np.float64)
 
 
 def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
-    """Return the integral image (H+1, W+1) of a mask: the number of its pixels above and to the left."""
+    """Return the integral image (H+1, W+1) of a mask (H, W)."""
     return np.asarray(cv2.integral(mask.view(np.uint8), sdepth=cv2.CV_32S), np.int32)
 
 
 @stage("depth: in-painting")
 def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
-    """Close sampling holes, then fill small gaps that do not touch the image border and are not shadows.
+    """Fill sampling holes and small gaps of a depth map (H, W) in metres.
 
-    config: sized for the image (`Settings.at_size`). A gap whose rim spans a depth step gets the far depth, as a shadow
-    belongs to the background.
+    Gaps at the image border are not filled. A gap with a depth step between its neighbours gets the largest depth of
+    its neighbours, because a shadow lies on the background.
+
+    config: parameters with lengths and areas scaled to the image size (`Settings.at_size`).
     """
     depth = depth.copy()
     if config.sampling_holes:
@@ -109,20 +108,25 @@ def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
 
 
 def sampling_holes(missing: Mask) -> Mask:
-    """Return the missing pixels (H, W) that no fully missing 3x3 window covers: holes one or two pixels wide."""
+    """Return the mask (H, W) of holes that are at most two pixels wide.
+
+    missing: mask (H, W) of pixels without depth.
+    """
     wide = cv2.morphologyEx(missing.view(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     return np.asarray(missing & (wide == 0))
 
 
 def _close(depth: DepthMap, holes: npt.NDArray[np.int64], layers: int, config: Inpainting) -> None:
-    """Close holes, given by pixel indices, from their rim inwards, one layer of pixels at a time."""
+    """Fill holes in a depth map, one layer of pixels after the other, from outside to inside. holes: indices y * W +
+    x.
+    """
     values = np.empty(holes.size, np.float32)
     for _ in range(layers):
         inpainting.close_holes(depth, holes, config.step_m, config.step_share, values)
 
 
 def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.float32]:
-    """Return the distance (H, W) in pixels to the nearest zero of a mask, at most `cap`."""
+    """Return the distance (H, W), in pixels, of each pixel to the nearest zero of a mask (H, W), at most `cap`."""
     out = np.empty(mask.shape, np.float32)
     smoothing.distance_to_zero(mask.view(np.uint8), cap, np.empty(mask.shape, np.int16), out)
     return out
@@ -130,11 +134,13 @@ def _distance(mask: Mask | npt.NDArray[np.uint8], cap: int) -> npt.NDArray[np.fl
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Gaps:
-    """8-connected components of missing pixels.
+    """Gaps of a depth map, which are 8-connected components of pixels without depth.
 
-    runs (N, 3): row, first column and last column + 1 of every run of missing pixels. gap_of_run (N,): gap of each run.
-    Values for each gap: area_px, near_m and far_m (nearest and farthest valid depth of its rim, 0 without any),
-    on_border.
+    - runs: (N, 3), row, first column and last column + 1 of every run of missing pixels in an image row.
+    - gap_of_run: (N,), number of the gap of each run.
+    - area_px: (G,), pixels of each gap.
+    - near_m, far_m: (G,), smallest and largest valid depth around each gap in metres, 0 if no neighbour is valid.
+    - on_border: (G,), True if the gap touches the image border.
     """
 
     width: int
@@ -150,11 +156,11 @@ class Gaps:
 
     @property
     def lengths(self) -> npt.NDArray[np.int64]:
-        """Return the number of pixels of each run (N,)."""
+        """Return the number of pixels (N,) of each run."""
         return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
 
     def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:
-        """Return the indices y * width + x of the pixels of the wanted runs (N,), run by run."""
+        """Return the indices y * W + x of all pixels of some runs. wanted: mask (N,) of the runs."""
         row, first, _ = self.runs[wanted].astype(np.int64).T
         length = self.lengths[wanted]
         before = np.cumsum(length) - length
@@ -162,7 +168,7 @@ class Gaps:
 
 
 def find_gaps(depth: DepthMap) -> Gaps:
-    """Return the gaps of a depth map (H, W)."""
+    """Return the connected areas without depth of a depth map (H, W) in metres."""
     height, width = depth.shape
     runs = np.empty((height * (width // 2 + 1), 3), np.int32)
     runs = runs[: inpainting.find_runs(depth, runs)]
@@ -176,10 +182,10 @@ def find_gaps(depth: DepthMap) -> Gaps:
 
 
 def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
-    """Return the share of the frame without depth inside the working range.
+    """Return the share of the frame without depth within the working range.
 
-    Two kinds of holes do not count. Holes at the image border are cropped or outside the depth camera's view. The other
-    kind has its whole rim beyond `max_distance_m`.
+    Gaps at the image border do not count, because such gaps may lie outside the depth camera's view. A gap does not
+    count either if all valid depth around the gap is larger than `max_distance_m`.
     """
     gaps = find_gaps(depth)
     counted = ~gaps.on_border & (gaps.far_m > 0)

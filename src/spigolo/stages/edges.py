@@ -1,7 +1,8 @@
-"""Image edges that are object boundaries (eqs. 12-20).
+"""Selection of the image edges that are boundaries of objects (equations 12-20).
 
-A Canny edge is a depth boundary if depth changes by a step across the edge. A Canny edge is a contact boundary if an
-object stands on its support there. Edges of prints and the ridges of an object are internal and are removed.
+A Canny edge is a depth boundary if the depth changes by a step across the edge. A Canny edge is a contact boundary if
+an object touches its support at the edge. All other edges are removed, such as edges of prints and convex edges of
+objects.
 """
 
 from __future__ import annotations
@@ -19,9 +20,7 @@ from spigolo.kernels import edges as kernel
 from spigolo.settings.paper import EdgesConfig
 
 NO_ANGLE_DEG = 360.0
-"""Low threshold that no contact angle reaches. This value is used without intrinsics, where angles cannot be
-computed.
-"""
+"""Threshold that no contact angle reaches. Without intrinsics, this threshold switches contact boundaries off."""
 
 SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
 
@@ -30,30 +29,31 @@ Gradient = npt.NDArray[np.int16]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgeMaps:
-    """Edge maps of a frame, each (H, W) bool."""
+    """Masks (H, W) of the image edges of a frame and of the edges that are boundaries of objects."""
 
     canny: Mask
-    """E_E: all Canny edges of the colour image."""
+    """Mask E_E (H, W) of all Canny edges of the colour image."""
     depth_boundary: Mask
-    """E_B: Canny edges with a depth step (eq. 13)."""
+    """Mask E_B (H, W) of Canny edges at a depth step (equation 13)."""
     contact_boundary: Mask
-    """E_C: Canny edges where an object touches its support (eq. 18)."""
+    """Mask E_C (H, W) of Canny edges where an object touches its support (equation 18)."""
     final: Mask
-    """E_F: union of E_B and E_C (eq. 20)."""
+    """Mask E_F (H, W), the union of E_B and E_C (equation 20)."""
 
 
 @stage("edges")
 def find_edges(image: Color, depth: DepthMap, camera: Camera | None, config: EdgesConfig) -> EdgeMaps:
-    """Compute all edge maps of an RGB image (H, W, 3) with depth (H, W) in metres."""
+    """Find the image edges of an RGB image (H, W, 3), and classify the edges by a depth map (H, W) in metres."""
     canny, gx, gy = scharr_canny(image, config)
     depth_boundary, contact = classify(canny, gx, gy, depth, camera, config)
     return EdgeMaps(canny, depth_boundary, contact, final_boundary(depth_boundary, contact))
 
 
 def scharr_canny(image: Color, config: EdgesConfig) -> tuple[Mask, Gradient, Gradient]:
-    """Return E_E (H, W) and the Scharr gradients along x and y from which it was computed.
+    """Return the mask E_E (H, W) of Canny edges, and the Scharr gradients (H, W) along x and y.
 
-    Thresholds are shares of the frame's largest gradient. A minimum threshold suppresses noise in plain frames.
+    Canny's thresholds are shares of the largest gradient in the frame. A minimum threshold suppresses noise in images
+    without edges.
     """
     gray = cv2.GaussianBlur(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY), (5, 5), 0)
     gx = np.asarray(cv2.Scharr(gray, cv2.CV_16S, 1, 0), np.int16)
@@ -67,7 +67,7 @@ def scharr_canny(image: Color, config: EdgesConfig) -> tuple[Mask, Gradient, Gra
 def classify(
     canny: Mask, gx: Gradient, gy: Gradient, depth: DepthMap, camera: Camera | None, config: EdgesConfig
 ) -> tuple[Mask, Mask]:
-    """Return the depth boundary E_B and the contact boundary E_C, both (H, W), from the pixels of `canny`."""
+    """Return the masks (H, W) of the depth boundary E_B and the contact boundary E_C among the edge pixels `canny`."""
     depth_boundary, contact = np.zeros(canny.shape, np.uint8), np.zeros(canny.shape, np.uint8)
     kernel.classify_edges(
         canny.view(np.uint8),
@@ -90,17 +90,17 @@ def classify(
 
 
 def final_boundary(depth_boundary: Mask, contact_boundary: Mask) -> Mask:
-    """Eq. 20. Return E_F (H, W), the union of both boundary maps."""
+    """Eq. 20. Return the mask E_F (H, W), the union of depth boundary and contact boundary."""
     return depth_boundary | contact_boundary
 
 
 def boundary_cue(lines: Mask, config: EdgesConfig) -> npt.NDArray[np.float32]:
-    """Eq. 21. Return delta_bound (H, W) in [0, 1] of each pixel from the lines of E_F, soft or thin."""
+    """Eq. 21. Return the boundary map delta_bound (H, W) from 0 to 1, blurred or not blurred, from the lines of E_F."""
     return soften(lines, config.blur_px) if config.boundary == "soft" else lines.astype(np.float32)
 
 
 def soften(lines: Mask, blur_px: int) -> npt.NDArray[np.float32]:
-    """Blur a map by a Gaussian and rescale it to a maximum of 1. Regions would leak through diagonals of thin lines."""
+    """Blur a mask (H, W) by a Gaussian and rescale the result to a maximum of 1."""
     blurred = np.asarray(cv2.GaussianBlur(lines.astype(np.float32), (blur_px, blur_px), 0), np.float32)
     largest = blurred.max(initial=0)
     return blurred / largest if largest > 0 else blurred

@@ -1,7 +1,8 @@
-"""Pixel grid and its edge weights (eqs. 4, 9, 22, 23).
+"""Graph of neighbouring pixels and its edge weights (equations 4, 9, 22, 23).
 
-Edges are stored as planes. Plane p holds at (y, x) the weight from that pixel to its neighbour at OFFSETS[p]. Edges are
-numbered plane by plane, rows first. Edges that leave the image have the weight +inf.
+Edge weights are stored in planes, one for each direction. Plane p holds, at (y, x), the weight of the edge from pixel
+(y, x) to its neighbour at OFFSETS[p]. Edges are numbered plane by plane, row by row. Edges that leave the image have
+the weight +inf.
 """
 
 from __future__ import annotations
@@ -21,23 +22,27 @@ from spigolo.stages.costs import COSTS, PixelCost
 from spigolo.stages.cues import Cues
 
 OFFSETS = ((0, 1), (1, 0), (1, 1), (-1, 1))
-"""Offsets (dy, dx) of the planes: right, down, down-right, up-right. A 4-connected grid has only the first two."""
+"""Offsets (dy, dx) from a pixel to its neighbours: right, down, down-right, up-right. With 4-connectivity, only the
+first two are used.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Graph:
-    """Weighted pixel grid of a frame."""
+    """Graph of the pixels of a frame, with weighted edges between neighbouring pixels."""
 
     weights: npt.NDArray[np.float32]
-    """Weights (P, H, W), with P = 2 planes for a 4-connected grid and 4 for an 8-connected one. Smaller: more alike."""
+    """Edge weights (P, H, W), with P = 2 for 4-connectivity and P = 4 for 8-connectivity. Pixels with a smaller weight
+    are more alike.
+    """
 
 
 @stage("weights")
 def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_m: float = 0.0) -> Graph:
-    """Compute the weighted graph of a frame with a cost function.
+    """Compute the edge weights of a frame with a cost function.
 
-    color: points of eq. 4, (3, H, W). noise_per_m: depth differences up to this value times the squared distance count
-    as zero, 1/m (our addition, 0 in the paper).
+    color: points (3, H, W) of `color_points`. noise_per_m: depth noise per squared distance, 1/m. Depth differences
+    below the noise count as 0 (our addition, 0 in the paper).
     """
     weights = np.empty((config.partition.connectivity // 2, *cues.depth.shape), np.float32)
     scale = depth_scale(cues.depth, config.depth.depth_range)
@@ -50,10 +55,11 @@ def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_
 
 
 def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
-    """Return 1 / range for eq. 9, from the frame's valid depths or from a fixed range in metres. 0 if all depths are
-    equal.
+    """Return 1 / depth range for equation 9, in 1/m, or 0 if all depths are equal.
+
+    depth: (H, W) in metres. depth_range: range in metres, or None for the range of the valid depths.
     """
     if depth_range is not None:
         return 1.0 / depth_range
-    nearest, farthest, _, _ = cv2.minMaxLoc(depth, (depth > 0).view(np.uint8))  # 0, 0 if none is valid
+    nearest, farthest, _, _ = cv2.minMaxLoc(depth, (depth > 0).view(np.uint8))  # both are 0 if no depth is valid
     return 1.0 / (farthest - nearest) if farthest > nearest else 0.0

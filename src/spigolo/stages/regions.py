@@ -1,4 +1,4 @@
-"""Partition of the graph into regions by internal difference (eqs. 2, 3)."""
+"""Partition of the graph of pixels into regions by their internal difference (equations 2, 3)."""
 
 from __future__ import annotations
 
@@ -15,38 +15,45 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.3, 0.6)
-"""Quantiles of the positive weights that separate the rounds of merging. Measured: fewer rounds sort more edges, and
-more rounds read every edge more often.
-"""
+"""Quantiles of the positive edge weights at which the next round of sorting and merging begins."""
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""Share of zero weights above which large regions exist from the start. Such regions refuse merges early."""
+"""If at least this share of the edges has weight 0, the first merging round continues after the first rejected
+merge.
+"""
 ONE, BOTH = 1, 2
-"""Minimum numbers of flagged ends of an edge."""
+"""Minimum number of flagged pixels of an edge that is selected for sorting."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Regions:
-    """Partition of an image. labels (H, W) int32: region 0..count-1 of each pixel, numbered by first pixel."""
+    """Partition of an image into regions.
+
+    labels: (H, W) int32, region number 0..count - 1 of each pixel, in the order of the first pixels of the regions.
+    count: number of regions.
+    """
 
     labels: npt.NDArray[np.int32]
     count: int
 
     def count_where(self, mask: Mask) -> npt.NDArray[np.int64]:
-        """Return the number of pixels of each region (R,) where a mask (H, W) is True."""
+        """Return the number of pixels (R,) of each region that lie inside a mask (H, W)."""
         counts = np.zeros(self.count, np.int64)
         moments.count_marked(self.labels, mask.view(np.uint8), counts)
         return counts
 
     def spread(self, of_region: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-        """Return an image (H, W) with the value (R,) of each pixel's region."""
+        """Return an image (H, W) in which each pixel has the value of its region. of_region: values (R,) of the
+        regions.
+        """
         out = np.empty_like(self.labels)
         moments.spread(of_region, self.labels, out)
         return out
 
     def joined(self, root: npt.NDArray[np.int64]) -> Regions:
-        """Return the regions after joining all regions with the same root (R,), numbered anew. The root is their first
-        region.
+        """Join all regions with the same root, and number the joined regions anew.
+
+        root: (R,), smallest region number in the group to which each region is joined.
         """
         kept, number = np.unique(root, return_inverse=True)
         return Regions(self.spread(number.astype(np.int32)), kept.size)
@@ -54,11 +61,15 @@ class Regions:
 
 @stage("partition")
 def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: Workspace | None = None) -> Regions:
-    """Merge pixels over their edges in the order of (float32 weight, edge number), then join small regions.
+    """Merge pixels into regions along edges of increasing weight, and then join small regions with their neighbours.
 
-    gamma: threshold of eq. 3. min_size_px: smaller regions join a neighbour, in pixels of this image. I(R) of eq. 2 is
-    the largest weight in the minimum spanning tree of R, as computed by the cited algorithm. Weights must not be
-    negative or NaN. Edges of weight +inf are ignored.
+    Edges of equal weight are processed in the order of their numbers. The internal difference I(R) of equation 2 is the
+    largest weight in the minimum spanning tree of region R, as in Felzenszwalb & Huttenlocher 2004.
+
+    - graph: edge weights, not negative and not NaN. Edges of weight +inf are ignored.
+    - gamma: threshold of equation 3.
+    - min_size_px: minimum number of pixels of a region.
+    - workspace: scratch memory to reuse from frame to frame.
     """
     planes, height, width = graph.weights.shape
     workspace = Workspace() if workspace is None else workspace
@@ -72,7 +83,7 @@ def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: W
 
 
 class SortedEdges:
-    """Edges of a graph, with a buffer to sort as many edges as there are pixels."""
+    """Edges of a graph, which are selected and sorted in several rounds to save time."""
 
     def __init__(self, weights: npt.NDArray[np.float32], offsets: npt.NDArray[np.int64], workspace: Workspace) -> None:
         self.weights = np.ascontiguousarray(weights).reshape(len(weights), -1)
@@ -84,25 +95,25 @@ class SortedEdges:
         self._sample = sample[np.isfinite(sample)]
 
     def pivots(self) -> list[float]:
-        """Return the weights that separate the rounds of merging, two quantiles of a sample. Each round sorts only the
-        edges that it needs.
-        """
+        """Return the weights between the rounds of merging, from the smallest to the largest."""
         positive = np.sort(self._sample[self._sample > 0])
         inner = [float(positive[int(q * positive.size)]) for q in PIVOT_QUANTILES] if positive.size else []
         return [0.0, *sorted(set(inner)), np.inf]
 
     def weightless_share(self) -> float:
-        """Return the share of edges with weight 0."""
+        """Return the share of edges with weight 0, estimated from a sample."""
         return float(np.mean(self._sample == 0)) if self._sample.size else 0.0
 
     def sort(
         self, low: float, high: float, forest: Forest, least: int, detours: bool = True
     ) -> tuple[npt.NDArray[np.uint64], float]:
-        """Return the packed edges with at least `least` flagged ends and weights from `low` to below `high`, sorted.
+        """Return the sorted packed edges with low <= weight < high, and the weight that was reached.
 
-        If the buffer is too small for all of them, stop below a smaller weight, which is returned too.
+        If the buffer is too small for all edges, only edges below a smaller weight are returned.
 
-        detours: True to include the last edge of each triangle or square.
+        - forest: current regions.
+        - least: minimum number of flagged pixels of an edge, 1 or 2.
+        - detours: True to include the heaviest edge of each triangle or square of neighbouring pixels.
         """
         width = self.offsets[1]
         while True:
@@ -114,13 +125,14 @@ class SortedEdges:
             if count >= 0:
                 break
             high = self._make_room(low, high)
-        if least == BOTH and low > 0:  # not in absorb_small, whose regions are never final
+        if least == BOTH and low > 0:  # no region is final in absorb_small
             count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
 
     def _make_room(self, low: float, high: float) -> float:
-        """Return a weight halfway between `low` and `high` to stop at. If there is none, return `high` and allocate
-        more memory.
+        """Return a smaller upper limit of weights, so that fewer edges are selected.
+
+        If no smaller limit exists, return `high` and allocate a larger buffer.
         """
         between = np.sort(self._sample[(self._sample > low) & (self._sample < high)])
         if between.size:
@@ -129,7 +141,7 @@ class SortedEdges:
         return high
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
-        """Return the sorted edges, with only as many stable passes as the range of weights requires."""
+        """Sort packed edges by weight. base: bits of the smallest possible weight."""
         width = max(((int(edges.max()) >> merging.HALF_BITS) - base).bit_length(), 1)
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)
@@ -143,7 +155,7 @@ class SortedEdges:
 
 
 class Forest:
-    """Disjoint-set forest over the pixels. Every tree is a region."""
+    """Union-find forest over the pixels, in which every tree is a region."""
 
     def __init__(self, pixels: int, gamma: float, workspace: Workspace) -> None:
         self.gamma = gamma
@@ -153,9 +165,7 @@ class Forest:
         self._workspace = workspace
 
     def merge(self, edges: SortedEdges) -> None:
-        """Eqs. 2, 3. Merge in rounds of increasing weights. After each round, edges that can no longer join anything
-        are dropped.
-        """
+        """Eqs. 2, 3. Merge regions in several rounds of increasing edge weights."""
         merging.plant(edges.weights, edges.steps[1], self.gamma, self.parent, self.records, self.flags)
         low, *pivots = edges.pivots()
         if edges.weightless_share() < MANY_WEIGHTLESS:
@@ -167,10 +177,11 @@ class Forest:
                 self._merge(lightest, edges, stop=False)
 
     def _merge_freely(self, edges: SortedEdges, high: float) -> float:
-        """Merge over the edges below `high` until a merge is refused. Return the weight that was reached.
+        """Merge regions along edges lighter than `high`, until equation 3 rejects a merge. Return the weight that was
+        reached.
 
-        Until then, all connected pixels are one region. An edge between two pixels that lighter edges connect has no
-        effect.
+        Before the first rejected merge, edges whose two pixels are connected by lighter edges have no effect and are
+        not sorted.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)
@@ -180,7 +191,7 @@ class Forest:
         return int(merging.merge(some, edges.steps, self.gamma, stop, self.parent, self.records))
 
     def absorb_small(self, edges: SortedEdges, min_size: float) -> None:
-        """Join each region below min_size pixels to the neighbour across its lightest edge."""
+        """Join each region of fewer than min_size pixels with the neighbour at its lightest edge."""
         low = 0.0
         while low < np.inf:
             choosing.flag_small(min_size, self.parent, self.records, self.flags)
@@ -188,9 +199,9 @@ class Forest:
             merging.absorb_small(lightest, edges.steps, min_size, self.parent, self.records)
 
     def labels(self) -> tuple[npt.NDArray[np.int32], int]:
-        """Return the region 0..R-1 of each pixel (H W,), numbered by first pixel, and R."""
+        """Return the region number 0..R - 1 of each pixel (H W,), and the number of regions R."""
         labels = np.empty(self.parent.size, np.int32)
-        number = self._workspace.array("edges", labels.size, np.uint32)  # the buffer of the edges is free now
+        number = self._workspace.array("edges", labels.size, np.uint32)  # the edges are no longer needed
         return labels, int(merging.number_regions(self.parent, number, labels))
 
 

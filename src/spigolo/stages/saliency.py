@@ -1,7 +1,7 @@
-"""Visual saliency and its power law (eq. 10).
+"""Visual saliency of the colour image, and its power law (equation 10).
 
-Each pixel is compared with the mean of square surrounds of several sizes (Montabone & Soto 2010). Brighter and darker
-differences are kept apart. All means come from one integral image at full resolution.
+The saliency of a pixel is the difference between its grey value and the mean of square surrounds of several sizes
+(Montabone & Soto 2010).
 """
 
 from __future__ import annotations
@@ -21,14 +21,12 @@ SHARES = np.arange(256, dtype=np.float32) / np.float32(255)
 
 
 def fine_grained_saliency(image: Color, config: SaliencyConfig) -> Map:
-    """Return V_S (H, W) in [0, 1] of an RGB image, in steps of 1/255 as in Montabone's own code. A plain image
-    gives 0.
-    """
+    """Return the saliency V_S (H, W) of an RGB image (H, W, 3), from 0 to 1 in steps of 1/255."""
     return np.asarray(cv2.LUT(_levels(image, config), SHARES), np.float32)
 
 
 def _levels(image: Color, config: SaliencyConfig) -> npt.NDArray[np.uint8]:
-    """Return V_S (H, W) in 0..255."""
+    """Return the saliency V_S (H, W) of an RGB image (H, W, 3), from 0 to 255."""
     gray = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
     for _ in range(2):
         gray = cv2.GaussianBlur(gray, (3, 3), 0)
@@ -40,16 +38,16 @@ def _levels(image: Color, config: SaliencyConfig) -> npt.NDArray[np.uint8]:
 
 
 def power_law(saliency: Map, power: float) -> Map:
-    """Eq. 10. Normalise a saliency map (H, W) to a maximum of 1 and raise it to `power`. 0 stays 0."""
+    """Eq. 10. Normalise a saliency map (H, W) to a maximum of 1 and raise it to `power`."""
     largest = saliency.max(initial=0)
     return np.asarray((saliency / largest) ** np.float32(power), np.float32) if largest > 0 else np.zeros_like(saliency)
 
 
 @stage("saliency")
 def saliency_cue(image: Color, config: SaliencyConfig) -> Map:
-    """Return the saliency (H, W) in [0, 1] of every pixel for the first cost function."""
+    """Return the saliency (H, W) of every pixel after the power law, from 0 to 1, for the first cost function."""
     levels = _levels(image, config)
     present = SHARES[: int(levels.max(initial=0)) + 1]
     table = np.zeros_like(SHARES)
-    table[: present.size] = power_law(present, config.power)  # 256 powers instead of one per pixel
+    table[: present.size] = power_law(present, config.power)  # 256 powers instead of one power for each pixel
     return np.asarray(cv2.LUT(levels, table), np.float32)

@@ -1,1 +1,1 @@
-"""Pictures, charts and viewers of results."""
+"""Pictures, charts and interactive views of segmentation results."""

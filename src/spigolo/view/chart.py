@@ -1,4 +1,4 @@
-"""Line charts with logarithmic axes. A power law is a straight line there, and its slope is the exponent."""
+"""Line charts with two logarithmic axes."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ from spigolo.frames.frame import Color
 from spigolo.objects.drawing import FONT, INK
 
 WIDTH, HEIGHT, FINER = 1120, 720, 3
-"""Size of the chart in pixels, and the factor by which it is drawn larger and then shrunk for smooth lines."""
+"""Width and height of the chart in pixels, and the factor by which the chart is first drawn larger, for smooth
+lines.
+"""
 LEFT, RIGHT, TOP, BOTTOM = 90, 300, 80, 110
-"""Margins in pixels. The names of the curves are written in the right margin."""
+"""Margins of the chart in pixels. The right margin has room for the names of the curves."""
 COLORS = ((31, 98, 184), (214, 92, 20), (110, 110, 110), (30, 140, 90), (150, 60, 150), (190, 150, 0))
 GRID, GUIDE, PALE = (229, 229, 229), (170, 170, 170), (95, 95, 95)
 LINE_PX = 24
@@ -27,7 +29,10 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """Curve of positive x and y values of the same length, in ascending order of x. name: one or two lines of text."""
+    """Curve in a chart.
+
+    name: one or two lines of text. x: positive values in ascending order. y: positive value for each x.
+    """
 
     name: str
     x: Sequence[float]
@@ -36,7 +41,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """Logarithmic axis with values from `low` to `high`, drawn from pixel `start` to pixel `end`."""
+    """Logarithmic axis of a chart, with values from `low` to `high` between the pixels `start` and `end`."""
 
     low: float
     high: float
@@ -44,20 +49,23 @@ class Axis:
     end: float
 
     def __call__(self, value: float) -> float:
-        """Return the pixel position of a value."""
+        """Return the position of a value along the axis in pixels."""
         share = math.log(value / self.low) / math.log(self.high / self.low)
         return self.start + share * (self.end - self.start)
 
     @property
     def ticks(self) -> list[float]:
-        """Return the values 1, 2 and 5 times each power of ten that lie on the axis."""
+        """Return the values of the ticks: 1, 2 and 5 times each power of ten within the range of the axis."""
         decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
         every = [float(f"{digit}e{decade}") for decade in decades for digit in (1, 2, 5)]
         return [tick for tick in every if self.low <= tick <= self.high]
 
 
 def log_log(curves: Sequence[Curve], title: str, x_label: str, y_label: str, note: str = "") -> Color:
-    """Return a chart (H, W, 3) of at least one curve, with a dashed guide line of slope 1 through its first point."""
+    """Draw a chart (H, W, 3) with two logarithmic axes.
+
+    A dashed line of slope 1 through the first point of the first curve shows growth in proportion to x.
+    """
     x = _axis([v for c in curves for v in c.x], LEFT, WIDTH - RIGHT)
     y = _axis([v for c in curves for v in c.y], HEIGHT - BOTTOM, TOP)
     picture = np.full((HEIGHT * FINER, WIDTH * FINER, 3), 255, np.uint8)
@@ -75,7 +83,7 @@ def log_log(curves: Sequence[Curve], title: str, x_label: str, y_label: str, not
 
 
 def _axis(values: list[float], start: float, end: float) -> Axis:
-    """Return an axis that covers all values, with some margin."""
+    """Return an axis that covers all values with some margin."""
     low, high = min(values), max(values)
     room = max((high / low) ** 0.06, 1.15)
     return Axis(low / room, high * room, start, end)
@@ -93,7 +101,7 @@ def _draw_grid(picture: Color, x: Axis, y: Axis) -> None:
 
 
 def _draw_guide(picture: Color, curve: Curve, x: Axis, y: Axis) -> None:
-    """Draw a dashed line of slope 1 through the curve's first point, as far as the axes reach."""
+    """Draw a dashed line of slope 1 through the first point of a curve, across the whole chart."""
     factor = curve.y[0] / curve.x[0]
     low, high = max(x.low, y.low / factor), min(x.high, y.high / factor)
     ends = np.array([(x(low), y(low * factor)), (x(high), y(high * factor))])
@@ -113,7 +121,7 @@ def _draw_curve(picture: Color, points: list[Point], tint: Tint) -> None:
 
 
 def _draw_names(picture: Color, curves: Sequence[Curve], tints: Sequence[Tint], y: Axis) -> None:
-    """Write the name of each curve next to its last point, shifted down where it would cover another name."""
+    """Write the name of each curve next to the last point of the curve, without overlap between names."""
     free = float(TOP)
     for curve, tint in sorted(zip(curves, tints, strict=True), key=lambda pair: y(pair[0].y[-1])):
         lines = curve.name.split("\n")
@@ -129,7 +137,7 @@ def _line(picture: Color, a: Point, b: Point, tint: Tint, width: float = 1.0) ->
 
 
 def _text(picture: Color, text: str, at: Point, size: float, tint: Tint, align: float = 0.0, weight: int = 1) -> None:
-    """Write a text. align: share of the text's width to the left of `at`."""
+    """Write a text at the position `at` in pixels. align: 0 to begin at the position, 1 to end there, 0.5 to centre."""
     thickness = round((0.6 + 0.5 * weight) * FINER)
     (width, _), _ = cv2.getTextSize(text, FONT, size * FINER, thickness)
     corner = round(at[0] * FINER - align * width), round(at[1] * FINER)

@@ -1,4 +1,4 @@
-"""Comparison of several methods on one frame, as in the paper's last figure."""
+"""Picture that compares several segmentation methods on one frame, as in the paper's last figure."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from spigolo.view.overlay import region_picture, tile
 
 
 def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], ours: str) -> Color:
-    """Draw the frame, the regions of each method with its object count and time, and our objects highlighted.
+    """Draw a frame, the regions of each method with number of objects and time, and the objects of one method.
 
-    answers: result and seconds of each method, indexed by method name. ours: name of the method whose objects are
-    highlighted.
+    answers: segmentation result and time in seconds of each method, indexed by method name. ours: name of the method
+    whose objects are drawn.
     """
     pictures = {"colour": frame.color}
     for name, (answer, seconds) in answers.items():

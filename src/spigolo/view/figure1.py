@@ -1,4 +1,4 @@
-"""The paper's Figure 1: the result of each stage for one frame, in seven panels."""
+"""The paper's Figure 1, which shows the result of each stage for one frame in seven panels."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ Array = npt.NDArray[np.generic]
 
 
 def figure1(trace: Trace) -> Color:
-    """Draw (a) colour, (b) depth, (c) smoothed depth, (d) weights, (e) regions, (f) objects, (g) objects cut out.
+    """Draw the results of all stages of one frame in seven panels.
 
-    The depth of (c) is also in-painted.
+    The panels show (a) colour, (b) depth, (c) smoothed and in-painted depth, (d) edge weights, (e) regions, (f)
+    objects, and (g) objects on white.
     """
     frame, result = trace.frame, trace.segmentation
     return tile(
@@ -37,8 +38,9 @@ def figure1(trace: Trace) -> Color:
 
 
 def weight_picture(weights: npt.NDArray[np.float32]) -> Color:
-    """Draw the largest weight of each pixel's edges (P, H, W) in colours, on a square-root scale. Blue is a small
-    weight.
+    """Draw the largest edge weight of each pixel in colours from blue (0) to red, on a square-root scale.
+
+    weights: edge weights (P, H, W) of the graph.
     """
     largest = np.where(np.isinf(weights), 0, weights).max(axis=0)
     strong = max(float(np.percentile(largest, 99)), 1e-12)
@@ -49,7 +51,7 @@ def weight_picture(weights: npt.NDArray[np.float32]) -> Color:
 
 
 def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
-    """Draw the objects in their own colours on white, each with an outline."""
+    """Draw the pixels of all objects on a white background, with an outline around each object."""
     picture = np.where((labels > 0)[..., None], color, np.uint8(255)).astype(np.uint8)
     for k, tint in enumerate(palette(int(labels.max(initial=0))), start=1):
         outlines, _ = cv2.findContours((labels == k).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
@@ -58,7 +60,7 @@ def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
 
 
 def stages(trace: Trace) -> dict[str, Array]:
-    """Return the array of every stage, indexed by name, as `spigolo trace --stages` writes them."""
+    """Return the arrays of all stages, indexed by name, which `spigolo trace --stages` writes to files."""
     cues = trace.cues
     halved = cues.depth.shape != trace.frame.shape
     frame = halve_frame(trace.frame) if halved else trace.frame

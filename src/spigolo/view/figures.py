@@ -1,4 +1,4 @@
-"""The paper's Figures 2 to 5, drawn from any frame."""
+"""The paper's Figures 2 to 5, drawn from frames of the user."""
 
 from __future__ import annotations
 
@@ -21,22 +21,23 @@ from spigolo.stages.saliency import fine_grained_saliency, power_law
 from spigolo.view.overlay import depth_picture, tile
 
 Window = tuple[int, int, int, int]
-"""Image window (y0, x0, y1, x1). The last two are exclusive."""
+"""Window (y0, x0, y1, x1) of an image in pixels, y1 and x1 exclusive."""
 
 MISSING_BLUE = (0, 0, 110)
 DETAIL_SHARE = 5
-"""Ratio of image size to detail size: a detail is a fifth of the image high and wide."""
+"""Width and height of the image, divided by the width and height of a detail."""
 TURN_DEG = 55.0
-"""Angle by which a point cloud is turned to the side for its picture, degrees."""
+"""Angle between the camera's view and the view in the picture of a point cloud, degrees."""
 CURVED = 2
-"""Number of objects that Figure 4 shows enlarged."""
+"""Number of enlarged objects in Figure 4."""
 
 
 def figure2(frame: Frame, config: Config = TABLE) -> Color:
-    """Draw the original smoothing (eq. 5) on the left and that of the paper (eq. 8) on the right, at missing depth.
+    """Draw the effect of two smoothing methods next to missing depth: equation 5 on the left, and equation 8 on the
+    right.
 
-    Eq. 5 counts missing pixels as zeros. Rows: the depth map, the point cloud around the detail seen from the side, and
-    the detail where both differ most.
+    The rows show the depth map, a point cloud from the side, and the detail where both depth maps differ most. Equation
+    5 counts missing depth as 0, and equation 8 ignores missing depth.
     """
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")
@@ -55,7 +56,7 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure3(frame: Frame, config: Config = SHELF) -> Color:
-    """Draw the saliency map before and after applying the power law (eq. 10)."""
+    """Draw the colour image, and the saliency map before and after the power law (equation 10)."""
     config = config.at_size(frame.shape)
     saliency = fine_grained_saliency(frame.color, config.saliency)
     pictures = {
@@ -67,9 +68,10 @@ def figure3(frame: Frame, config: Config = SHELF) -> Color:
 
 
 def figure4(frame: Frame, config: Config = TABLE) -> Color:
-    """Draw the final edges with and without internal boundaries, and Canny edges next to final edges on two objects.
+    """Draw the boundaries of objects with and without internal boundaries, and enlarged Canny edges and boundaries of
+    two objects.
 
-    The two objects are those with the most Canny edges that are not boundaries: prints and curved surfaces.
+    The two objects have the most Canny edges that are not boundaries, for example at prints and curved surfaces.
     """
     config = config.at_size(frame.shape)
     with_internal = config.edges.replace(sign_rule="none")
@@ -87,9 +89,9 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
-    """Draw the segmented objects highlighted, one picture per frame. All pictures have the size of the first frame.
+    """Draw the segmented objects of each frame. All pictures have the size of the first frame.
 
-    results: frame and result, indexed by the title of the picture.
+    results: frame and segmentation result, indexed by the title of the picture.
     """
     shape = next(iter(results.values()))[0].shape
     pictures = {
@@ -99,7 +101,7 @@ def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
 
 
 def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> Color:
-    """Draw the points in a window (y0, x0, y1, x1) of a depth map on white, turned to the side about their centre."""
+    """Draw the points of a window of a depth map as seen from the side, on white."""
     y0, x0, y1, x1 = window
     inside = np.zeros(depth.shape, bool)
     inside[y0:y1, x0:x1] = True
@@ -127,7 +129,7 @@ def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> 
 
 
 def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Window:
-    """Return the window in which the mean of a map (H, W) is largest."""
+    """Return the window of a map (H, W) with the largest mean value."""
     height, width = max(shape[0] // DETAIL_SHARE, 1), max(shape[1] // DETAIL_SHARE, 1)
     means = cv2.blur(np.minimum(difference, 0.05), (width, height))
     y, x = np.unravel_index(int(means.argmax()), means.shape)
@@ -136,14 +138,16 @@ def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Wind
 
 
 def _around(window: Window, factor: float, shape: tuple[int, int]) -> Window:
-    """Return the window enlarged about its centre and clipped to the image."""
+    """Return a window enlarged by a factor about its centre, and clipped to an image of size (H, W)."""
     y0, x0, y1, x1 = window
     grow_y, grow_x = round((factor - 1) * (y1 - y0) / 2), round((factor - 1) * (x1 - x0) / 2)
     return max(y0 - grow_y, 0), max(x0 - grow_x, 0), min(y1 + grow_y, shape[0]), min(x1 + grow_x, shape[1])
 
 
 def _busiest(result: Segmentation, edges: EdgeMaps) -> list[Window]:
-    """Return windows around the objects with the largest share of Canny edges that are not boundaries."""
+    """Return the windows around the objects with the most Canny edges that are not boundaries, per pixel of the
+    object.
+    """
     removed = edges.canny & ~edges.final
     ranked = sorted(result, key=lambda o: np.count_nonzero(removed & o.mask) / o.area_px, reverse=True)
     return [_around(o.box_px, 1.3, removed.shape) for o in ranked[:CURVED]]
@@ -155,7 +159,7 @@ def _cut(image: npt.NDArray[Any], window: Window) -> npt.NDArray[Any]:
 
 
 def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
-    """Return a picture scaled to the largest size that fits into (H, W), on white."""
+    """Scale a picture to the largest size that fits into (H, W), and fill the rest with white."""
     scale = min(shape[0] / picture.shape[0], shape[1] / picture.shape[1])
     height, width = max(int(scale * picture.shape[0]), 1), max(int(scale * picture.shape[1]), 1)
     out = np.full((*shape, 3), 255, np.uint8)
@@ -165,7 +169,9 @@ def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
 
 
 def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
-    """Return depth clipped to the range of another depth map, so that both get the same colours. 0 stays 0."""
+    """Clip a depth map to the range of another depth map, so that both have the same colour scale. Missing depth stays
+    0.
+    """
     if not like.any():
         return depth
     low, high = np.percentile(like[like > 0], [1, 99])
@@ -173,7 +179,7 @@ def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
 
 
 def _blue_where_missing(depth: DepthMap) -> Color:
-    """Return depth in colours. Missing pixels are dark blue, as in the paper."""
+    """Return a depth map as a colour picture, with missing depth in dark blue."""
     picture = depth_picture(depth)
     picture[missing_mask(depth)] = MISSING_BLUE
     return picture
@@ -184,5 +190,5 @@ def _grey(values: npt.NDArray[np.float32]) -> Color:
 
 
 def _lines(mask: npt.NDArray[np.generic]) -> Color:
-    """Return a mask in white on black."""
+    """Return a mask (H, W) as a picture, white on black."""
     return np.repeat((np.asarray(mask) > 0).astype(np.uint8)[..., None] * np.uint8(255), 3, axis=2)

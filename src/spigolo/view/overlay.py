@@ -1,4 +1,4 @@
-"""Pictures of objects over the colour image, of depth maps and of regions."""
+"""Pictures of objects over the colour image, of depth maps, of boundaries and of regions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ BOX_EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4,
 
 
 def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> Color:
-    """Return a copy of an overlay with the oriented box of each object as a wire frame. Boxes require intrinsics."""
+    """Return a copy of a picture with the edges of the oriented boxes of all objects. Without intrinsics, no boxes are
+    drawn.
+    """
     drawn = picture.copy()
     if camera is None:
         return drawn
@@ -31,14 +33,14 @@ def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> C
             ends = [tuple(int(v) for v in np.round(corners[k])) for k in (a, b)]
             cv2.line(drawn, ends[0], ends[1], INK, 3, cv2.LINE_AA)
             cv2.line(drawn, ends[0], ends[1], tint.tolist(), 1, cv2.LINE_AA)
-    draw_numbers(drawn, {o.label: o.mask for o in result})  # drawn last, so that no line hides a number
+    draw_numbers(drawn, {o.label: o.mask for o in result})  # numbers are drawn last, so that no line hides them
     return drawn
 
 
 def depth_picture(depth: DepthMap) -> Color:
-    """Return depth (H, W) in colours: near is red, far is blue, missing is black.
+    """Return a depth map (H, W) as a colour picture: near is red, far is blue, and missing is black.
 
-    The colour scale is linear in 1 / Z, like the depth resolution of cameras, between the 1st and 99th percentile.
+    The colour scale is linear in 1 / depth between the 1st and the 99th percentile.
     """
     valid = depth > 0
     if not valid.any():
@@ -52,9 +54,10 @@ def depth_picture(depth: DepthMap) -> Color:
 
 
 def boundary_picture(trace: Trace) -> Color:
-    """Draw boundaries in white and orange over the other Canny edges in grey. Draw the saliency if the cost reads it.
+    """Draw the boundaries of objects over the Canny edges, or the saliency map if the cost function reads saliency.
 
-    White: contours of the depth map. Orange: Canny edges that are depth or contact boundaries.
+    Contours from the depth map are white. Canny edges that are depth or contact boundaries are orange. The remaining
+    Canny edges are grey.
     """
     if trace.edges is None:
         level = np.round(trace.cues.delta_sal * 255).astype(np.uint8)
@@ -68,12 +71,15 @@ def boundary_picture(trace: Trace) -> Color:
 
 
 def region_picture(labels: npt.NDArray[np.int32]) -> Color:
-    """Return a label image (H, W) with one colour for each label."""
+    """Return a label image (H, W) as a picture with one colour for each label."""
     return np.asarray(palette(int(labels.max(initial=0)) + 1)[labels])
 
 
 def tile(pictures: dict[str, Color], columns: int) -> Color:
-    """Return a grid of pictures with titles, all scaled to the size of the first one."""
+    """Return a grid of pictures with titles. All pictures are scaled to the size of the first picture.
+
+    pictures: pictures (H, W, 3), indexed by title.
+    """
     shape = next(iter(pictures.values())).shape[:2]
     titled = [_titled(fitted(picture, shape), title) for title, picture in pictures.items()]
     titled += [np.full_like(titled[0], 255)] * (-len(titled) % columns)
@@ -82,9 +88,7 @@ def tile(pictures: dict[str, Color], columns: int) -> Color:
 
 
 def fitted(picture: Color, shape: tuple[int, ...]) -> Color:
-    """Return a picture scaled to (H, W) without interpolation. The stages of a halved frame are smaller than the
-    frame.
-    """
+    """Scale a picture to the size (H, W) without interpolation."""
     if picture.shape[:2] == shape:
         return picture
     return np.asarray(cv2.resize(picture, shape[::-1], interpolation=cv2.INTER_NEAREST), np.uint8)

@@ -1,4 +1,4 @@
-"""Recording for the Rerun viewer: colour, depth, masks, point clouds and boxes of each frame."""
+"""Recordings for the Rerun viewer, with colour, depth, masks, point clouds and boxes of each frame."""
 
 from __future__ import annotations
 
@@ -16,13 +16,15 @@ from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 PIP = 'pip install "spigolo[view]"'
 CLASSES = 256
-"""Number of ids that have their own colour."""
+"""Number of classes in the recording: the background, and object numbers that have their own colour."""
 CAMERA = "world/camera"
 Quaternion = npt.NDArray[np.float64]
 
 
 class Recording:
-    """Writer of results to a .rrd file, or to a viewer that it opens if `path` is None. Use it as a context manager."""
+    """Context manager that writes segmentation results to a .rrd file, or sends them to a new viewer if `path` is
+    None.
+    """
 
     def __init__(self, name: str, path: Path | None) -> None:
         try:
@@ -44,7 +46,9 @@ class Recording:
         self._log("/", self._rr.AnnotationContext([nothing, *named]), static=True)
 
     def add(self, result: Segmentation) -> None:
-        """Add a frame with its objects, by their ids if they have any."""
+        """Add a frame and its objects to the recording. Objects are named by their ids or, without ids, by their
+        labels.
+        """
         rr, frame = self._rr, result.frame
         self._stream.set_time("frame", sequence=self._frames)
         if frame.stamp_ns is not None:
@@ -77,7 +81,7 @@ class Recording:
         self._stream.log(path, value, static=static)
 
     def close(self) -> None:
-        """Write the remaining data and close the file."""
+        """Write the remaining data and close the recording."""
         self._stream.flush()
         self._stream.disconnect()
 
@@ -91,7 +95,7 @@ class Recording:
 
 
 def quaternion(R: npt.NDArray[np.float64]) -> Quaternion:
-    """Return the unit quaternion (x, y, z, w) of a rotation (3, 3)."""
+    """Convert a rotation matrix (3, 3) to a unit quaternion (x, y, z, w)."""
     x, y, z = R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]
     squares = np.maximum([1 + R[k, k] * 2 - np.trace(R) for k in range(3)] + [1 + np.trace(R)], 0) / 4
     q: Quaternion = np.sqrt(squares)
@@ -107,12 +111,12 @@ def quaternion(R: npt.NDArray[np.float64]) -> Quaternion:
 
 
 def _class_of(number: int) -> int:
-    """Return the class of an object number. 0 is the background."""
+    """Return the class 1..255 of an object number. Class 0 is the background."""
     return (number - 1) % (CLASSES - 1) + 1
 
 
 def _classes(result: Segmentation) -> npt.NDArray[np.uint8]:
-    """Return the label image (H, W) with ids instead of labels, modulo the number of colours."""
+    """Return an image (H, W) with the class of the object at each pixel, 0 for background."""
     numbers = np.zeros(len(result) + 1, np.uint8)
     for o in result:
         numbers[o.label] = _class_of(o.number)

@@ -1,4 +1,4 @@
-"""Ground truth over the colour image, coloured by what was found."""
+"""Pictures of the ground truth over the colour image, with found and missed objects."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ HATCH_STEP_PX = 12
 def truth_picture(
     color: Color, labels: npt.NDArray[np.integer[Any]], found: Collection[int], ignore: Mask | None = None
 ) -> Color:
-    """Draw the outline of each labelled object over the colour image (H, W, 3): green if found, red if not.
+    """Draw the outlines of labelled objects over a colour image (H, W, 3), green for found and red for missed objects.
 
-    labels (H, W): 0 = background. found: labels of the objects found. ignore (H, W): pixels that are not evaluated,
-    drawn hatched.
+    labels: label image (H, W), 0 = background. found: labels of the found objects. ignore: mask (H, W) of pixels that
+    are not evaluated, drawn hatched.
     """
     picture = color.copy()
     if ignore is not None:

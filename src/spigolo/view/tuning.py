@@ -1,4 +1,4 @@
-"""The tuning page: every parameter as a control, and the answer next to it, in a browser on this machine."""
+"""Web page to tune parameters interactively, with a control for each parameter next to the segmentation result."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ WIDTH_PX = 360
 PHONE = """<style>@media (max-width: 600px) {
 .mantine-Paper-root[style*="position: fixed"][style*="bottom: 0px"], .mantine-Paper-root div[style*="width: 20em"]
 { width: 100% !important; } }</style>"""
-"""On a phone the controls take the whole width."""
+"""Style sheet that makes the controls as wide as the screen of a phone."""
 BRAND = (46, 134, 222)
 
 
@@ -47,11 +47,17 @@ def tune(
     folder: Path | str = ".",
     block: bool = True,
 ) -> TuningPage:
-    """Show a page on which parameters are tuned by looking at frames.
+    """Open a web page to tune the parameters of the segmentation interactively.
 
-    frames: a frame, a list of frames, a source, or any stream. config: the configuration to start from. host: the
-    address to listen on, this machine alone by default. folder: where presets are saved. block: return only when the
-    page is closed or Ctrl-C is pressed. Needs `pip install "spigolo[tune]"`. Raises SpigoloError without it.
+    - frames: a frame, a list of frames, a source, or an iterator of frames.
+    - config: configuration to start from.
+    - port: port of the web server.
+    - host: network address of the web server, by default only this machine.
+    - open_browser: open the page in a browser.
+    - folder: folder for saved presets.
+    - block: wait until the page is closed or Ctrl-C is pressed.
+
+    Raises SpigoloError if the package viser is missing (`pip install "spigolo[tune]"`).
     """
     page = TuningPage(Session(frames, config), port, host, Path(folder))
     if open_browser:
@@ -62,15 +68,17 @@ def tune(
 
 
 class TuningPage:
-    """A page in the browser. Close it with `close`, or use it in a `with` block."""
+    """Web server and state of one tuning page. Call `close` to stop the server, or use the page as a context
+    manager.
+    """
 
     def __init__(self, session: Session, port: int = 8080, host: str = "127.0.0.1", folder: Path = Path()) -> None:
         self.session = session
         self.server = _server(host, port)
         self.url = f"http://{host}:{self.server.get_port()}"
-        """Address of the page."""
+        """URL of the page."""
         self.drawn = 0
-        """Number of pictures drawn so far."""
+        """Number of pictures that were drawn so far."""
         self._folder, self._saved = folder, set[Path]()
         self._stage, self._merging = scene.STAGES[0], False
         self._place: viser.GuiSliderHandle[int] | None = None
@@ -88,21 +96,24 @@ class TuningPage:
         self.close()
 
     def wait(self) -> None:
-        """Return when the page is closed or Ctrl-C is pressed."""
+        """Wait until the page is closed or Ctrl-C is pressed."""
         try:
             self._closed.wait()
         except KeyboardInterrupt:
             self.close()
 
     def close(self) -> None:
-        """Stop the server and the worker."""
+        """Stop the web server and the segmentation thread."""
         self._playing.value = False
         self.worker.close()
         self.server.stop()
         self._closed.set()
 
     def select(self, pixel: Pixel | None) -> None:
-        """Highlight the object or rejected region at a pixel (y, x), or merge it with the one chosen before."""
+        """Select the object or rejected region at a pixel (y, x).
+
+        After the action "merge", the new selection is merged with the previous selection.
+        """
         if self._merging and pixel is not None and self.session.selected is not None:
             self.session.correct("merge", self.session.selected, pixel)
         self._merging = False
@@ -110,7 +121,7 @@ class TuningPage:
         self._draw()
 
     def act(self, action: str) -> None:
-        """Keep, drop or merge what is selected, or undo the last correction."""
+        """Keep, drop or merge the selected object or region, or undo the last correction."""
         pixel = self.session.selected
         self._merging = action == MERGE and pixel is not None
         if action == UNDO:
@@ -144,7 +155,7 @@ class TuningPage:
             self._times = gui.add_markdown("")
 
     def _build_view(self, gui: viser.GuiApi) -> None:
-        stages = gui.add_dropdown("show", scene.STAGES, hint="Picture of a stage.")
+        stages = gui.add_dropdown("show", scene.STAGES, hint="Name of the stage to show as a picture.")
         stages.on_update(lambda event: self._show(event.target.value))
         views = gui.add_button_group("look at", VIEWS)
         views.on_click(self._turn)
@@ -155,7 +166,7 @@ class TuningPage:
             self._place.on_update(lambda event: self._go(event.target.value - 1))
         steps = gui.add_button_group("go to", (BACK, ON), visible=several)
         steps.on_click(lambda event: self._move(1 if event.target.value == ON else -1))
-        self._playing = gui.add_checkbox("play", False, hint="Go on to the next frame by itself.", visible=several)
+        self._playing = gui.add_checkbox("play", False, hint="Show frame after frame.", visible=several)
         self._playing.on_update(lambda _: self.worker.ask())
 
     def _build_presets(self, gui: viser.GuiApi) -> None:
@@ -197,11 +208,11 @@ class TuningPage:
             self._status.content = text.trouble(error)
 
     def _go(self, position: int) -> None:
-        if self.session.go(position):  # not where `_show_place` has set the slider
+        if self.session.go(position):  # False if `_show_place` set the slider
             self.worker.ask()
 
     def _show_place(self) -> None:
-        """Set the slider of frames to where the session is. It follows buttons and play, and leads only by hand."""
+        """Set the slider to the number of the current frame."""
         if self._place is not None:
             self._place.value = self.session.reel.position + 1
 
@@ -222,18 +233,20 @@ class TuningPage:
         self._saved.add(path)
 
     def _run(self) -> bool:
-        """Segment and draw, on the worker's thread. Return whether the next frame follows at once."""
+        """Segment the current frame and draw the result, on the segmentation thread. Return True to continue with the
+        next frame.
+        """
         try:
             if self._playing.value and self.session.answer is not None:
                 self._play()
             first = self.session.answer is None
             self.session.run()
             self._draw()
-            if first:  # it loaded the kernels: measured again
+            if first:  # the first run loaded the kernels, so that its time is measured again
                 return True
         except SpigoloError as error:
             self._status.content = text.trouble(error)
-        except Exception as error:  # the page goes on
+        except Exception as error:  # the page must continue after any error
             self._status.content = text.trouble(error)
         return bool(self._playing.value)
 
@@ -244,7 +257,7 @@ class TuningPage:
             self._playing.value = False
 
     def _draw(self) -> None:
-        """Draw the answer, and what is selected in it."""
+        """Draw the segmentation result and the selected object or region."""
         with self._drawing:
             answer = self.session.answer
             if answer is None:
@@ -264,5 +277,5 @@ def _server(host: str, port: int) -> viser.ViserServer:
         import viser
     except ImportError:
         raise SpigoloError('the tuning page needs viser: pip install "spigolo[tune]"') from None
-    with contextlib.redirect_stdout(io.StringIO()):  # its banner
+    with contextlib.redirect_stdout(io.StringIO()):  # hides the start message of viser
         return viser.ViserServer(host=host, port=port, label="spigolo", verbose=False)

@@ -1,4 +1,4 @@
-"""The controls of the page: a slider, checkbox or dropdown for each parameter, in folders by stage."""
+"""Controls of the tuning page: a slider, checkbox, dropdown or text field for each parameter, grouped by stage."""
 
 from __future__ import annotations
 
@@ -14,17 +14,20 @@ if TYPE_CHECKING:
 
 
 class Controls:
-    """All controls in a page's GUI. A field that is shown in two folders has two controls with one value.
+    """Controls of all parameters on a tuning page.
 
-    changed: called with the key and the value that a user chose. None switches a rule off, True or False a stage.
+    - gui: the page.
+    - values: values of all parameters.
+    - changed: function that is called with the key and the new value of a changed control. The function receives None
+    if a rule is switched off, and True or False if a stage is switched on or off.
     """
 
     def __init__(self, gui: viser.GuiApi, values: Values, changed: Callable[[str, Any], None]) -> None:
         self._gui, self._values, self._changed = gui, values, changed
         self.handles: dict[str, list[Any]] = defaultdict(list)
-        """Slider, checkbox, dropdown or text of each leaf, and the dropdown of a stage that has several models."""
+        """Controls of each parameter and of each choice between several models, indexed by key."""
         self.switches: dict[str, list[Any]] = defaultdict(list)
-        """Checkbox of each optional leaf and stage."""
+        """Checkboxes that switch optional parameters and stages on or off, indexed by key."""
         self._folders: dict[str, Any] = {}
         with gui.add_folder("main"):
             for path, label in MAIN.items():
@@ -36,7 +39,7 @@ class Controls:
         self.refresh()
 
     def refresh(self) -> None:
-        """Show the values of now, with ranges around them."""
+        """Show the current values of all parameters, and adapt the ranges of the sliders."""
         for key, handles in self.handles.items():
             part, value = self._values.parts[key], self._values.of[key]
             for handle in handles:
@@ -47,7 +50,10 @@ class Controls:
         self.follow()
 
     def follow(self, moved: Any = None) -> None:
-        """Show what is on, and the values of controls that have a twin. moved: the handle that a user holds."""
+        """Show which stages are on, and copy values between two controls of the same parameter.
+
+        moved: control that the user is moving, which is not changed.
+        """
         for key, switches in self.switches.items():
             for switch in switches:
                 _assign(switch, "value", self._values.on[key])
@@ -121,7 +127,7 @@ class Controls:
 
     def _switch(self, key: str, handle: Any) -> None:
         if self._values.on[key] == handle.value:
-            return  # set by `follow`
+            return  # the checkbox was set by `follow`
         stage = isinstance(self._values.parts[key], Stage)
         self._changed(key, handle.value if stage else self._values.of[key] if handle.value else None)
         self.follow(handle)
@@ -149,20 +155,22 @@ def _within(value: float, span: Range) -> float:
 
 
 def _assign(handle: Any, name: str, value: Any) -> None:
-    """Set a property of a handle if it differs, so that nothing is sent without need."""
+    """Set a property of a control if its value differs, so that nothing is sent to the browser without need."""
     if getattr(handle, name) != value:
         setattr(handle, name, value)
 
 
 def _text(value: Any) -> Any:
-    """Return a value as its control holds it: a list as text, a choice as a word."""
+    """Convert the value of a parameter to the value of its control: a list or a choice becomes text."""
     if isinstance(value, tuple | list):
         return ", ".join(f"{v:g}" for v in value)
     return value if isinstance(value, bool) else str(value)
 
 
 def _typed(leaf: Leaf, value: Any) -> Any:
-    """Return a control's value as its field holds it. A text that is no list stays as it is, and is refused there."""
+    """Convert the value of a control to the type of its parameter. Text that is not a list of numbers is returned
+    unchanged.
+    """
     if leaf.kind == "choice":
         return next(choice for choice in leaf.choices if str(choice) == value)
     if leaf.kind == "list":

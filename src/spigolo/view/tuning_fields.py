@@ -1,4 +1,4 @@
-"""The parameters of a configuration as controls: one for each field, with range, step, unit and help from the field."""
+"""Description of the controls of a configuration: range, step, unit and help text of each parameter."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ UNITS = {"m": "m", "px": "px", "px2": "px²", "deg": "°", "per_m": "1/m", "px_m
 SHORT = {"min": "min.", "max": "max."}
 LIMITS = ("ge", "gt", "le", "lt")
 STEPS = 200
-"""Number of steps of a slider whose field has no upper limit."""
+"""Approximate number of steps of a slider."""
 
 MAIN = {
     "additions.support.min_height_m": "height above plane (m)",
@@ -33,95 +33,95 @@ MAIN = {
     "additions.rules.max_width_m": "max. width (m)",
     "rejection.max_distance_m": "reach (m)",
 }
-"""The fields that matter first, in the order of the page, with their names there."""
+"""Names of the most important parameters, in the order of the page, and their labels on the page."""
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """The range of a slider."""
+    """Range of a slider on the tuning page."""
 
     low: float
-    """Smallest value."""
+    """Minimum of the slider."""
     high: float
-    """Largest value."""
+    """Maximum of the slider."""
     step: float
-    """Distance of two values."""
+    """Difference between two neighbouring values of the slider."""
 
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """One number, switch, choice or list."""
+    """Description of the control of one parameter: a number, switch, choice or list."""
 
     path: str
-    """Dotted name of the field, as in `Config.replace`."""
+    """Dotted name of the parameter, as in `Config.replace`."""
     key: str
-    """Unique name. It differs from the path in the variants of a stage."""
+    """Unique name of the control. Parameters of alternative models can have equal paths, but have different keys."""
     label: str
-    """Name and unit, for the page."""
+    """Name and unit of the parameter on the page."""
     help: str
-    """Meaning of the field."""
+    """Help text of the parameter."""
     kind: Literal["number", "integer", "switch", "choice", "list"]
     """Type of the control."""
     optional: bool
-    """True if the field may be None: the rule can be switched off."""
+    """True if the parameter may be None, which switches a rule off."""
     limits: tuple[float | None, float | None]
-    """Range of the field, ends included. None without a limit."""
+    """Minimum and maximum of the parameter. None means no limit."""
     choices: tuple[str | int, ...]
-    """The values of a choice."""
+    """Allowed values of a parameter of the kind "choice"."""
     above: bool
-    """True if the lower limit itself is not allowed."""
+    """True if the parameter must be larger than its minimum."""
     odd: bool
-    """True if only odd numbers are allowed."""
+    """True if the parameter must be an odd number."""
     default: Any
-    """Value of the field where nothing else is known, of one of several models always."""
+    """Default value of the parameter in its model. None if the model has no default value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """One model with its fields."""
+    """Description of the controls of one stage, which is a model with several parameters."""
 
     path: str
-    """Dotted name of the field, "" for the configuration."""
+    """Dotted name of the stage in the configuration, or "" for the configuration itself."""
     key: str
-    """Unique name."""
+    """Unique name of the stage."""
     label: str
-    """Name for the page."""
+    """Name of the stage on the page."""
     help: str
-    """Meaning of the stage."""
+    """Help text of the stage."""
     optional: bool
-    """True if the stage may be None: the addition can be switched off."""
+    """True if the stage may be None, which switches an addition off."""
     model: type[BaseModel]
-    """The class of its values."""
+    """Class of the model."""
     parts: tuple[Leaf | Stage | Variants, ...]
-    """Its fields."""
+    """Descriptions of the parameters and stages inside the stage."""
 
 
 @dataclass(frozen=True, slots=True)
 class Variants:
-    """A stage that has one of several models, such as the cost function."""
+    """Description of the controls of a stage with several alternative models, such as the cost function."""
 
     path: str
-    """Dotted name of the field."""
+    """Dotted name of the stage in the configuration."""
     key: str
-    """Unique name."""
+    """Unique name of the stage."""
     label: str
-    """Name for the page."""
+    """Name of the stage on the page."""
     help: str
-    """Meaning of the stage."""
+    """Help text of the stage."""
     stages: dict[str, Stage]
-    """The models by the value of their field `kind`."""
+    """Alternative models, indexed by the value of their field `kind`."""
 
 
 Part = Leaf | Stage | Variants
 
 
 def controls_of(model: type[BaseModel] = Config) -> Stage:
-    """Return the controls of a model's fields."""
+    """Return the description of the controls of a model, by default of the whole configuration."""
     return Stage("", "", "", "", False, model, tuple(_parts(model, "", "")))
 
 
 def leaves(part: Part) -> Iterator[Leaf]:
-    """Yield all leaves of a part."""
+    """Yield the descriptions of all single parameters in a part."""
     if isinstance(part, Leaf):
         yield part
         return
@@ -130,7 +130,7 @@ def leaves(part: Part) -> Iterator[Leaf]:
 
 
 def walk(part: Part) -> Iterator[Part]:
-    """Yield a part and all below it."""
+    """Yield a part, and all stages and parameters inside it."""
     yield part
     if not isinstance(part, Leaf):
         for inner in part.stages.values() if isinstance(part, Variants) else part.parts:
@@ -138,14 +138,17 @@ def walk(part: Part) -> Iterator[Part]:
 
 
 def value_at(values: Any, path: str) -> Any:
-    """Return the value at a dotted path of nested mappings or models. None below a stage that is off."""
+    """Return the value at a dotted path in nested mappings or models, or None inside a stage that is switched off."""
     for name in path.split(".") if path else ():
         values = values.get(name) if isinstance(values, Mapping) else getattr(values, name, None)
     return values
 
 
 def range_of(leaf: Leaf, value: float) -> Range:
-    """Return a slider's range: the limits of the field, or four times the value or the largest preset's near it."""
+    """Return the range of a slider: the limits of the parameter, or up to four times the largest value in use.
+
+    value: current value of the parameter, which together with similar values of the presets sets the maximum.
+    """
     low, high = leaf.limits
     near = [abs(value), *(v for v in _presets(leaf.path) if v <= 10 * abs(value) or value == 0)]
     top = _round_up(4 * max([*near, 1e-3]))
@@ -161,7 +164,10 @@ def range_of(leaf: Leaf, value: float) -> Range:
 
 
 def first_value(leaf: Leaf) -> Any:
-    """Return the value of a leaf that no preset in use has: that of OBJECTS, of another preset or of the model."""
+    """Return an initial value for a parameter that is None in the current configuration.
+
+    The value comes from the preset OBJECTS, from another preset, or from the default of the model.
+    """
     if leaf.key == leaf.path:
         for config in (OBJECTS, *PRESETS.values()):
             value = value_at(config, leaf.path)
@@ -226,7 +232,7 @@ def _leaf(field: FieldInfo, path: str, key: str, text: str) -> Leaf:
 
 
 def _bare(annotation: Any, marks: list[Any]) -> tuple[Any, bool, list[Any]]:
-    """Return an annotation without None and marks, whether None was in it, and the marks."""
+    """Split a type annotation: the type without None and metadata, True if None is allowed, and the metadata."""
     optional = False
     while get_origin(annotation) in (Annotated, Union, types.UnionType):
         if get_origin(annotation) is Annotated:
@@ -239,7 +245,7 @@ def _bare(annotation: Any, marks: list[Any]) -> tuple[Any, bool, list[Any]]:
 
 
 def _limits(marks: list[Any]) -> tuple[float | None, float | None, bool]:
-    """Return the lower and the upper limit, and whether the lower one itself is not allowed."""
+    """Return the minimum and the maximum of a parameter, and True if the minimum itself is not allowed."""
     found = [inner for mark in marks for inner in (mark, *getattr(mark, "metadata", ()))]
     value = {name: next((v for m in found if (v := getattr(m, name, None)) is not None), None) for name in LIMITS}
     low = value["gt"] if value["ge"] is None else value["ge"]
@@ -270,19 +276,19 @@ def _presets(path: str) -> list[float]:
 
 
 def _round_up(value: float) -> float:
-    """Return the next of 1, 2, 5, 10, ... times a power of ten."""
+    """Round a value up to 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(float(f"{m * power:.6g}") for m in (1, 2, 5, 10) if m * power >= value * (1 - 1e-9))
 
 
 def _round_down(value: float) -> float:
-    """Return the last of 1, 2, 5, 10, ... times a power of ten that is not above a value."""
+    """Round a value down to 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     return next(float(f"{m * power:.6g}") for m in (5, 2, 1) if m * power <= value * (1 + 1e-9))
 
 
 def _finest(value: float, step: float) -> float:
-    """Return a step on which a value lies, at most a hundred times finer than the given one."""
+    """Divide a step by up to 100, so that the value is a multiple of the step."""
     for divisor in (1, 2, 5, 10, 20, 50, 100):
         count = value / step * divisor
         if abs(count - round(count)) < 1e-6:

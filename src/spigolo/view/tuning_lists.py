@@ -1,4 +1,4 @@
-"""The lists of objects and rejected regions on the page: a button for each."""
+"""Lists of objects and rejected regions on the tuning page, with one button for each object and region."""
 
 from __future__ import annotations
 
@@ -15,12 +15,15 @@ if TYPE_CHECKING:
     import viser
 
 MOST_OBJECTS, MOST_REJECTED = 40, 30
-"""How many are listed: the best objects and the largest rejected regions. A click in the picture selects any."""
+"""Maximum numbers of objects (best score first) and rejected regions (largest first) in the lists."""
 GREY, RED, YELLOW = (73, 80, 87), (235, 64, 52), (200, 160, 0)
 
 
 class Lists:
-    """Buttons that select an object or a rejected region. select: called with a pixel (y, x) of it."""
+    """Lists of buttons, each of which selects an object or a rejected region.
+
+    gui: the page. select: function that is called with a pixel (y, x) of the selected object or region.
+    """
 
     def __init__(self, gui: viser.GuiApi, select: Callable[[Pixel | None], None]) -> None:
         self._select = select
@@ -36,7 +39,10 @@ class Lists:
         boxes: Sequence[OrientedBox | None],
         chosen: ObjectMask | RejectedRegion | None,
     ) -> None:
-        """List what an answer holds, with the boxes of its objects and the chosen one in its colour."""
+        """Show the objects and rejected regions of a result in the lists.
+
+        boxes: oriented box of each object. chosen: selected object or region, which is highlighted.
+        """
         tints = palette(len(result))
         refused = sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]
         self._title.content = text.count(len(result), "object")

@@ -1,4 +1,4 @@
-"""The pictures of the tuning page, and its scene: a picture on a board and the cloud below, in metres."""
+"""Pictures and 3-D scene of the tuning page. The scene shows a picture above the point cloud of the frame."""
 
 from __future__ import annotations
 
@@ -28,25 +28,25 @@ from spigolo.view.tuning_session import Answer, Pixel
 Vectors = npt.NDArray[np.float64]
 
 STAGES = ("objects", "objects and boxes", "rejected regions", "boundary map", "weights", "regions", "depth", "colour")
-"""The pictures that can be shown."""
+"""Names of the pictures that the page can show."""
 CHOSEN, REFUSED = (255, 214, 10), (235, 64, 52)
-"""Colours of what is selected, and of a rejected region."""
+"""RGB colours of the selected object or region, and of rejected regions."""
 FAR = 1.6
-"""Distance, as a multiple of the median, from which points are left out of the cloud: a wall far behind."""
+"""Maximum depth of points in the cloud, as a multiple of the median depth of the frame."""
 MOST_POINTS = 80_000
-"""Points of the cloud that are sent to the browser."""
+"""Approximate maximum number of points in the cloud."""
 GAP = 0.08
-"""Distance between picture and cloud, as a share of the picture's height."""
+"""Distance between picture and cloud, as a share of the height of the picture."""
 PORTRAIT = 0.9
-"""Width over height of a window up to which it is a phone's."""
+"""Maximum ratio of width to height of a browser window in portrait format, as on a phone."""
 FOV = 0.7
-"""Vertical field of view of the page's camera, rad."""
+"""Vertical field of view of the camera of the 3-D scene, rad."""
 CLICK = 0.012
-"""Distance of a point of the cloud from a click, as a share of its distance, up to which the point is meant."""
+"""Maximum angle between a click and a point of the cloud that the click selects, rad."""
 
 
 def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
-    """Return the picture of a stage (one of STAGES), with the chosen region outlined."""
+    """Draw one of STAGES for a segmentation result, with an outline around the selected object or region."""
     drawn = fitted(_stage(answer, stage), answer.run.frame.shape).copy()
     if chosen is not None:
         _outline(drawn, chosen, CHOSEN)
@@ -70,15 +70,15 @@ def _stage(answer: Answer, stage: str) -> Color:
 
 
 def _objects(result: Segmentation) -> Color:
-    """Draw the overlay of a result with a background that is dimmed less."""
+    """Draw the overlay of a result, with a less dimmed background."""
     drawn, behind = result.overlay(), result.labels == 0
-    near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # outlines and numbers lie there
+    near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # outlines and numbers are near
     plain = (0.7 * result.frame.color).astype(np.uint8)
     return np.where((behind & ~near)[..., None], plain, drawn)
 
 
 def _rejected(result: Segmentation) -> Color:
-    """Draw each rejected region in its own colour, the objects left as they are."""
+    """Draw each rejected region in its own colour, over the original colours of objects."""
     drawn = draw_objects(result.frame.color, {k: r.mask for k, r in enumerate(result.rejected, start=1)})
     on = result.labels > 0
     drawn[on] = result.frame.color[on]
@@ -86,7 +86,9 @@ def _rejected(result: Segmentation) -> Color:
 
 
 def _outline(drawn: Color, region: RegionFacts, color: tuple[int, int, int]) -> None:
-    """Draw the outline of a region, in place, and a rejected region's pixels red."""
+    """Draw the outline of an object or region into a picture, which is changed in place. Fill a rejected region with
+    red.
+    """
     mask, width = region.mask, max(2, round(drawn.shape[0] / 160))
     if not isinstance(region, ObjectMask):
         drawn[mask] = (0.55 * drawn[mask] + 0.45 * np.array(REFUSED)).astype(np.uint8)
@@ -97,25 +99,30 @@ def _outline(drawn: Color, region: RegionFacts, color: tuple[int, int, int]) -> 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stand:
-    """The places of a frame's picture and cloud. Axes are those of the camera: X right, Y down, Z forward."""
+    """Positions of the picture and the point cloud of a frame in the 3-D scene, in metres.
+
+    The axes of the scene are the axes of the camera: X right, Y down, Z forward.
+    """
 
     size: tuple[float, float]
     """Width and height of the picture, m."""
     board: Vectors
-    """Centre (3,) of the picture."""
+    """Centre (3,) of the picture, m."""
     middle: Vectors
-    """Centre (3,) of the cloud."""
+    """Centre (3,) of the point cloud, m."""
     points: npt.NDArray[np.float32]
-    """Points (N, 3) of the cloud, some of all pixels."""
+    """Points (N, 3) of the cloud, m, from a subset of all pixels."""
     rows: npt.NDArray[np.intp]
-    """Row of each point's pixel."""
+    """Image row (N,) of each point."""
     columns: npt.NDArray[np.intp]
-    """Column of each point's pixel."""
+    """Image column (N,) of each point."""
     shape: tuple[int, int]
-    """Size (H, W) of the image."""
+    """Size (H, W) of the image in pixels."""
 
     def pixel_at(self, origin: Vectors, direction: Vectors) -> Pixel | None:
-        """Return the pixel that a ray hits: on the picture, or the nearest point of the cloud. None beside both."""
+        """Return the pixel (y, x) that a ray hits in the picture or in the point cloud, or None if the ray hits
+        neither.
+        """
         along = (self.board[2] - origin[2]) / direction[2] if direction[2] else -1.0
         x, y = (origin + along * direction - self.board)[:2] / self.size + 0.5
         if along > 0 and 0 <= x < 1 and 0 <= y < 1:
@@ -133,9 +140,11 @@ class Stand:
         return int(self.rows[k]), int(self.columns[k])
 
     def look(self, view: str, aspect: float) -> tuple[Vectors, Vectors]:
-        """Return position (3,) and target (3,) of the page's camera: "picture", "cloud" or "both".
+        """Return the position (3,) and the target point (3,) of the camera of the 3-D scene, in metres.
 
-        On a phone (aspect below 0.9) the controls cover the lower half: the picture then stands above it.
+        - view: "picture", "cloud" or "both", the part of the scene that fills the window.
+        - aspect: width divided by height of the window. On a phone (aspect at most 0.9), the picture is shown above the
+          controls.
         """
         (width, height), wanted = self.size, view if len(self.points) else "picture"
         lift = np.zeros(3)
@@ -153,12 +162,16 @@ class Stand:
 
 
 def distance(width: float, height: float, aspect: float) -> float:
-    """Return the distance from which a rectangle fills a window."""
+    """Return the distance at which a rectangle of width x height metres fills a window. aspect: width / height of the
+    window.
+    """
     return float(1.04 * max(height, width / aspect) / 2 / np.tan(FOV / 2))
 
 
 def stand_of(frame: Frame) -> Stand:
-    """Return the places of a frame's picture and cloud. Without intrinsics the cloud has no points."""
+    """Compute the positions of the picture and the point cloud of a frame. Without intrinsics, the cloud has no
+    points.
+    """
     height, width = frame.shape
     if frame.camera is None or not (frame.depth > 0).any():
         middle, none = np.array([0, 0, 1.0]), np.zeros(0, np.intp)
@@ -174,7 +187,7 @@ def stand_of(frame: Frame) -> Stand:
 
 
 def _some(frame: Frame) -> Mask:
-    """Return the pixels (H, W) that the cloud shows."""
+    """Return the mask (H, W) of the pixels that are shown in the point cloud."""
     stride = max(round(np.sqrt(frame.depth.size / MOST_POINTS)), 1)
     chosen = np.zeros(frame.shape, bool)
     chosen[::stride, ::stride] = True
@@ -183,7 +196,9 @@ def _some(frame: Frame) -> Mask:
 
 
 def cloud_colors(answer: Answer, stand: Stand, chosen: RegionFacts | None) -> npt.NDArray[np.uint8]:
-    """Return the colours (N, 3) of the cloud: objects in their own, what is chosen in its own, the rest dimmed."""
+    """Return the colours (N, 3) uint8 of the points of the cloud: tinted for objects, highlighted for the selection,
+    dimmed for the rest.
+    """
     labels = answer.result.labels[stand.rows, stand.columns]
     color = answer.run.frame.color[stand.rows, stand.columns].astype(np.float32)
     tints = np.vstack([np.zeros((1, 3)), palette(len(answer.result))])
@@ -195,7 +210,9 @@ def cloud_colors(answer: Answer, stand: Stand, chosen: RegionFacts | None) -> np
 
 
 def box_lines(boxes: Sequence[OrientedBox | None]) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
-    """Return the edges of the oriented boxes of all objects: ends (N, 2, 3) in metres and colours (N, 2, 3)."""
+    """Return the edges of the oriented boxes of all objects, as end points (N, 2, 3) in metres and colours (N, 2,
+    3).
+    """
     ends, colors = [], []
     for box, tint in zip(boxes, palette(len(boxes)), strict=True):
         if box is not None:

@@ -1,4 +1,4 @@
-"""A tuning session without a page: frames, values, corrections by hand, and the answer to them."""
+"""State of a tuning session, independent of the page: frames, parameter values, corrections by hand, and the result."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from spigolo.view.tuning_values import SHOWN, Values, nearest_preset
 
 Pixel = tuple[int, int]
 REMEMBERED = 30
-"""Frames of a stream that can be looked at again."""
+"""Number of past frames of a stream that are kept, so that the user can go back."""
 
 
 @runtime_checkable
 class Numbered(Protocol):
-    """Frames that are read by their number, from 0: a list, or a source whose number of frames is known."""
+    """Sequence of frames with a known length: a list, or a source with a known number of frames."""
 
     def __len__(self) -> int: ...
 
@@ -41,9 +41,9 @@ class Numbered(Protocol):
 
 
 class Reel:
-    """Frames that are looked at one after the other. Those with a number are read when they are shown.
+    """Cursor over a sequence or a stream of frames, which the user moves forwards and backwards.
 
-    A stream without an end gives its next frame when it is asked. Its last 30 frames are remembered.
+    A frame of a sequence is read when the cursor reaches the frame. The last 30 frames of a stream are kept.
     """
 
     def __init__(self, frames: Iterable[Frame] | Numbered) -> None:
@@ -53,7 +53,7 @@ class Reel:
         self._seen: deque[Frame] = deque(maxlen=REMEMBERED)
         self._back = 0
         self.position = 0
-        """Number of the frame, from 0."""
+        """Number of the current frame, from 0."""
         if self._sequence is None:
             self.move(1)
             self.position = 0
@@ -62,23 +62,23 @@ class Reel:
 
     @property
     def count(self) -> int | None:
-        """Number of frames. None if it is not known."""
+        """Number of frames, or None for a stream."""
         return None if self._sequence is None else len(self._sequence)
 
     def current(self) -> Frame:
-        """Return the frame. Raises SpigoloError for a frame that cannot be read."""
+        """Return the current frame. Raises SpigoloError if the frame cannot be read."""
         frame = self._seen[-1 - self._back] if self._sequence is None else self._numbered(self._sequence)
         check_frame(frame)
         return frame
 
     def move(self, step: int) -> bool:
-        """Go to the next (1) or the previous (-1) frame, and return whether there is one."""
+        """Go to the next (step 1) or the previous frame (step -1). Return False if no such frame exists."""
         if self._sequence is not None:
             return self.go(self.position + step)
         return self._move_back() if step < 0 else self._move_on()
 
     def go(self, position: int) -> bool:
-        """Go to a frame by its number, from 0, and return whether that moves. A stream without a count stays."""
+        """Go to a frame by its number, from 0. Return True if the current frame changes, and False for a stream."""
         if self._sequence is None:
             return False
         target = min(max(position, 0), len(self._sequence) - 1)
@@ -86,7 +86,7 @@ class Reel:
         return moved
 
     def _numbered(self, frames: Numbered) -> Frame:
-        """Return the frame at the position. It is read once while the reel stands there."""
+        """Return the frame at the current position, which is read only once."""
         position = self.position
         if self._read is None or self._read[0] != position:
             self._read = position, frames[position]
@@ -114,15 +114,18 @@ class Reel:
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """One correction by hand. It names regions by a pixel, so that it holds for other parameters too."""
+    """Correction of a segmentation result by hand.
+
+    Regions are identified by a pixel, so that the correction can be repeated after a change of parameters.
+    """
 
     action: Literal["keep", "drop", "merge"]
-    """Name of the method of `Segmentation`."""
+    """Name of the method of `Segmentation` that makes the correction."""
     pixels: tuple[Pixel, ...]
-    """A pixel (y, x) of each region."""
+    """One pixel (y, x) of each region that is corrected."""
 
     def on(self, result: Segmentation) -> Segmentation:
-        """Return the corrected answer."""
+        """Return the corrected segmentation result."""
         regions = [result.at(pixel) for pixel in self.pixels]
         if self.action == "merge":
             return result.merge(*regions)
@@ -131,27 +134,28 @@ class Correction:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """The answer of one run."""
+    """Result of one segmentation on the tuning page."""
 
     position: int
-    """Number of the frame, from 0."""
+    """Number of the segmented frame, from 0."""
     run: Trace
-    """Every stage."""
+    """Results of all stages."""
     result: Segmentation
-    """The segmentation with the corrections."""
+    """Segmentation result after the corrections by hand."""
     wall_s: float
-    """Time of the run, s."""
+    """Wall time of the segmentation, s."""
     stages_s: dict[str, float]
-    """Wall time of each stage, s, longest first."""
+    """Wall time of each stage, s, indexed by the name of the stage, longest first."""
     notes: tuple[str, ...]
-    """Warnings of the run."""
+    """Texts of the warnings during the segmentation."""
 
 
 class Session:
-    """Frames, the values of all parameters, corrections by hand, and the answer. `run` segments the frame.
+    """Tuning session: frames, values of all parameters, corrections by hand, and the latest result.
 
-    frames: a frame or any iterable of frames. config: the configuration to start from.
-    Methods may be called from several threads.
+    The methods may be called from several threads.
+
+    frames: a frame or any iterable of frames. config: configuration to start from.
     """
 
     def __init__(self, frames: Frame | Iterable[Frame] | Numbered, config: Config = OBJECTS) -> None:
@@ -167,18 +171,21 @@ class Session:
         self._workspace = Workspace()
 
     def set(self, key: str, value: Any) -> bool:
-        """Set a parameter by its dotted name, and return whether that changes it. None switches a rule off."""
+        """Set a parameter by its key. Return True if its value changes. The value None switches a rule off."""
         with self._lock:
             return self.values.set(key, value)
 
     def load(self, preset: str) -> None:
-        """Take all values of a preset."""
+        """Set all parameters to the values of a preset."""
         with self._lock:
             self.preset = preset
             self.values.load(self.presets[preset])
 
     def run(self) -> Answer:
-        """Segment the frame with the values of now. Raises SpigoloError if they do not go together."""
+        """Segment the current frame with the current parameter values.
+
+        Raises SpigoloError if the parameter values contradict each other.
+        """
         with self._lock:
             config, frame, position = self.values.config(), self.reel.current(), self.reel.position
         began = time.perf_counter()
@@ -194,7 +201,9 @@ class Session:
             return self.answer
 
     def at(self, pixel: Pixel | None) -> ObjectMask | RejectedRegion | None:
-        """Return the object or rejected region at a pixel. None without an answer there."""
+        """Return the object or rejected region at a pixel (y, x), or None outside the image and before the first
+        result.
+        """
         with self._lock:
             if self.answer is None or pixel is None:
                 return None
@@ -203,23 +212,32 @@ class Session:
             return self.answer.result.at(pixel) if inside else None
 
     def correct(self, action: Literal["keep", "drop", "merge"], *pixels: Pixel) -> None:
-        """Keep, drop or merge what lies at pixels (y, x). It holds for this frame, with other values too."""
+        """Keep, drop or merge the objects or regions at pixels (y, x).
+
+        The correction is repeated after each change of parameters, until the frame changes.
+        """
         with self._lock:
             self.corrections.append(Correction(action, pixels))
             self._correct_again()
 
     def undo(self, everything: bool = False) -> None:
-        """Take back the last correction, or all."""
+        """Undo the last correction by hand, or all corrections."""
         with self._lock:
             self.corrections = [] if everything else self.corrections[:-1]
             self._correct_again()
 
     def move(self, step: int) -> bool:
-        """Go to the next (1) or the previous (-1) frame, and return whether there is one. Corrections stay behind."""
+        """Go to the next (step 1) or the previous frame (step -1), and delete all corrections by hand.
+
+        Returns False if no such frame exists.
+        """
         return self._left(self.reel.move(step))
 
     def go(self, position: int) -> bool:
-        """Go to a frame by its number, from 0, and return whether that moves. Corrections stay behind."""
+        """Go to a frame by its number, from 0, and delete all corrections by hand.
+
+        Returns True if the current frame changes.
+        """
         return self._left(self.reel.go(position))
 
     def _left(self, moved: bool) -> bool:
@@ -229,12 +247,14 @@ class Session:
         return moved
 
     def toml(self) -> str:
-        """Return the values as TOML: the preset they start from, and what differs."""
+        """Return the parameter values as TOML text: the name of a preset, and all differences from the preset."""
         config = self.values.config()
         return config.to_toml(self.presets[self.preset].name if self.preset in SHOWN else nearest_preset(config))
 
     def save(self, path: Path) -> None:
-        """Write the values to a TOML file, which `--preset` reads. Raises FileError for another kind of name."""
+        """Write the parameter values to a TOML file for `--preset`. Raises FileError if the name does not end in
+        .toml.
+        """
         if path.suffix.lower() != ".toml" or not path.stem:
             raise FileError(f"expected a name that ends in .toml, got {path.name!r}")
         write_bytes(path, self.toml().encode())
@@ -247,13 +267,13 @@ class Session:
         for correction in self.corrections:
             try:
                 result = correction.on(result)
-            except (SpigoloError, IndexError):  # as of a merge of one region with itself by now
+            except (SpigoloError, IndexError):  # for example, two regions to merge are now one region
                 continue
         return result
 
 
 def inner_pixel(region: RegionFacts) -> Pixel:
-    """Return the pixel (y, x) of a region that lies deepest inside."""
+    """Return the pixel (y, x) of a region that is farthest from its outline."""
     y0, x0, y1, x1 = region.box_px
     mask = np.pad(region.mask[y0:y1, x0:x1], 1).astype(np.uint8)
     inside = cv2.distanceTransform(mask, cv2.DIST_L2, 3)

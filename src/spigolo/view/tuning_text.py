@@ -1,4 +1,4 @@
-"""The texts of the tuning page, as Markdown."""
+"""Texts of the tuning page in Markdown."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ MERGE_HINT = "Now click the other part."
 
 
 def status(answer: Answer, session: Session) -> str:
-    """Return the head line: counts, time, frame, changes, warnings."""
+    """Return the status text of a result: numbers of objects and rejected regions, time, frame, corrections and
+    warnings.
+    """
     found = count(len(answer.result), "object")
     frame = answer.run.frame
     known = session.reel.count
@@ -26,12 +28,12 @@ def status(answer: Answer, session: Session) -> str:
 
 
 def trouble(error: Exception) -> str:
-    """Return the head line for values or frames that give no answer."""
+    """Return the status text for an error."""
     return f"### ⚠ No answer\n\n{error}"
 
 
 def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
-    """Return what is selected."""
+    """Return a text about the selected object or region. merging: True if the user must now click a second region."""
     if region is None:
         return HINT
     title = f"**Object {region.label}**" if isinstance(region, ObjectMask) else f"**Rejected**: {region.why}"
@@ -39,7 +41,7 @@ def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
 
 
 def line(region: ObjectMask | RejectedRegion, box: OrientedBox | None) -> str:
-    """Return one short line of a list. box: that of an object, if it has one."""
+    """Return the text of an object or region in a list. box: oriented box of an object."""
     if isinstance(region, RejectedRegion):
         return f"{region.reason.value} · {region.area_px} px"
     size = "" if box is None else " · " + " × ".join(f"{100 * v:.0f}" for v in box.size_m) + " cm"
@@ -47,7 +49,7 @@ def line(region: ObjectMask | RejectedRegion, box: OrientedBox | None) -> str:
 
 
 def facts(region: ObjectMask | RejectedRegion) -> str:
-    """Return the facts of a region that the rules read."""
+    """Return a text with the most important measurements of a region."""
     parts = [f"{region.area_px} px", f"contour {region.contour:.2f}", f"missing {region.missing:.0%}"]
     if region.above is not None:
         parts.append(f"above plane {region.above:.0%}")
@@ -57,12 +59,12 @@ def facts(region: ObjectMask | RejectedRegion) -> str:
 
 
 def times(answer: Answer) -> str:
-    """Return the time of each stage as a table."""
+    """Return the time of each stage as a Markdown table."""
     rows = [f"| {name} | {1000 * spent:.1f} |" for name, spent in answer.stages_s.items()]
     head = f"**{answer.wall_s * 1000:.0f} ms** for this frame, the picture of the page not counted."
     return "\n".join([head, "", "| stage | ms |", "|:--|--:|", *rows])
 
 
 def count(number: int, name: str) -> str:
-    """Return a number with its noun."""
+    """Return a number with a noun in singular or plural."""
     return f"{number} {name}{'' if number == 1 else 's'}"

@@ -1,4 +1,4 @@
-"""The values of all controls: a preset, and what a user changed."""
+"""Values of all controls on the tuning page."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from spigolo.settings.presets import PRESETS
 from spigolo.view.tuning_fields import Leaf, Part, Stage, Variants, controls_of, first_value, value_at, walk
 
 SHOWN = ("OBJECTS", "SHELF", "TABLE", "CLUTTER")
-"""The presets to start from."""
+"""Names of the presets that the page offers."""
 
 
 class Values:
-    """The value of each control by its key. A control keeps its value while its rule or stage is off."""
+    """Values of all controls, indexed by key. A control keeps its value while its rule or stage is switched off."""
 
     def __init__(self, config: Config) -> None:
         self.tree = controls_of()
         self.parts: dict[str, Part] = {part.key: part for part in walk(self.tree)}
         self.of: dict[str, Any] = {}
-        """Value of each leaf, and the chosen model of each stage that has several."""
+        """Value of each parameter, and name of the chosen model of each stage with several models, indexed by key."""
         self.on: dict[str, bool] = {}
-        """False for each optional leaf and stage that is off."""
+        """True or False for each optional parameter and stage that is switched on or off, indexed by key."""
         self.load(config)
 
     def load(self, config: Config) -> None:
-        """Take the values of a configuration."""
+        """Set all controls to the values of a configuration."""
         self.name = config.name
         for part in self.parts.values():
             held = value_at(config, part.path)
@@ -40,7 +40,10 @@ class Values:
                 self.on[part.key] = held is not None or not part.optional
 
     def set(self, key: str, value: Any) -> bool:
-        """Set a control and return whether that changes it. None switches it off, True switches a stage on."""
+        """Set the value of a control. Return True if the value changes.
+
+        The value None switches a rule off. The values True and False switch a stage on and off.
+        """
         if key not in self.parts:
             raise ConfigError(f"unknown control {key!r}: expected one of {', '.join(self.parts)}")
         before = self.of.get(key), self.on.get(key)
@@ -52,28 +55,30 @@ class Values:
         else:
             self.of[key] = value
             self.on[key] = True
-        if isinstance(part, Variants):  # its threshold goes with it
+        if isinstance(part, Variants):  # the threshold depends on the cost function
             self.on["partition.gamma_shadows"] = value == "auto"
         return before != (self.of.get(key), self.on.get(key))
 
     def switch(self, key: str, on: bool) -> bool:
-        """Switch an optional leaf or stage on or off, and return whether that changes it."""
+        """Switch an optional parameter or stage on or off. Return True if its state changes."""
         changed = self.on[key] != on
         self.on[key] = on
         return changed
 
     def shown(self, key: str) -> Any:
-        """Return the value of a control. None for a rule that is off."""
+        """Return the value of a control, or None for a rule that is switched off."""
         return self.of[key] if self.on.get(key, True) else None
 
     def active(self, key: str) -> bool:
-        """Return whether all stages around a control are on."""
+        """Return True if all stages that contain a control are switched on."""
         names = key.split(".")[:-1]
         around = [".".join(names[: k + 1]) for k in range(len(names))]
         return all(self.on.get(stage, True) for stage in around)
 
     def config(self) -> Config:
-        """Return the configuration. Raises ConfigError for values that do not go together."""
+        """Return the configuration with the values of all controls. Raises ConfigError if values contradict each
+        other.
+        """
         return Config(name=self.name, **self._nested(self.tree))
 
     def _nested(self, stage: Stage) -> dict[str, Any]:
@@ -90,7 +95,9 @@ class Values:
         return nested
 
     def _is_of(self, part: Leaf, config: Config) -> bool:
-        """Return whether a leaf belongs to the model that a configuration has there."""
+        """Return True if a parameter belongs to the model that the configuration uses, for stages with several
+        models.
+        """
         if part.key == part.path:
             return True
         variants = next(p for p in self.parts.values() if isinstance(p, Variants) and part.key.startswith(f"{p.key}["))
@@ -99,5 +106,5 @@ class Values:
 
 
 def nearest_preset(config: Config) -> str:
-    """Return the name of the preset from which a configuration differs in the fewest lines."""
+    """Return the name of the preset with the fewest differences from a configuration."""
     return min((PRESETS[name].name for name in SHOWN), key=lambda name: config.to_toml(name).count("\n"))

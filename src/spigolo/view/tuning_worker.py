@@ -1,4 +1,4 @@
-"""A worker that never lags: of several requests that wait, it does the last one."""
+"""Worker thread that combines waiting requests, so that the page does not lag behind the user."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Callable
 
 
 class Latest:
-    """Calls a function on a thread of its own whenever asked. Requests during a call become one more call.
+    """Worker thread that calls a function on request. Several requests during a call cause only one more call.
 
-    work: the function. It returns True to be called again at once.
+    work: the function, which returns True to request another call.
     """
 
     def __init__(self, work: Callable[[], bool]) -> None:
@@ -22,18 +22,18 @@ class Latest:
         self._thread.start()
 
     def ask(self) -> None:
-        """Request a call. Return at once."""
+        """Request a call of the function, without waiting for the call."""
         with self._changed:
             self._wanted = True
             self._changed.notify_all()
 
     def idle(self, timeout_s: float | None = None) -> bool:
-        """Wait until nothing is left to do, and return whether that is so."""
+        """Wait until no call is requested or running. Return False if the timeout ends first."""
         with self._changed:
             return self._changed.wait_for(lambda: not (self._wanted or self._busy), timeout_s)
 
     def close(self) -> None:
-        """End the thread after the call that runs."""
+        """Stop the thread after the current call."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from spigolo.additions.contours import Contours, add_contours
+from spigolo.additions.heights import lower_heights
 from spigolo.additions.joining import join_parts
 from spigolo.additions.merging import merge_regions
 from spigolo.additions.packing import warn_of_packing
@@ -82,6 +83,8 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
     wanted = None if roi is None else roi_mask(roi, frame)[0]
     reach_m = sized.rejection.max_distance_m
     plane = find_support(frame.depth, frame.camera, ours.support, reach_m, wanted) if ours else None  # ours
+    sized = lower_heights(sized, plane, frame.depth, frame.camera)  # ours
+    ours = sized.additions
     depth = prepare_depth(frame.depth, sized.depth)  # equations 5-8
     weighing = choose_weighing(depth, sized)  # equation 22 or 23
     edges = find_edges(frame.color, depth, frame.camera, sized.edges) if weighing.reads_boundary else None  # eqs. 12-20

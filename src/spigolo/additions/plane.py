@@ -130,9 +130,15 @@ def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support)
 
 def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
     """Return the share of the measured pixels that stand on a plane, estimated on a grid of pixels."""
+    sample = sample_frame(depth, camera)
+    return sample.share_standing_on(plane, config) if len(sample.points) else 0.0
+
+
+def sample_frame(depth: DepthMap, camera: Camera) -> Sample:
+    """Return the measured pixels of a grid over a depth map (H, W) in metres."""
     step = max(round((depth.size / SAMPLES) ** 0.5), 1)
     y, x = np.nonzero(depth[::step, ::step])
-    return Sample.at(y * step, x * step, depth, camera).share_standing_on(plane, config) if y.size else 0.0
+    return Sample.at(y * step, x * step, depth, camera)
 
 
 def _sides(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> npt.NDArray[np.uint8]:

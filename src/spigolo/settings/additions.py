@@ -60,6 +60,13 @@ class Support(Settings):
 
     min_height_m: Positive = 0.008
     """Minimum height of an object pixel above the plane, m. Lower pixels belong to the plane."""
+    noise_factor: NotNegative | None = None
+    """Minimum height of an object pixel above the plane, as a multiple of the plane's noise. The noise is the standard
+    deviation of the plane's own pixels. This height replaces `min_height_m` if it is lower, and the step in height of
+    `Ledge` is lowered by the same ratio. None: always `min_height_m`.
+    """
+    lowest_m: Positive = 0.004
+    """Lowest value of the minimum height that `noise_factor` gives, m."""
     noise_per_m: NotNegative = 0.0056
     """Minimum height above the plane per squared distance, 1/m: twice the depth error. The larger of this limit and
     `min_height_m` applies.

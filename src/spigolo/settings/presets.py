@@ -76,7 +76,13 @@ OBJECTS_2 = OBJECTS_1.replace(
     rejection={"max_distance_m": 2.5, "max_eccentricity": 0.99},
     additions={
         "support": Support(
-            stacked_share=0.5, opaque=True, facing=Facing(), min_things=0.02, near_roi=0.5, within_reach=True
+            noise_factor=3.5,
+            stacked_share=0.5,
+            opaque=True,
+            facing=Facing(),
+            min_things=0.02,
+            near_roi=0.5,
+            within_reach=True,
         ),
         "packing": Packing(),
         "contours": {"crease_noise": 4.0, "holes_from": 0.4},

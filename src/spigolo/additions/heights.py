@@ -1,0 +1,48 @@
+"""Minimum heights of objects, lowered where the support plane has little noise (`settings.Support.noise_factor`).
+
+A fixed minimum height must suit the noisiest camera. Above a plane with less noise, lower objects can be measured.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.additions.plane import Plane, sample_frame
+from spigolo.clock import stage
+from spigolo.frames.frame import Camera, DepthMap
+from spigolo.settings.additions import Support
+from spigolo.settings.config import Config
+
+SIGMA = 1.4826
+"""Standard deviation of normally distributed values, divided by the median of their absolute values."""
+
+
+@stage("heights")
+def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: Camera | None) -> Config:
+    """Return the configuration with lower minimum heights if the plane has little noise. Heights are never raised.
+
+    The minimum step in height of `Ledge` is lowered by the same ratio. depth: (H, W) in metres.
+    """
+    ours = config.additions
+    if ours is None or ours.support is None or ours.support.noise_factor is None or plane is None or camera is None:
+        return config
+    height_m = max(ours.support.noise_factor * plane_noise_m(plane, depth, camera, ours.support), ours.support.lowest_m)
+    ratio = height_m / ours.support.min_height_m
+    if ratio >= 1:
+        return config
+    support = ours.support.model_copy(update={"min_height_m": height_m})
+    rules, ledge = ours.rules, ours.rules.ledge
+    if ledge is not None:
+        lower = ledge.model_copy(update={"step_m": ledge.step_m * ratio})
+        rules = rules.model_copy(update={"ledge": lower})
+    return config.model_copy(update={"additions": ours.model_copy(update={"support": support, "rules": rules})})
+
+
+def plane_noise_m(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
+    """Return the standard deviation of the plane's own pixels from the plane in metres, from a grid of pixels.
+
+    The value is estimated from the median absolute height, which few low objects do not change.
+    """
+    sample = sample_frame(depth, camera)
+    heights = np.abs(plane.height_m(sample.points[sample.on(plane, config)]))
+    return SIGMA * float(np.median(heights)) if heights.size else np.inf

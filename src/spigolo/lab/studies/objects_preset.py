@@ -54,6 +54,7 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "without the wall rule": {"additions.rules.wall": None, "additions.rules.ledge": None},
     "without flat objects": {"additions.rules.ledge": None},
     "sizes up to 0.40 x 0.25 m": {"additions.rules.max_length_m": 0.4, "additions.rules.max_width_m": 0.25},
+    "fixed minimum heights": {"additions.support.noise_factor": None},
     "any plane": {"additions.support.facing": None, "additions.support.min_things": None},
     "largest plane, be it the floor": {"additions.support.stacked_share": None},
     "plane at any distance": {"additions.support.within_reach": False},

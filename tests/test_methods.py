@@ -516,6 +516,7 @@ def test_depth_is_of_use(mosd: tuple[Path, ...], name: str, off: dict[str, float
     assert leaks < blind_leaks - 0.05
 
 
+@pytest.mark.filterwarnings("ignore:no object is found:spigolo.errors.UnitWarning")
 def test_abramov_takes_a_far_plane_with_holes() -> None:
     """All depth is one step; what is missing lies millions of steps before it."""
     depth = np.full((24, 32), 10.0)

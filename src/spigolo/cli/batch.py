@@ -1,4 +1,4 @@
-"""Verb `batch` for many frames."""
+"""Command `spigolo batch` for many frames."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from spigolo.sources.numbered import NumberedFrame
 
 MOST_FAILURES = 10
-"""Maximum number of failures that are printed. manifest.jsonl contains all."""
+"""Maximum number of failures that are printed. The file manifest.jsonl contains all failures."""
 
 
 def batch(
@@ -81,7 +81,7 @@ def batch(
 def _jobs(
     words: Sequence[str], camera: str | None, depth_scale: float | None, max_pixels: int
 ) -> Sequence[FrameFiles] | Sequence[NumberedFrame]:
-    """Return the frames of a source as jobs: image files, or frames of a bag or data set by their numbers."""
+    """Return the frames of a source as jobs, which read image files or frames of a bag or data set."""
     from spigolo.batch import FrameFiles
     from spigolo.sources.bags import BagSource
     from spigolo.sources.folders import FolderSource
@@ -110,7 +110,9 @@ def _engine(workers: int | None, scheduler: str | None) -> Engine:
 
 @contextmanager
 def _bar(total: int) -> Iterator[Callable[[Progress], None]]:
-    """Open a progress bar with rate, remaining time and number of failures."""
+    """Show a progress bar with frame rate, remaining time and number of failures. Yield the function that updates the
+    bar.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     text = TextColumn("{task.fields[rate]}  {task.fields[failed]} failed")

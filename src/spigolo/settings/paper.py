@@ -119,7 +119,9 @@ class EdgesConfig(Settings):
     step_m: Positive = 0.03
     """Minimum depth difference t_rho at a depth boundary, m. Larger values keep fewer edges. Default: authors' code."""
     signed_step: bool = False
-    """Compare the signed depth difference, as printed in eq. 13. Depth decreasing across an edge is then missed."""
+    """Compare the signed depth difference, as printed in eq. 13. Edge pixels on the near side of a depth step are then
+    missed.
+    """
     missing_is_boundary: bool = False
     """Count a missing depth sample as a depth step. If False, a missing sample is ignored."""
     contact_offset_px: Offset_px = 5

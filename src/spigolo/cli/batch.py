@@ -1,4 +1,4 @@
-"""Command `spigolo batch` for many frames."""
+"""Verb `batch`, which segments many frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verbs for frames of the user: segment, trace, doctor."""
+"""Verbs `segment`, `trace` and `doctor`, which process frames of the user."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def segment(
 
 
 def _one(source: Source, run: Segmenter, wanted: Roi | None, check: bool, _: int | None, out: Path) -> int:
-    """Segment the only frame of a source."""
+    """Segment the only frame of a source and write its results."""
     frame = first_frame(source)
     result = _segmented(frame, run, wanted, check, out)
     from spigolo.cli import show
@@ -106,7 +106,7 @@ def _one(source: Source, run: Segmenter, wanted: Roi | None, check: bool, _: int
 
 
 def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit: int | None, out: Path) -> int:
-    """Segment all frames. A frame that fails does not stop the others."""
+    """Segment all frames of a source and write their results. A frame that fails does not stop the run."""
     from spigolo.cli import show
 
     source.on_broken = _print_error

@@ -135,8 +135,8 @@ def check_unit(frame: Frame, filled: DepthMap) -> Finding:
 
 
 def unit_advice(median_m: float, unit_m: float | None) -> str:
-    """Return advice how to correct a wrong depth unit. unit_m: assumed metres per stored unit, None for floating-point
-    depth.
+    """Return advice on how to correct a wrong depth unit. unit_m: assumed metres per stored unit, None for
+    floating-point depth.
     """
     listed = "; ".join(f"{name}: {scale:g}" for scale, name in SCALES.items())
     if unit_m is None:

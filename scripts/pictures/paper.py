@@ -88,8 +88,7 @@ def soft_boundary(frame: sp.Frame) -> Color:
 
 
 def larger_end(frame: sp.Frame) -> Color:
-    """Draw the regions of eq. 23 on a thin boundary map, if a graph edge takes the larger value of its two pixels or
-    the value of its first pixel.
+    """Draw the regions of eq. 23 on a thin boundary map, with both values of `BoundaryCost.ends`.
 
     The preset is OBJECTS_1, which is 8-connected. On a 4-connected grid, no graph edge crosses a thin line diagonally.
     """

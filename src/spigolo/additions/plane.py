@@ -21,7 +21,7 @@ SAMPLES = 3000
 CELLS = 24
 """Number of grid cells along the longer image side. The grid is used to find points that a plane surrounds."""
 TALLEST_M = 0.3
-"""Maximum height above a plane at which a point counts as part of a thing that stands on the plane, m."""
+"""Maximum height at which a point counts as standing on a plane, m."""
 SPECKLE_PX = 5
 
 Points = npt.NDArray[np.float64]
@@ -87,10 +87,10 @@ class Sample:
         return float(self.on(plane, config).mean())
 
     def share_standing_on(self, plane: Plane, config: Support) -> float:
-        """Return the share of the sampled points that belong to things on a plane.
+        """Return the share of the sampled points that stand on a plane.
 
-        A point counts if it is at most `TALLEST_M` above the plane and the plane surrounds the point on at least three
-        sides.
+        A point stands on a plane if the point is less than `TALLEST_M` above the plane and the plane surrounds the
+        point on three sides.
         """
         height = plane.height_m(self.points)
         above = (height > tolerance_m(self.points[:, 2], config)) & (height < TALLEST_M)
@@ -139,7 +139,7 @@ def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support)
 
 
 def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
-    """Return the share of the measured pixels that belong to things on a plane, estimated on a grid of pixels."""
+    """Return the share of the measured pixels that stand on a plane, estimated on a grid of pixels."""
     step = max(round((depth.size / SAMPLES) ** 0.5), 1)
     y, x = np.nonzero(depth[::step, ::step])
     return Sample.at(y * step, x * step, depth, camera).share_standing_on(plane, config) if y.size else 0.0

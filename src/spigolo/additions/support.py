@@ -1,7 +1,8 @@
 """Search of the support plane, on which objects stand (ours, not in the paper).
 
 RANSAC proposes the largest planes in a sample of pixels, and least squares refines these planes. The rules in
-`settings.Support` then choose one plane. For example, the plane must face up and hide the points below it.
+`settings.Support` then choose one plane. For example, the support plane must face up and hide the points below the
+plane.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
 """Minimum cosine of the angle between the normals of two planes that count as parallel, i.e. at most 14 degrees.
 
-A parallel plane must be at least `STACKED_M` above the largest plane. Its points differ in height by at most
-`STACKED_SLACK_M`.
+A parallel plane must be at least `STACKED_M` above the largest plane. The points of the parallel plane differ in height
+by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
-"""Maximum share of points below an opaque plane, among the points on or below the plane that it surrounds."""
+"""Maximum share of points below an opaque plane, among the points on or below the plane that the plane surrounds."""
 SPARSE = 0.6
-"""Share of measured depth in a frame below which a stricter test applies: an opaque plane has at least as many points
-on it as below it.
+"""Share of measured depth in a frame below which a stricter test applies. An opaque plane then has no more points below
+the plane than on the plane.
 """
 MOST_PLANES = 6
 SEED = 7
@@ -49,9 +50,9 @@ def find_support(
 ) -> Plane | None:
     """Find the support plane of a depth map.
 
-    depth: measured depth map (H, W) in metres. max_distance_m: maximum depth if `config.within_reach` is set. roi: mask
-    (H, W) of the region of interest, used with `config.near_roi`. Returns None if `camera` or `config` is None, or if
-    no plane fulfils the rules.
+    depth: measured depth map (H, W) in metres. max_distance_m: maximum depth, used if `config.within_reach` is set.
+    roi: mask (H, W) of the region of interest, used if `config.near_roi` is set. Returns None if `camera` or `config`
+    is None, or if no plane fulfils the rules.
     """
     if camera is None or config is None:
         return None
@@ -66,8 +67,8 @@ def find_support(
 
 
 def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
-    """Return True if a plane faces up, so that objects can stand on it. share: share of the measured pixels on the
-    plane.
+    """Return True if a plane faces up, so that objects can stand on the plane. share: share of the measured pixels on
+    the plane.
     """
     x, y, _ = plane.normal
     if rule.up is not None:
@@ -122,7 +123,7 @@ def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Suppo
 
 
 def _is_opaque(plane: Plane, sample: Sample, sparse: bool, config: Support) -> bool:
-    """Return True if a plane is opaque: almost no points below the plane are surrounded by it on three sides.
+    """Return True if a plane is opaque, so that almost no points below the plane are visible through the plane.
 
     For example, a table hides the floor. The front edges of a shelf also lie in one plane, but points behind this plane
     are visible.
@@ -150,8 +151,8 @@ def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sampl
 
 
 def _stacked(floor: Plane, stacked_share: float, sample: Sample, config: Support) -> Plane | None:
-    """Return the largest plane that is parallel to `floor` and above it. Return None if too few points lie on this
-    plane.
+    """Return the largest plane that is parallel to `floor` and above `floor`. Return None if too few points lie on the
+    parallel plane.
     """
     height = np.sort(floor.height_m(sample.points))
     height = height[height > STACKED_M]

@@ -36,8 +36,8 @@ RECENT = 15
 def dask_cluster(address: str, group: int | None = None) -> Engine:
     """Return an engine that uses the workers of a Dask scheduler. address: `tcp://HOST:PORT`.
 
-    Workers need the same version of spigolo, and access to the input files under the same paths. If a worker dies, Dask
-    repeats its work.
+    All workers need the same version of spigolo, and access to the input files under the same paths. If a worker dies,
+    Dask repeats the work of this worker.
 
     group: number of items in a cluster task. None: chosen automatically for tasks of about one second. Raises
     SpigoloError if the extra `cluster` is not installed or no scheduler runs at the address.

@@ -24,20 +24,20 @@ R = TypeVar("R")
 IN_FLIGHT = 2
 """Number of items that are submitted per worker at a time, so that no worker has to wait."""
 TRIES_ALONE = 2
-"""Maximum number of times that an item is repeated in a separate process after its worker died."""
+"""Maximum number of times that an item is repeated in a separate process after a worker process died."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Outcome of an item that could not be processed because its worker died."""
+    """Outcome of an item that could not be processed because the worker process died."""
 
     reason: str
     """Reason of the loss, as text."""
 
 
 class Engine(Protocol):
-    """Function that runs another function on items, in any order. `here`, `local`, `dask_cluster` and `dask_local` are
-    engines.
+    """Function that runs another function on items, in any order. `here` is an engine. `local`, `dask_cluster` and
+    `dask_local` return engines.
     """
 
     def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
@@ -59,8 +59,8 @@ def local(workers: int = 1) -> Engine:
 
 
 def here(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
-    """Run `do` on the items in the current process with one compute thread. This function is an engine. An exception in
-    `do` ends the run.
+    """Run `do` on the items in the current process with one compute thread. The function `here` is itself an engine. An
+    exception in `do` ends the run.
     """
     with one_thread():
         for item in items:

@@ -76,7 +76,7 @@ class FrameFiles:
         return files
 
     def _options(self) -> tuple[str, ...]:
-        """Return the options that affect the frame in addition to its files."""
+        """Return the options that affect the frame in addition to the content of the files."""
         text = self.camera if isinstance(self.camera, str) and not os.path.isfile(self.camera) else None
         return repr(text), repr(self.depth_scale), repr(self.max_pixels)
 

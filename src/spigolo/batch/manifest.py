@@ -91,8 +91,8 @@ class Manifest:
         self.entries[entry.frame] = entry
 
     def sort(self, names: Iterable[str]) -> None:
-        """Rewrite the file with one line per frame. The frames in `names` come first, in this order. Other frames
-        follow, sorted by name.
+        """Rewrite the file with one line per frame. The frames in `names` come first, in the order of `names`. Other
+        frames follow, sorted by name.
         """
         first = dict.fromkeys(name for name in names if name in self.entries)
         order = [*first, *sorted(self.entries.keys() - first.keys())]
@@ -153,9 +153,7 @@ def _locked(root: Path) -> BinaryIO:
 
 
 def _in_worker() -> bool:
-    """Return True in a worker process that runs the user's script again. This happens if the script has no main
-    guard.
-    """
+    """Return True in a worker process that runs the user's script again, because the script has no main guard."""
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_globals.get("__name__") != "__mp_main__":
         frame = frame.f_back

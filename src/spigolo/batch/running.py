@@ -62,11 +62,11 @@ def run_batch(
     """Segment the frames of many jobs. Write labels/FRAME.png, objects/FRAME.json and one table of all objects into a
     folder.
 
-    If the folder has results for the same inputs, preset and version, these frames are skipped. Failed frames are
-    repeated.
+    Frames with results from an earlier run are skipped if inputs, preset and version of spigolo are the same. Failed
+    frames are repeated.
 
     table: format of the table, "parquet" or "coco". tell: function that is called with the progress after each frame.
-    Raises FileError if the folder is not writable or another run uses it.
+    Raises FileError if the folder is not writable or another run uses the folder.
     """
     check_config(config)
     file, write = writer_of(table)
@@ -134,7 +134,9 @@ class _Run:
         return True
 
     def compute(self, jobs: Sequence[Job], engine: Engine) -> None:
-        """Process jobs with an engine. The files of a frame are written as soon as its outcome arrives."""
+        """Process jobs with an engine. The output files of a frame are written as soon as the engine returns the
+        outcome.
+        """
         if not jobs:
             return
         with closing(cast("Iterator[tuple[Job, Answer | Lost]]", engine(Work(self.config), jobs))) as outcomes:  # type: ignore[type-var]
@@ -146,7 +148,7 @@ class _Run:
                     self.fail(job.name, answer)
 
     def write(self, name: str, answer: Answer) -> None:
-        """Write the output files of a frame, and then its line in the manifest."""
+        """Write the output files of a frame, and then the line of the frame in the manifest."""
         try:
             paths = {folder: place(self.root, folder, name, SUFFIXES[folder]) for folder in SUFFIXES}
         except FileError as error:

@@ -39,7 +39,7 @@ def batch(
 ) -> int:
     """Segment many frames: labels/FRAME.png for each, and one table of all objects.
 
-    A run that was stopped continues with the same command. Exit code 1 if a frame failed.
+    Repeat the command to continue an interrupted run. Exit code 1 if a frame failed.
 
     Example: `spigolo batch recordings/ --camera kinect-v1 --depth-scale 0.001 --out results`.
 
@@ -58,8 +58,8 @@ def batch(
     workers
         Number of processes on this machine. Default: one per core.
     scheduler
-        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
-        for a new one of `--workers` processes on this machine.
+        Address of a Dask scheduler, such as tcp://127.0.0.1:8786. `local` starts a Dask cluster of `--workers` processes
+        on this machine. Default: no cluster.
     format
         Table of the objects: parquet writes objects.parquet, coco writes coco.json.
     out

@@ -27,9 +27,7 @@ image edge.
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. With a smaller share, alignment cannot be judged."""
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
-"""Minimum score of the best shift, in units of the mean gradient around the contours, and minimum of `Fit.peak`. With
-smaller values, alignment cannot be judged.
-"""
+"""Minimum of `Fit.score` and minimum of `Fit.peak`. With a smaller score or peak, alignment cannot be judged."""
 SHIFTED = 0.95
 """Minimum ratio of the score without shift to the best score. A frame with a smaller ratio is reported as shifted."""
 MIRRORED = 0.8
@@ -39,14 +37,14 @@ reported as mirrored.
 
 STEP_OFFSET_PX = 2
 STEP_M, STEP_PER_M = 0.02, 0.012
-"""Minimum depth step at a contour, m, and the same per squared distance, 1/m. The larger limit applies."""
+"""Minimum depth step at a contour: max(STEP_M, STEP_PER_M * depth^2), m."""
 MAX_SHADOW_PX = 60
 GRADIENT_SIGMA_PX, AROUND_PX = 1.2, 33
 FLAT_GRADIENT = 2.0
 """Colour gradient below which differences count as noise, in grey levels per pixel."""
 MAX_GRADIENT = 3.0
-"""Maximum of a colour gradient, as a multiple of the mean gradient around it. The limit keeps single strong edges from
-deciding.
+"""Maximum of a colour gradient, as a multiple of the mean gradient around the pixel. The maximum limits the influence
+of single strong edges.
 """
 
 TURNS = {"mirrored left to right": (1,), "upside down": (0, 1), "mirrored top to bottom": (0,)}

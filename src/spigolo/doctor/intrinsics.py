@@ -36,14 +36,16 @@ cameras.
 """
 KNOWN_WITHIN = 0.03
 POSSIBLE_SHARE = (0.42, 1.3)
-"""Range of the focal length divided by the image width for all RGB-D cameras. Estimates outside this range are
-ignored.
+"""Range of the focal length divided by the image width for all RGB-D cameras. An estimated focal length outside the
+range is ignored.
 """
 
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
 """Factors by which the focal length is multiplied in the search."""
 RIGHT_WITHIN = 1.25
-"""Maximum factor on the focal length that is accepted as correct. Slightly slanted surfaces can cause such a factor."""
+"""Maximum factor on the focal length that is accepted as correct, because slightly slanted surfaces change the
+factor.
+"""
 MIN_TILT_DEG = 20.0
 """Minimum angle between the viewing direction and the normal of the support plane, degrees. Seen from above, upright
 sides stay upright with any focal length.
@@ -62,9 +64,7 @@ clear result.
 """
 SURFACES, MIN_SURFACES, SEED = 15000, 2000, 7
 FLAT_M, FLAT_PER_M = 0.002, 0.003
-"""Maximum residual of a smooth surface from its local plane, m, and the same per squared distance, 1/m. The larger
-limit applies.
-"""
+"""Maximum residual of a smooth surface from a local plane: max(FLAT_M, FLAT_PER_M * depth^2), m."""
 
 Points = npt.NDArray[np.float64]
 
@@ -88,8 +88,8 @@ def check_intrinsics(camera: Camera) -> Finding:
 
 
 def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
-    """Check the focal length by the right angles in the scene. Without enough right angles, compare it with the focal
-    lengths of known cameras.
+    """Check the focal length by the right angles in the scene. Without enough right angles, compare the focal length
+    with known cameras.
 
     filled: depth map (H, W) in metres with in-painted small gaps.
     """

@@ -39,7 +39,7 @@ SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
 """Range of plausible median depths of a frame, m."""
 TABLE_M = 0.8
-"""Typical distance of a table, m. Wrong depth units are guessed by this distance."""
+"""Typical distance of a table, m. The advice on a wrong depth unit assumes this median depth."""
 COARSE_UNIT_M = 0.004
 """Depth unit from which on a warning is given, m. Cameras store depth in units of 0.1 to 1 mm, and some drivers in 2
 mm.
@@ -64,7 +64,7 @@ def check_negative(frame: Frame) -> Finding:
 
 
 def check_reach(frame: Frame) -> Finding:
-    """Check for depths that no camera can measure. The finding is a warning if the share of these pixels is at least
+    """Check for depths that no camera can measure. Return a warning if the share of pixels with such depths is at least
     `FEW_BEYOND`.
     """
     found = frame.out_of_reach
@@ -182,7 +182,8 @@ def stored_unit_m(depth: DepthMap) -> float:
 def noise_per_m(filled: DepthMap) -> float | None:
     """Return the depth noise per squared distance on smooth surfaces, 1/m. None if no window has complete depth.
 
-    The value is nearly constant for a sensor. If depth is ten times too large, the value is ten times too small.
+    Depth noise per squared distance is nearly constant for a sensor. If depth is ten times too large, the result is ten
+    times too small.
     """
     planes = fit_local_planes(filled)
     return float(np.percentile(planes.residual[planes.whole], 25)) if planes.whole.any() else None

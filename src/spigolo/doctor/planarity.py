@@ -14,16 +14,14 @@ from spigolo.settings.additions import Support
 PLANARITY = "depth along Z"
 
 NEAR_M, NEAR_PER_M = 0.004, 0.003
-"""Maximum distance of a pixel from the plane on which it lies, m, and the same per squared distance, 1/m. The larger
-limit applies.
-"""
+"""Maximum distance of a pixel from a plane, to count as on the plane: max(NEAR_M, NEAR_PER_M * distance^2), m."""
 MORE = 1.15
-"""Minimum ratio of the pixels on the largest plane if depth is read as distance along the ray, to the pixels if it is
-read as Z. A larger ratio gives a warning.
+"""Minimum ratio of pixel counts on the largest plane, for a warning: depth read as distance along the ray, divided by
+depth read as Z.
 """
 MORE_RAW, MIN_RAW = 1.5, 0.3
-"""Minimum ratio of the pixels on the largest plane if depth is read as raw disparity, and minimum share of the measured
-pixels on that plane.
+"""Limits for a warning that depth is raw disparity: minimum ratio of pixel counts on the largest plane, and minimum
+share of pixels on this plane.
 """
 MIN_SHARE = 0.12
 """Minimum share of the measured pixels on the largest plane. With a smaller share, the check has not enough
@@ -32,7 +30,7 @@ evidence.
 RAW_KINECT = (-0.0030711016, 3.3309495161)
 """Slope and offset of the linear function from the raw disparity of a Kinect v1 to inverse depth, 1/m."""
 LARGEST_RAW_M = 2.047
-"""Largest raw disparity of a Kinect v1, which has 11 bits, if it is read as millimetres, m."""
+"""Largest raw disparity of a Kinect v1 (11 bits), read as millimetres, in metres."""
 
 
 def check_planarity(filled: DepthMap, camera: Camera) -> Finding:

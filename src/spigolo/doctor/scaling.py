@@ -43,7 +43,7 @@ class ScaleFit:
     """Best scale of the depth contours about the image centre, and the shift after scaling, px.
 
     score: mean colour gradient under the scaled contours. unscaled: best score without scaling. peak: score minus the
-    mean score of all scales and shifts, in standard deviations.
+    mean over all scales and shifts, in standard deviations.
     """
 
     scale: float
@@ -103,8 +103,8 @@ def _scores(
 def _drawn(
     y: npt.NDArray[np.intp], x: npt.NDArray[np.intp], scale: float, shape: tuple[int, int], size: tuple[int, int]
 ) -> npt.NDArray[np.float32]:
-    """Scale contour pixels about the image centre and draw them in a reduced image. Return the number of contour pixels
-    at each pixel.
+    """Scale contour pixels about the image centre, and return the number of contour pixels at each pixel of a reduced
+    image.
     """
     height, width = shape
     u = ((x - (width - 1) / 2) * scale / width + 0.5) * size[0]

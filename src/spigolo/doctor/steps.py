@@ -13,7 +13,7 @@ from spigolo.frames.frame import DepthMap
 STEPS = "depth steps"
 
 TICK_M = 1e-4
-"""Resolution of depth values, m. Depths are rounded to multiples of this tick."""
+"""Resolution to which depth values are rounded, m."""
 GAP_PER_M = 4e-3
 """Half the width of the window around a depth value per squared distance, 1/m. Steps of a Kinect v1 are 2.9e-3, and
 steps of whole-pixel disparity at least 1.6e-2.
@@ -23,9 +23,7 @@ GAP_UNITS = 2.5
 therefore not reported.
 """
 ALONE = 0.8
-"""Median share of the pixels in a window that have exactly the depth of its middle. Depth with at least this share is
-coarse.
-"""
+"""Minimum result of `_alone` at which depth is reported as coarse."""
 FEWEST = 8
 """Minimum number of different depth values in a frame. With fewer values, the check has not enough evidence."""
 SATURATED_SHARE = 0.005
@@ -91,8 +89,8 @@ def check_saturated(depth: DepthMap) -> Finding:
 
 
 def _alone(levels: Levels) -> float:
-    """Return the median over all pixels of this share: pixels with exactly the same depth, divided by pixels within the
-    window around it.
+    """For each pixel, divide the number of pixels with equal depth by the number of pixels with a similar depth. Return
+    the median.
     """
     half = np.maximum(GAP_PER_M * TICK_M * levels.ticks.astype(np.float64) ** 2, GAP_UNITS * levels.unit)
     total = np.concatenate([[0], np.cumsum(levels.counts)])

@@ -140,8 +140,8 @@ def write_json(path: PathLike, values: Any) -> None:
 
 
 def append_lines(path: Path) -> BinaryIO:
-    """Open a text file to append lines, and create its folder. An incomplete last line, which a crash may leave, is
-    removed.
+    """Open a text file to append lines, and create the folder of the file. An incomplete last line, which a crash may
+    leave, is removed.
 
     Raises FileError.
     """

@@ -11,8 +11,8 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Region size at which the depth term of the score reaches 63 % of its maximum, as measured pixels divided by image
-pixels (our choice).
+"""Number of measured pixels of a region, divided by the image size, at which the depth term of the score reaches 63 %
+(our choice).
 """
 
 
@@ -26,8 +26,8 @@ def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
     """Return a map (H, W) of boundary values from 0 to 1 that is computed from the edge weights of a graph.
 
-    Each pixel gets the larger weight of its right and its lower edge. The map is divided by its 95th percentile and
-    clipped to 1.
+    Each pixel gets the larger weight of its right and its lower edge. The weights are divided by their 95th percentile
+    and clipped to 1.
     """
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)

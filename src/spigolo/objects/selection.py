@@ -63,8 +63,8 @@ def set_scene(
 def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArray[np.float32]:
     """Return the map (H, W) of boundary values, from which the border strength of regions is computed.
 
-    In a frame at half resolution, borders and boundaries may differ by one pixel. Each pixel of the map therefore gets
-    the maximum of its 3x3 neighbours.
+    In a frame at half resolution, borders and boundaries may differ by one pixel. Each pixel of the map then gets the
+    maximum of the 3x3 pixels around it.
     """
     contour = contour_cue(cues, graph)
     if additions is None or additions.resolution == "full":

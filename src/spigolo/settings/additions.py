@@ -36,16 +36,16 @@ class Facing(Settings):
     max_tilt_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
     """Maximum angle between the plane's normal and `up`, degrees. Larger values accept steeper planes."""
     max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
-    """Maximum angle between the plane's normal and the image's vertical plane, degrees. A plane with a larger angle
-    faces sideways and is skipped, unless it reaches `min_share_sideways`. Used only if `up` is None.
+    """Maximum angle between the plane's normal and the image's vertical plane, degrees. Planes with a larger angle face
+    sideways and must reach `min_share_sideways`. Used only if `up` is None.
     """
     max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
-    """Maximum angle by which the plane's normal may point down in the image, degrees. A plane with a larger angle is a
-    ceiling and is skipped. Used only if `up` is None.
+    """Maximum angle by which the plane's normal may point down in the image, degrees. Planes with a larger angle are
+    ceilings and are skipped. Used only if `up` is None.
     """
     min_share_sideways: Share = 0.5
-    """Minimum share of the measured pixels on a plane that faces sideways, for the plane to be accepted. The camera is
-    then probably mounted on its side.
+    """Minimum share of the measured pixels on a plane that faces sideways. A plane that faces sideways is accepted with
+    at least this share, because the camera is then probably mounted on its side.
     """
 
     @model_validator(mode="after")
@@ -56,7 +56,7 @@ class Facing(Settings):
 
 
 class Support(Settings):
-    """Detection of the support plane, which is the largest plane of the frame, and of the pixels above it."""
+    """Detection of the support plane of a frame, by default the largest plane, and of the pixels above this plane."""
 
     min_height_m: Positive = 0.008
     """Minimum height of an object pixel above the support plane, m. Lower pixels belong to the plane."""
@@ -76,18 +76,18 @@ class Support(Settings):
     """Add the outlines of the pixels above the support plane to the boundary map."""
     stacked_share: Positive | None = None
     """Minimum number of pixels on a parallel plane above the largest plane, as a share of the pixels on the largest
-    plane. If reached, the upper plane is the support, such as a table above the floor. None: use the largest plane.
+    plane. With at least this share, the upper plane becomes the support plane, such as a table above the floor. None:
+    use the largest plane.
     """
     facing: Facing | None = None
     """Skip planes on which nothing can stand, such as ceilings and side walls. None accepts every direction."""
     min_things: Share | None = None
-    """Minimum share of the measured pixels that belong to things on the support plane. If the largest plane has a
-    smaller share, the next plane with enough things is the support: the floor of a bin instead of its wall. None: use
-    the largest plane.
+    """Minimum share of the measured pixels that stand on the support plane. If fewer pixels stand on the largest plane,
+    such as the wall of a bin, the next plane with this share is used. None: use the largest plane.
     """
     near_roi: NotNegative | None = None
-    """Margin around the region of interest, as a share of its height and width. The support plane is searched only
-    inside this margin. None: search the whole frame.
+    """Margin around the region of interest, as a share of its height and width. The support plane is searched only in
+    the region of interest and this margin. None: search the whole frame.
     """
     within_reach: bool = False
     """Search the support plane only at distances up to `Rejection.max_distance_m`."""
@@ -98,7 +98,7 @@ class Support(Settings):
 
 
 class Packing(Settings):
-    """Conditions of the warning that a layer of packed objects may have been mistaken for the support plane."""
+    """Conditions for the warning that a layer of packed objects may have been mistaken for the support plane."""
 
     min_share: Share = 0.6
     """Minimum share of the frame's measured pixels on the support plane. With a smaller share, no warning is given."""
@@ -107,8 +107,8 @@ class Packing(Settings):
     given.
     """
     max_things: Share = 0.02
-    """Maximum share of the frame's measured pixels that belong to things on the support plane. With a larger share, no
-    warning is given.
+    """Maximum share of the frame's measured pixels that stand on the support plane. With a larger share, no warning is
+    given.
     """
 
 
@@ -155,8 +155,8 @@ class Merging(Settings):
     line: Share = 0.35
     """Minimum boundary value of a pixel that counts as part of a boundary line. Larger values give fewer lines."""
     min_open_px2: Area_px2 = 200.0
-    """Minimum area of a region outside boundary lines, px^2. A region with a smaller area is merged across its weakest
-    border.
+    """Minimum area of a region outside boundary lines, px^2. A region with a smaller area is merged with the neighbour
+    across the weakest border.
     """
 
 
@@ -190,16 +190,16 @@ class Refinement(Settings):
     label, so that small objects do not vanish.
     """
     min_solidity: Share | None = 0.5
-    """Minimum share of the convex hull that an object fills (solidity). In objects with at least this solidity,
-    background pixels inside the hull are refined too. None: off.
+    """Minimum share of the convex hull that an object fills (solidity). If an object has at least this solidity,
+    background pixels inside its hull are refined too. None: off.
     """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
     """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, px. 0 does not
     smooth.
     """
     step_m: Positive = 0.018
-    """Depth difference between neighbouring pixels that counts as a full depth step, m. Larger values give less weight
-    to depth.
+    """Depth difference between neighbouring pixels that counts as a full depth step, m. Larger values give depth less
+    influence.
     """
     step_per_m: NotNegative = 0.0083
     """Depth difference per squared distance that counts as a full depth step, 1/m. The limit is max(`step_m`,
@@ -215,7 +215,7 @@ class Additions(Settings):
     """Our additions to the paper. All additions are off by default."""
 
     support: Support | None = None
-    """Find the support plane, and reject regions that do not stand above it."""
+    """Find the support plane, and reject regions that are not above the plane."""
     packing: Packing | None = None
     """Warn if a layer of packed objects may have been mistaken for the support plane. No region is rejected."""
     contours: DepthContours | None = None

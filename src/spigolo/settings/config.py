@@ -87,7 +87,7 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from those of `old`, as nested mappings. The word "none" stands for
+    """Return the values of `new` that differ from the values in `old`, as nested mappings. The word "none" stands for
     None.
     """
     changes: dict[str, Any] = {}
@@ -119,7 +119,7 @@ def _written(stage: Settings) -> dict[str, Any]:
 
 
 BASES: dict[str, Config] = {}
-"""Presets, indexed by name, for the line `base` of a preset file. The module `presets` fills this mapping."""
+"""Presets, indexed by name, which the line `base` of a preset file can name. The module `presets` fills the mapping."""
 
 
 def base_preset(name: object) -> Config:

@@ -17,7 +17,7 @@ class Vessel(Settings):
     """
 
     min_behind_m: Positive = 0.02
-    """Minimum mean depth step from the wall of a vessel to its inside, m. The inside is farther from the camera."""
+    """Minimum mean depth step from the wall of a vessel back to its inside, m. Larger values join fewer regions."""
     max_hollow_front: float = -0.1
     """Maximum hollowness of the wall of a vessel. Convex surfaces have a negative hollowness."""
     min_hollow_back: float = -0.11
@@ -30,7 +30,7 @@ class Vessel(Settings):
     """Maximum height difference between the top of the wall and the top of the inside, m."""
     top_share: Share = 0.1
     """Maximum height difference between the top of the wall and the top of the inside, as a share of their height above
-    the support plane. The larger of `top_m` and this limit applies.
+    the support plane. The limit is max(`top_m`, `top_share` * height).
     """
     min_solidity: Share = 0.87
     """Minimum share of their common convex hull that the wall and the inside must fill (solidity)."""
@@ -78,12 +78,12 @@ class Joining(Settings):
     vessel: Vessel | None = None
     """Join the wall of a cup, bowl or pot with its inside."""
     cap: Cap | None = None
-    """Join an upper face with the region below it."""
+    """Join the upper face of an object with the side of the object below."""
     smooth: Smooth | None = None
     """Join two parts of one flat or convex surface."""
     enclosed: Share | None = None
-    """Minimum share of the pixels around a region that belong to one object. The region then joins this object,
-    although the region lies on the support plane. None: off.
+    """Minimum share of the pixels around a region that belong to one object, for the region to be joined with the
+    object. This rule joins regions on the support plane, such as the bottom of a bowl. None: off.
     """
     reach_px: Offset_px = 4
     """Distance from a border to the depth samples on both sides, px."""

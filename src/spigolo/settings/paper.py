@@ -30,8 +30,8 @@ class Smoothing(Settings):
     """Depth-dependent smoothing of Holzer et al. 2012, with the mean over valid pixels of the paper (eqs. 5-8)."""
 
     mean: Literal["valid", "plain", "none"] = "valid"
-    """Mean over the smoothing window. `valid` ignores missing pixels (eq. 8), `plain` counts them as zeros (eq. 5), and
-    `none` does not smooth.
+    """Mean over the smoothing window. `valid` ignores missing pixels (eq. 8), `plain` counts missing pixels as zeros
+    (eq. 5), and `none` does not smooth.
     """
     error_per_m: Positive = 0.0028
     """Depth error alpha per squared distance, 1/m. Larger values smooth more. Default: authors' code."""
@@ -100,11 +100,15 @@ class SaliencyConfig(Settings):
     code.
     """
     power: Positive = 4.0
-    """Exponent of eq. 10. Larger values keep only the most salient pixels. Default: paper."""
+    """Exponent of the power law of saliency (eq. 10). Larger values keep only the most salient pixels. Default:
+    paper.
+    """
 
 
 class EdgesConfig(Settings):
-    """Canny on Scharr gradients, and the classification of its pixels as object boundaries (eqs. 12-20)."""
+    """Canny edge detection on Scharr gradients, and classification of the edge pixels as object boundaries (eqs.
+    12-20).
+    """
 
     canny_low: Share = 0.05
     """Low threshold of Canny as a share of the frame's largest gradient. Default: authors' code."""

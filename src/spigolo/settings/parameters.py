@@ -105,8 +105,8 @@ class Settings(BaseModel):
         return type(self)(**values)
 
     def at_size(self: S, shape: tuple[int, int], lengths: bool = False) -> S:
-        """Return a copy for images of shape (H, W). Call this method only once, because a second call scales the
-        lengths and areas again.
+        """Return a copy for images of shape (H, W). Call `at_size` only once, because a second call scales the lengths
+        and areas again.
 
         Areas grow with the number of pixels. Lengths marked with `Grows.always` grow with the image. Other lengths grow
         only if `lengths` is True.
@@ -158,8 +158,8 @@ def _nest(dotted: str, value: Any) -> Any:
 
 
 def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Merge `changes` into `values` in place, including nested mappings. If the `kind` of a cost function changes, its
-    whole mapping is replaced.
+    """Merge `changes` into `values` in place, including nested mappings. If the `kind` of a cost function changes, the
+    whole mapping of the cost function is replaced.
     """
     for key, new in changes.items():
         old = values.get(key)
@@ -188,7 +188,7 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Yield the models in an annotation, including those inside unions."""
+    """Yield the models in a type annotation, including the members of unions."""
     for part in (annotation, *getattr(annotation, "__args__", ())):
         if isinstance(part, type) and issubclass(part, BaseModel):
             yield part
@@ -197,13 +197,13 @@ def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _kinds(model: type[BaseModel]) -> set[str]:
-    """Return the values of the field `kind` in a model and its parts."""
+    """Return the values of the field `kind` in a model and in its nested models."""
     kinds = {str(model.model_fields["kind"].default)} if "kind" in model.model_fields else set()
     return kinds.union(*(_kinds(part) for f in model.model_fields.values() for part in _parts(f.annotation)))
 
 
 def _paths(model: type[BaseModel]) -> Iterator[str]:
-    """Yield the dotted names of a model's fields, including the fields of its stages."""
+    """Yield the dotted names of all fields of a model, including the fields of nested models."""
     for name, field in model.model_fields.items():
         yield name
         for part in _parts(field.annotation):

@@ -128,9 +128,9 @@ WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
 def preset(name: str | Path) -> Config:
     """Return the preset with a name, in upper or lower case, or the preset in a TOML file.
 
-    A line `base = "TABLE"` in the file starts from that preset. A file with this line contains only the fields that
-    differ, and "none" switches a rule off. A file without this line contains all fields, as `to_toml` writes them.
-    Raises ConfigError for an unknown name or key.
+    A line `base = "TABLE"` in the file starts from that preset. A file with a line `base` contains only the fields that
+    differ from the preset, and "none" switches a rule off. A file without a line `base` contains all fields, as written
+    by `to_toml`. Raises ConfigError for an unknown name or key.
     """
     if str(name).upper() in PRESETS:
         return PRESETS[str(name).upper()]

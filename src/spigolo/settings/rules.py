@@ -1,4 +1,6 @@
-"""Parameters of the rules that reject or keep regions, in addition to those of the paper (`Additions.rules`)."""
+"""Parameters of our rules that reject or keep regions (`Additions.rules`). `settings.paper` has the rules of the
+paper.
+"""
 
 from __future__ import annotations
 
@@ -66,8 +68,8 @@ class Ledge(Settings):
     """Rule that keeps flat objects, which are too low for a strong boundary."""
 
     min_share: Share = 0.5
-    """Minimum share of a region's outline along which its height above the support changes by a step. Such a region is
-    kept even if its mean boundary value is below `min_contour`.
+    """Minimum share of a region's outline along which the height above the support plane changes by a step. A region
+    with at least this share is kept even if its mean boundary value is below `min_contour`.
     """
     step_m: Positive = 0.006
     """Minimum step in height above the support plane along a region's outline, m."""
@@ -78,7 +80,7 @@ class Ledge(Settings):
 
 
 class Rules(Settings):
-    """Rules that reject regions, in addition to those of the paper. None switches a rule off."""
+    """Rules that reject regions, in addition to the rules of the paper. None switches a rule off."""
 
     wall: Wall | None = None
     """Reject tall regions without depth steps along their outline, such as the walls of a bin. Requires

@@ -39,7 +39,7 @@ class Stamped(NamedTuple):
     number: int
     """Number of the message in its topic, from 0."""
     written_ns: int
-    """Time at which the recorder wrote the message, ns. A bag is searched by this time."""
+    """Time at which the recorder wrote the message, ns. Messages in a bag are searched by the time of writing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ class BagSource(SizedSource):
             self._skip(self.name, FileError(f"the recording cannot be read to its end: {content.cut}"))
 
     def _count_single(self, topic: str, number: int, data: bytes) -> None:
-        """Count a message without a partner as unmatched, or as broken if it is unreadable."""
+        """Count a message without a partner as unmatched, or as broken if the message is unreadable."""
         name = f"{topic}, message {number}"
         if (topic, number) in self.content.headless:
             self._skip(name, FrameError(f"too short for a stamp ({len(data)} bytes)"))
@@ -246,7 +246,7 @@ def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[s
 
 
 def _find(reader: Any, topic: str, wanted: Stamped) -> bytes:
-    """Return the bytes of a message, which is searched by its time of writing. Raises FrameError."""
+    """Search a message in a bag by its time of writing, and return its bytes. Raises FrameError."""
     connections = [c for c in reader.connections if c.topic == topic]
     at = wanted.written_ns
     try:
@@ -292,7 +292,9 @@ def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:
 
 
 def _camera_info(info: Any, topic: str) -> Any:
-    """Return the CameraInfo message, or its matrix P without distortion if the images of the topic are rectified."""
+    """Return the intrinsics in a CameraInfo message. For rectified images, return the matrix P of the message without
+    distortion.
+    """
     projection = getattr(info, "p", None) if hasattr(info, "p") else getattr(info, "P", None)
     if "rect" not in topic.lower() or projection is None or not any(projection):
         return info

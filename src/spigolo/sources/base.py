@@ -123,7 +123,7 @@ class SizedSource(Source):
 
     @property
     def count(self) -> int:
-        """Return the number of frames, including broken ones."""
+        """Return the number of frames, including unreadable frames."""
         return self._count
 
     def __len__(self) -> int:

@@ -42,8 +42,8 @@ class Mailbox(Generic[T]):
             self._ready.notify()
 
     def take(self) -> T | None:
-        """Wait for the newest item and return it. None after the end of the items. Raises the error that was passed to
-        `end`.
+        """Wait for the newest item and return the item. None after the end of the items. Raises the error that was
+        passed to `end`.
         """
         with self._ready:
             self._ready.wait_for(lambda: self._item is not None or self._ended)
@@ -56,8 +56,7 @@ class Mailbox(Generic[T]):
 class LiveSource(Source):
     """Source for a live camera. While the caller processes a frame, only the newest arriving frame is kept.
 
-    `report()` includes the latency from the arrival of a frame until the caller has processed it and requests the next
-    frame.
+    `report()` includes the latency from the arrival of a frame until the caller requests the next frame.
     """
 
     live = True
@@ -70,7 +69,7 @@ class LiveSource(Source):
 
     @abstractmethod
     def _receive(self) -> Iterator[Frame]:
-        """Yield the arriving frames until the source is closed. This method runs on a separate thread."""
+        """Yield the arriving frames until the source is closed. `_receive` runs on a separate thread."""
 
     def close(self) -> None:
         """Stop the camera."""

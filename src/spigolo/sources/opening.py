@@ -20,7 +20,7 @@ Uri = str | os.PathLike[str]
 def open_source(
     uri: Uri | Sequence[Uri], camera: CameraLike = None, depth_scale: float | None = None, **options: Any
 ) -> Source:
-    """Open a source by its name. The source is an iterable of frames. Use it inside `with`.
+    """Open a source of frames by its name. A source is an iterable, and should be used inside `with`.
 
     uri: image files (colour and depth), a folder of frames, a data set (`dataset:FOLDER`), a ROS bag (.bag, .db3,
     .mcap, or its folder), `realsense:`, `realsense:SERIAL`, `realsense:RECORDING`, `openni:` or `openni:ADDRESS`.

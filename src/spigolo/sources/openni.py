@@ -30,7 +30,7 @@ MILLIMETRES = 0.001
 WAIT_S = 0.5
 """Interval at which the receiving thread checks if the source was closed while no image arrives, s."""
 PATIENCE_S = 10.0
-"""Maximum time without images, s. After this time, an error reports that the camera is lost."""
+"""Maximum time without images, s. After `PATIENCE_S` without an image, iteration raises an error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -42,7 +42,7 @@ class Options:
     filters: tuple[str, ...] = field(default=())
     """Names of RealSense SDK filters, applied in the given order: decimation, threshold, spatial, temporal, holes."""
     device: Any = None
-    """Device of the RealSense SDK, such as a software device. None: a connected camera."""
+    """Device object of the RealSense SDK, such as a software device. None: a connected camera."""
 
 
 def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:

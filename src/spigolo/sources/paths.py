@@ -61,8 +61,8 @@ def _is_frame(path: Path) -> bool:
 
 
 def _whole(path: Path) -> FramePaths:
-    """Return the paths of a frame that is stored in one .npz file. If the file contains intrinsics, it is also the
-    camera file.
+    """Return the paths of a frame that is stored in one .npz file. A .npz file with intrinsics is also the camera
+    file.
     """
     from spigolo.frames.arrays import names_in
     from spigolo.frames.intrinsics import MATRIX_NAMES
@@ -120,7 +120,7 @@ def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
 
 
 def _around(frame: FramePaths) -> str:
-    """Return the name of the folder that contains a frame. Folders of colour images, such as rgb/, are skipped."""
+    """Return the name of the folder that contains a frame, or of the parent folder for folders such as rgb/."""
     folder = frame.color.resolve().parent
     return folder.parent.name if folder.name in (frame.name, *COLOR_NAMES) else folder.name
 

@@ -22,7 +22,7 @@ PIP = 'pip install "spigolo[realsense]"'
 WAIT_MS = 500
 """Interval at which the receiving thread checks if the source was closed while no frame arrives, ms."""
 PATIENCE_S = 10.0
-"""Maximum time without frames, s. After this time, an error reports that the camera is lost."""
+"""Maximum time without frames, s. After `PATIENCE_S` without a frame, iteration raises an error."""
 FILTERS = ("decimation", "threshold", "spatial", "temporal", "holes")
 
 

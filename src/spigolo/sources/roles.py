@@ -13,8 +13,8 @@ WORDS = re.compile(r"[-_. ]+")
 
 
 def role_of(path: Path) -> str | None:
-    """Return "color" or "depth" if the name of a file, or else the name of its folder, contains such a word. Otherwise
-    None.
+    """Return "color" or "depth" by the words in the name of a file, or else in the name of its folder. Return None if
+    the role is unclear.
     """
     for name in (path.stem, path.parent.name):
         words = set(WORDS.split(name.lower()))

@@ -31,7 +31,7 @@ class Topics:
 def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:
     """Choose the topics of a bag. Topics that are not in the options are guessed.
 
-    depth_of: True for each image topic that holds depth, indexed by topic. infos: topics of CameraInfo. Raises
+    depth_of: True for each image topic that contains depth, indexed by topic. infos: topics of CameraInfo. Raises
     FileError.
     """
     colors = sorted((t for t, is_depth in depth_of.items() if not is_depth), key=_color_rank)

@@ -58,8 +58,8 @@ def batch(
     workers
         Number of processes on this machine. Default: one per core.
     scheduler
-        Address of a Dask scheduler, such as tcp://127.0.0.1:8786. `local` starts a Dask cluster of `--workers` processes
-        on this machine. Default: no cluster.
+        Address of a Dask scheduler, such as tcp://127.0.0.1:8786. `local` starts a Dask cluster of `--workers`
+        processes on this machine. Default: no cluster.
     format
         Table of the objects: parquet writes objects.parquet, coco writes coco.json.
     out

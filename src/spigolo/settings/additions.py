@@ -122,7 +122,9 @@ class DepthContours(Settings):
     max_shadow_px: Length_px = 60
     """Maximum width of a shadow that is filled with the depth of its farther side, px. Wider shadows stay missing."""
     step_offset_px: Offset_px = 2
-    """Distance from a pixel to the depth samples on both sides that measure a depth step, px."""
+    """Distance from a pixel to the depth samples on both sides that measure a depth step, px. Larger values bridge
+    wider depth ramps.
+    """
     step_m: NotNegative = 0.015
     """Minimum second difference of depth at a depth step, m. Larger values give fewer contours."""
     step_per_m: NotNegative = 0.012
@@ -132,7 +134,7 @@ class DepthContours(Settings):
     crease_offset_px: Offset_px = 5
     """Distance between the three depth samples that measure a concave crease, px."""
     crease_low_deg: Angle_deg = 30.0
-    """Minimum angle between the two sides of a concave crease, degrees."""
+    """Minimum angle between the two sides of a concave crease, degrees. Larger values give fewer contours."""
     crease_high_deg: Angle_deg = 140.0
     """Maximum angle between the two sides of a concave crease, degrees. Larger values give more contours. 0 finds no
     creases.
@@ -172,11 +174,13 @@ class Refinement(Settings):
     several pixels, as in stereo depth. Larger values refine more pixels.
     """
     min_width_px: Length_px = 2
-    """Minimum width of the band of refined pixels on each side of a border, px."""
+    """Minimum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
     max_width_px: Length_px = 10
-    """Maximum width of the band of refined pixels on each side of a border, px."""
+    """Maximum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
-    """Maximum width of the band of refined pixels next to missing depth, such as shadows, px."""
+    """Maximum width of the band of refined pixels next to missing depth, such as shadows, px. Larger values refine more
+    pixels.
+    """
     near_hole_px: Length_px = 1
     """Distance to missing depth up to which the band of refined pixels has `hole_width_px` as its maximum, px."""
     reach_px: Offset_px = 8
@@ -187,7 +191,7 @@ class Refinement(Settings):
     """
     max_opened: Share = 0.6
     """Maximum share of an object's thickness that the band of refined pixels may cover. The innermost pixels keep their
-    label, so that small objects do not vanish.
+    label, so that small objects do not vanish. Larger values refine more pixels.
     """
     min_solidity: Share | None = 0.5
     """Minimum share of the convex hull that an object fills (solidity). If an object has at least this solidity,
@@ -195,7 +199,7 @@ class Refinement(Settings):
     """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
     """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, px. 0 does not
-    smooth.
+    smooth. Larger values suppress more noise.
     """
     step_m: Positive = 0.018
     """Depth difference between neighbouring pixels that counts as a full depth step, m. Larger values give depth less
@@ -233,7 +237,9 @@ class Additions(Settings):
     that the steps of quantised depth leave inside large regions.
     """
     line_px: Offset_px = 1
-    """Width of the boundary lines E_F before blurring, px. The value 1 is eq. 20."""
+    """Width of the boundary lines E_F before blurring, px. The value 1 is eq. 20. Larger values close gaps in the
+    lines.
+    """
     lengths_grow: bool = False
     """Scale lengths in pixels with the image. All lengths are stated for a 640x480 image."""
     resolution: Literal["full", "half"] = "full"

@@ -19,57 +19,69 @@ class Vessel(Settings):
     min_behind_m: Positive = 0.02
     """Minimum mean depth step from the wall of a vessel back to its inside, m. Larger values join fewer regions."""
     max_hollow_front: float = -0.1
-    """Maximum hollowness of the wall of a vessel. Convex surfaces have a negative hollowness."""
+    """Maximum hollowness of the wall of a vessel. Convex surfaces have a negative hollowness. Larger values also accept
+    flatter walls.
+    """
     min_hollow_back: float = -0.11
     """Minimum hollowness of the inside of a vessel. Negative values also accept an inside that looks flat because depth
-    is missing.
+    is missing. Larger values join fewer regions.
     """
     min_contrast: float = 0.15
-    """Minimum hollowness of the inside minus hollowness of the wall."""
+    """Minimum hollowness of the inside minus hollowness of the wall. Larger values join fewer regions."""
     top_m: NotNegative = 0.008
-    """Maximum height difference between the top of the wall and the top of the inside, m."""
+    """Maximum height difference between the top of the wall and the top of the inside, m. Larger values join more
+    regions.
+    """
     top_share: Share = 0.1
     """Maximum height difference between the top of the wall and the top of the inside, as a share of their height above
-    the support plane. The limit is max(`top_m`, `top_share` * height).
+    the support plane. The limit is max(`top_m`, `top_share` * height). Larger values join more regions.
     """
     min_solidity: Share = 0.87
-    """Minimum share of their common convex hull that the wall and the inside must fill (solidity)."""
+    """Minimum share of their common convex hull that the wall and the inside must fill (solidity). Larger values join
+    fewer regions.
+    """
     sure_hollow_back: float = -0.01
-    """Minimum hollowness of a region that is certainly the inside of a vessel."""
+    """Minimum hollowness of a region that is certainly the inside of a vessel. Larger values accept fewer regions."""
     sure_contrast: float = 0.25
-    """Minimum hollowness of the inside minus hollowness of the wall for a region that is certainly an inside."""
+    """Minimum hollowness of the inside minus hollowness of the wall for a region that is certainly an inside. Larger
+    values are stricter.
+    """
     sure_solidity: Share = 0.75
-    """Minimum solidity of wall and inside together if one region is certainly the inside of a vessel."""
+    """Minimum solidity of wall and inside together if one region is certainly the inside of a vessel. Larger values
+    join fewer regions.
+    """
 
 
 class Cap(Settings):
     """Conditions to join the upper face of an object with its side, or the inside of a filled cup with its wall."""
 
     max_gap_m: Positive = 0.025
-    """Maximum mean depth step between the two regions across their border, m."""
+    """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
     max_bend_m: float = 0.006
     """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects.
+    two objects. Larger values join more regions.
     """
     top_share: Share = 0.2
     """Maximum height difference between the tops of the two regions, as a share of their height above the support
-    plane.
+    plane. Larger values join more regions.
     """
     min_solidity: Share = 0.9
-    """Minimum share of their common convex hull that the two regions must fill (solidity)."""
+    """Minimum share of their common convex hull that the two regions must fill (solidity). Larger values join fewer
+    regions.
+    """
 
 
 class Smooth(Settings):
     """Conditions to join two parts of one flat or convex surface that noise separated."""
 
     max_gap_m: Positive = 0.025
-    """Maximum mean depth step between the two regions across their border, m."""
+    """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
     max_bend_m: float = 0.0015
     """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects.
+    two objects. Larger values join more regions.
     """
     max_boundary: Share = 0.75
-    """Maximum mean boundary value along the border of the two regions."""
+    """Maximum mean boundary value along the border of the two regions. Larger values join more regions."""
 
 
 class Joining(Settings):
@@ -83,7 +95,8 @@ class Joining(Settings):
     """Join two parts of one flat or convex surface."""
     enclosed: Share | None = None
     """Minimum share of the pixels around a region that belong to one object, for the region to be joined with the
-    object. This rule joins regions on the support plane, such as the bottom of a bowl. None: off.
+    object. This rule joins regions on the support plane, such as the bottom of a bowl. Larger values join fewer
+    regions. None: off.
     """
     reach_px: Offset_px = 4
     """Distance from a border to the depth samples on both sides, px."""

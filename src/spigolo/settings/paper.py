@@ -55,9 +55,9 @@ class Inpainting(Settings):
     holes.
     """
     max_area_px2: Area_px2 = 400.0
-    """Maximum area of a gap that is filled, px^2 at 640x480."""
+    """Maximum area of a gap that is filled, px^2 at 640x480. Larger values fill larger gaps."""
     max_radius_px: Annotated[Positive, Grows(always=True)] = 6.0
-    """Maximum inscribed radius of a gap that is filled, px at 640x480."""
+    """Maximum inscribed radius of a gap that is filled, px at 640x480. Larger values fill wider gaps."""
     step_m: NotNegative = 0.03
     """Minimum depth range along the rim of a gap, m, at which the gap counts as lying on a depth step. Gaps on a depth
     step are filled with the far depth.
@@ -76,7 +76,9 @@ class DepthConfig(Settings):
     inpainting: Inpainting | None = None
     """In-painting of small gaps. None fills no gaps, as in the paper with the first cost function."""
     depth_range: Positive | None = None
-    """Depth difference that counts as 1 in eq. 9, m. None: the depth range of each frame. Default: authors' code."""
+    """Depth difference that counts as 1 in eq. 9, m. None: the depth range of each frame. Larger values reduce the
+    influence of depth. Default: authors' code.
+    """
 
 
 class ColorConfig(Settings):
@@ -111,9 +113,13 @@ class EdgesConfig(Settings):
     """
 
     canny_low: Share = 0.05
-    """Low threshold of Canny as a share of the frame's largest gradient. Default: authors' code."""
+    """Low threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. Default:
+    authors' code.
+    """
     canny_high: Share = 0.075
-    """High threshold of Canny as a share of the frame's largest gradient. Default: authors' code."""
+    """High threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. Default:
+    authors' code.
+    """
     canny_floor: NotNegative = 60.0
     """Minimum of Canny's low threshold, in units of the Scharr gradient. Larger values find fewer edges in the noise of
     plain frames. The ratio of both thresholds is kept. Default: our choice.
@@ -131,9 +137,13 @@ class EdgesConfig(Settings):
     contact_offset_px: Offset_px = 5
     """Offset epsilon_e between the three points that measure the contact angle, px. Default: authors' code."""
     contact_low_deg: Angle_deg = 56.0
-    """Minimum contact angle t_theta_L of a contact boundary, degrees. Default: authors' code."""
+    """Minimum contact angle t_theta_L of a contact boundary, degrees. Larger values find fewer contact boundaries.
+    Default: authors' code.
+    """
     contact_high_deg: Angle_deg = 154.0
-    """Maximum contact angle t_theta_H of a contact boundary, degrees. Default: authors' code."""
+    """Maximum contact angle t_theta_H of a contact boundary, degrees. Larger values find more contact boundaries.
+    Default: authors' code.
+    """
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
     """Sign of the contact angle. `tangent` uses the cross product along the edge, which is correct for every direction.
     `x` uses the x component as printed in eq. 19, which is zero for vertical edges. `none` ignores the sign and keeps
@@ -144,7 +154,9 @@ class EdgesConfig(Settings):
     `thin` is eq. 20. Default: authors' code.
     """
     blur_px: Annotated[int, Field(ge=1, le=99), Grows(odd=True)] = 7
-    """Width of the Gaussian window that blurs the soft boundary map, an odd number of px. Default: authors' code."""
+    """Width of the Gaussian window that blurs the soft boundary map, an odd number of px. Larger values close wider
+    gaps. Default: authors' code.
+    """
 
     @model_validator(mode="after")
     def _ordered(self) -> EdgesConfig:
@@ -239,7 +251,9 @@ class Rejection(Settings):
     """Rules that reject regions (paper, section III-F). None switches a rule off."""
 
     max_distance_m: Positive | None = None
-    """Maximum distance of a region's centroid from the camera, m. None: no limit. Authors' code: 1.8."""
+    """Maximum distance of a region's centroid from the camera, m. None: no limit. Authors' code: 1.8. Larger values
+    keep farther regions.
+    """
     max_lambda1_px2: MaxArea_px2 = None
     """Maximum of the larger eigenvalue of the covariance of a region's pixel coordinates, px^2. Larger values keep
     longer regions. Authors' code: 3800.

@@ -24,11 +24,12 @@ class Wall(Settings):
     """
     min_hides_cut: NotNegative = 0.7
     """Increase of `min_hides` for regions at the image border, multiplied by the share of the outline on the image
-    border.
+    border. Larger values reject more regions.
     """
     slant_deg: Angle_deg = 36.0
     """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The
-    visible faces of a whole object look towards the camera on average. The side wall of a compartment does not.
+    visible faces of a whole object look towards the camera on average. The side wall of a compartment does not. Larger
+    values reject fewer regions.
     """
     hides_per_deg: NotNegative = 0.025
     """Increase of `min_hides` for each degree above `slant_deg`, 1/degree. Larger values reject more slanted
@@ -52,11 +53,11 @@ class Wall(Settings):
     """
     step_m: NotNegative = 0.012
     """Minimum depth step across a region's outline, m, in addition to the slope of the region. The limit is `step_m` +
-    `step_share` * distance.
+    `step_share` * distance. Larger values find fewer steps and reject more regions.
     """
     step_share: Share = 0.006
     """Minimum depth step across a region's outline, as a share of the distance. The limit is `step_m` + `step_share` *
-    distance.
+    distance. Larger values find fewer steps and reject more regions.
     """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
     """Maximum ratio of length to width of a region that the image border cuts off. Longer regions are rejected as
@@ -72,10 +73,10 @@ class Ledge(Settings):
     with at least this share is kept even if its mean boundary value is below `min_contour`.
     """
     step_m: Positive = 0.006
-    """Minimum step in height above the support plane along a region's outline, m."""
+    """Minimum step in height above the support plane along a region's outline, m. Larger values keep fewer regions."""
     step_per_m: NotNegative = 0.0056
     """Minimum step in height along a region's outline per squared distance, 1/m. The limit is max(`step_m`,
-    `step_per_m` * distance^2).
+    `step_per_m` * distance^2). Larger values keep fewer regions.
     """
 
 
@@ -102,9 +103,9 @@ class Rules(Settings):
     """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
     max_length_m: Positive | None = None
     """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. The oriented
-    box of an object may have another length. None: no limit.
+    box of an object may have another length. Larger values keep longer regions. None: no limit.
     """
     max_width_m: Positive | None = None
-    """Maximum width of a region, m, estimated by a rectangle with the region's spread at its distance. None: no
-    limit.
+    """Maximum width of a region, m, estimated by a rectangle with the region's spread at its distance. Larger values
+    keep wider regions. None: no limit.
     """

@@ -125,8 +125,8 @@ def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Suppo
 def _is_opaque(plane: Plane, sample: Sample, sparse: bool, config: Support) -> bool:
     """Return True if a plane is opaque, so that almost no points below the plane are visible through the plane.
 
-    For example, a table hides the floor. The front edges of a shelf also lie in one plane, but points behind this plane
-    are visible.
+    A table is opaque, because it hides the floor. The plane through the front edges of a shelf is not opaque, because
+    points behind the plane are visible.
     """
     on = sample.on(plane, config)
     below = plane.height_m(sample.points) < -tolerance_m(sample.points[:, 2], config)

@@ -25,7 +25,9 @@ TOLERANCE_PX = 4
 image edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
-"""Minimum share of contour pixels in the image. With a smaller share, alignment cannot be judged."""
+"""Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
+judged.
+"""
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
 """Minimum of `Fit.score` and minimum of `Fit.peak`. With a smaller score or peak, alignment cannot be judged."""
 SHIFTED = 0.95

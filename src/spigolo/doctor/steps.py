@@ -89,8 +89,8 @@ def check_saturated(depth: DepthMap) -> Finding:
 
 
 def _alone(levels: Levels) -> float:
-    """For each pixel, divide the number of pixels with equal depth by the number of pixels with a similar depth. Return
-    the median.
+    """Return the median over all pixels of the number of pixels with equal depth divided by the number of pixels with
+    similar depth.
     """
     half = np.maximum(GAP_PER_M * TICK_M * levels.ticks.astype(np.float64) ** 2, GAP_UNITS * levels.unit)
     total = np.concatenate([[0], np.cumsum(levels.counts)])

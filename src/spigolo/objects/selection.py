@@ -25,7 +25,9 @@ from spigolo.stages.regions import Regions
 NEAREST_M, FARTHEST_M = 0.03, 50.0
 """Depth range that contains the range of every RGB-D camera, m."""
 CLOSE_M, FAR_M = 0.15, 3.0
-"""Range of plausible median depths, m. If no object is found and the median depth is outside, a warning is given."""
+"""Range of plausible median depths, m. A warning is given if no object is found and the median depth is outside this
+range.
+"""
 SAMPLED = 8
 
 

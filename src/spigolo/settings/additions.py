@@ -62,7 +62,7 @@ class Support(Settings):
     """Minimum height of an object pixel above the support plane, m. Lower pixels belong to the plane."""
     noise_per_m: NotNegative = 0.0056
     """Minimum height of an object pixel above the support plane per squared distance, 1/m. The limit is
-    max(`min_height_m`, `noise_per_m` * distance^2). Default: twice `Smoothing.error_per_m`.
+    max(`min_height_m`, `noise_per_m` * distance^2). The default is twice `Smoothing.error_per_m`.
     """
     min_above: Share = 0.6
     """Minimum share of a region's measured pixels that lie above the support plane. Regions with a smaller share are

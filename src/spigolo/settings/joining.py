@@ -44,7 +44,7 @@ class Vessel(Settings):
     """Minimum hollowness of a region that is certainly the inside of a vessel. Larger values accept fewer regions."""
     sure_contrast: float = 0.25
     """Minimum hollowness of the inside minus hollowness of the wall for a region that is certainly an inside. Larger
-    values are stricter.
+    values accept fewer regions.
     """
     sure_solidity: Share = 0.75
     """Minimum solidity of wall and inside together if one region is certainly the inside of a vessel. Larger values

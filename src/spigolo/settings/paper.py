@@ -1,9 +1,9 @@
 """Parameters of the paper, one frozen model for each stage. `settings.additions` has the parameters of our additions.
 
-The text of each field names the origin of its default value. "Paper" means Toscana & Rosa 2016. "Authors' code" means
-the code that the authors of the paper published. "Our choice" means that the paper gives no value (docs/paper.md).
-Lengths and areas in pixels refer to a 640x480 image. Areas and the lengths of in-painting are scaled with the image.
-Other lengths are scaled only if `Additions.lengths_grow` is set.
+The text of each field names the origin of its default value. The paper is Toscana & Rosa 2016. The authors' code is the
+code that the authors of the paper published. "Our choice" means that the paper gives no value (docs/paper.md). Lengths
+and areas in pixels refer to a 640x480 image. Areas and the lengths of in-painting are scaled with the image. Other
+lengths are scaled only if `Additions.lengths_grow` is set.
 """
 
 from __future__ import annotations
@@ -34,17 +34,25 @@ class Smoothing(Settings):
     (eq. 5), and `none` does not smooth.
     """
     error_per_m: Positive = 0.0028
-    """Depth error alpha per squared distance, 1/m. Larger values smooth more. Default: authors' code."""
+    """Depth error alpha per squared distance, 1/m. Larger values smooth more. The default comes from the authors'
+    code.
+    """
     radius_per_error_px_m: Annotated[Positive, Grows()] = 1500.0
-    """Smoothing radius beta per depth error, px/m. Larger values smooth more. Default: authors' code."""
+    """Smoothing radius beta per depth error, px/m. Larger values smooth more. The default comes from the authors'
+    code.
+    """
     step_factor: Positive = 18.0
     """Minimum depth difference between neighbouring pixels at a depth step, as a multiple of the depth error. No
-    smoothing window crosses a depth step. Default: authors' code.
+    smoothing window crosses a depth step. The default comes from the authors' code.
     """
     max_radius_px: Length_px = 10
-    """Maximum smoothing radius, px. Larger values round off the creases that eq. 18 measures. Default: our choice."""
+    """Maximum smoothing radius, px. Larger values round off the creases that eq. 18 measures. The default is our
+    choice.
+    """
     skip_steps: bool = True
-    """Leave pixels on a depth step out of every mean, except if `mean` is `plain`. Default: authors' code."""
+    """Leave pixels on a depth step out of every mean, except if `mean` is `plain`. The default comes from the authors'
+    code.
+    """
 
 
 class Inpainting(Settings):
@@ -77,7 +85,7 @@ class DepthConfig(Settings):
     """In-painting of small gaps. None fills no gaps, as in the paper with the first cost function."""
     depth_range: Positive | None = None
     """Depth difference that counts as 1 in eq. 9, m. None: the depth range of each frame. Larger values reduce the
-    influence of depth. Default: authors' code.
+    influence of depth. The default comes from the authors' code.
     """
 
 
@@ -85,25 +93,25 @@ class ColorConfig(Settings):
     """Colour difference (eq. 4)."""
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. Default: authors' code, which smooths
-    the HSV image instead.
+    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. The default comes from the authors'
+    code, which smooths the HSV image instead.
     """
     k_dv: Positive = 4.5
-    """Weight of the difference in value, the brightness of HSV. Default: paper."""
+    """Weight of the difference in value, the brightness of HSV. The default comes from the paper."""
     k_ds: NotNegative = 0.1
-    """Weight of the difference in hue and saturation. Default: paper."""
+    """Weight of the difference in hue and saturation. The default comes from the paper."""
 
 
 class SaliencyConfig(Settings):
     """Centre-surround saliency of Montabone & Soto 2010 and its power law (eq. 10)."""
 
     surrounds_px: Annotated[tuple[Annotated[int, Field(ge=1, le=10_000)], ...], Grows()] = (12, 24, 48, 28, 56, 112)
-    """Half-sizes of the square surrounds, px: sigma 2^s for sigma in {3, 7} and s in {2, 3, 4}. Default: Montabone's
-    code.
+    """Half-sizes of the square surrounds, px: sigma 2^s for sigma in {3, 7} and s in {2, 3, 4}. The default comes from
+    Montabone's code.
     """
     power: Positive = 4.0
-    """Exponent of the power law of saliency (eq. 10). Larger values keep only the most salient pixels. Default:
-    paper.
+    """Exponent of the power law of saliency (eq. 10). Larger values keep only the most salient pixels. The default
+    comes from the paper.
     """
 
 
@@ -113,21 +121,25 @@ class EdgesConfig(Settings):
     """
 
     canny_low: Share = 0.05
-    """Low threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. Default:
-    authors' code.
+    """Low threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. The default
+    comes from the authors' code.
     """
     canny_high: Share = 0.075
-    """High threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. Default:
-    authors' code.
+    """High threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. The default
+    comes from the authors' code.
     """
     canny_floor: NotNegative = 60.0
     """Minimum of Canny's low threshold, in units of the Scharr gradient. Larger values find fewer edges in the noise of
-    plain frames. The ratio of both thresholds is kept. Default: our choice.
+    plain frames. The ratio of both thresholds is kept. The default is our choice.
     """
     step_offset_px: Offset_px = 7
-    """Offset epsilon_rho from an image edge to the depth samples on both sides, px. Default: authors' code."""
+    """Offset epsilon_rho from an image edge to the depth samples on both sides, px. The default comes from the authors'
+    code.
+    """
     step_m: Positive = 0.03
-    """Minimum depth difference t_rho at a depth boundary, m. Larger values keep fewer edges. Default: authors' code."""
+    """Minimum depth difference t_rho at a depth boundary, m. Larger values keep fewer edges. The default comes from the
+    authors' code.
+    """
     signed_step: bool = False
     """Compare the signed depth difference, as printed in eq. 13. Edge pixels on the near side of a depth step are then
     missed.
@@ -135,14 +147,16 @@ class EdgesConfig(Settings):
     missing_is_boundary: bool = False
     """Count a missing depth sample as a depth step. If False, a missing sample is ignored."""
     contact_offset_px: Offset_px = 5
-    """Offset epsilon_e between the three points that measure the contact angle, px. Default: authors' code."""
+    """Offset epsilon_e between the three points that measure the contact angle, px. The default comes from the authors'
+    code.
+    """
     contact_low_deg: Angle_deg = 56.0
-    """Minimum contact angle t_theta_L of a contact boundary, degrees. Larger values find fewer contact boundaries.
-    Default: authors' code.
+    """Minimum contact angle t_theta_L of a contact boundary, degrees. Larger values find fewer contact boundaries. The
+    default comes from the authors' code.
     """
     contact_high_deg: Angle_deg = 154.0
-    """Maximum contact angle t_theta_H of a contact boundary, degrees. Larger values find more contact boundaries.
-    Default: authors' code.
+    """Maximum contact angle t_theta_H of a contact boundary, degrees. Larger values find more contact boundaries. The
+    default comes from the authors' code.
     """
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
     """Sign of the contact angle. `tangent` uses the cross product along the edge, which is correct for every direction.
@@ -151,11 +165,11 @@ class EdgesConfig(Settings):
     """
     boundary: Literal["soft", "thin"] = "soft"
     """Kind of boundary map. `soft` blurs the boundaries E_F and rescales the map to a maximum of 1, which closes gaps.
-    `thin` is eq. 20. Default: authors' code.
+    `thin` is eq. 20. The default comes from the authors' code.
     """
     blur_px: Annotated[int, Field(ge=1, le=99), Grows(odd=True)] = 7
     """Width of the Gaussian window that blurs the soft boundary map, an odd number of px. Larger values close wider
-    gaps. Default: authors' code.
+    gaps. The default comes from the authors' code.
     """
 
     @model_validator(mode="after")
@@ -176,14 +190,14 @@ class SaliencyCost(Settings):
     kind: Literal["saliency"] = "saliency"
     """Kind of the cost function in preset files."""
     k_x: NotNegative = 1.05
-    """Weight of the depth difference. Default: paper."""
+    """Weight of the depth difference. The default comes from the paper."""
     k_y: NotNegative = 1.5
-    """Weight of the colour difference. Default: paper."""
+    """Weight of the colour difference. The default comes from the paper."""
     k_s: NotNegative = 0.5
-    """Weight of the saliency. Default: paper."""
+    """Weight of the saliency. The default comes from the paper."""
     ends: Ends = "max"
     """Pixel that gives the saliency of a graph edge. `i` takes the first pixel, as printed in eq. 22. `max` takes the
-    pixel with the larger saliency. Default: our choice.
+    pixel with the larger saliency. The default is our choice.
     """
 
 
@@ -193,12 +207,12 @@ class BoundaryCost(Settings):
     kind: Literal["boundary"] = "boundary"
     """Kind of the cost function in preset files."""
     k_x: NotNegative = 7.5
-    """Weight of the product of depth and colour difference. Default: paper."""
+    """Weight of the product of depth and colour difference. The default comes from the paper."""
     k_b: NotNegative = 0.66
-    """Weight of the boundary map. Default: paper."""
+    """Weight of the boundary map. The default comes from the paper."""
     ends: Ends = "max"
     """Pixel that gives the boundary value of a graph edge. `i` takes the first pixel, as printed in eq. 23. `max` takes
-    the pixel with the larger value. Default: our choice.
+    the pixel with the larger value. The default is our choice.
     """
 
     @model_validator(mode="after")
@@ -220,8 +234,8 @@ class AutoCost(Settings):
     shadows: SaliencyCost = SaliencyCost()
     """Cost function for frames with large shadows."""
     max_missing: Share = 0.03
-    """Maximum share of missing depth within the working range at which the cost function `full` is used. Default: our
-    choice.
+    """Maximum share of missing depth within the working range at which the cost function `full` is used. The default is
+    our choice.
     """
 
 
@@ -240,10 +254,10 @@ class Partition(Settings):
     of magnitude. Larger values give larger regions.
     """
     connectivity: Literal[4, 8] = 8
-    """Number of neighbours of a pixel in the graph. Default: authors' code."""
+    """Number of neighbours of a pixel in the graph. The default comes from the authors' code."""
     min_size_px2: Area_px2 = 500.0
-    """Minimum area of a region, px^2 at 640x480. A smaller region is merged with its most similar neighbour. Default:
-    authors' code.
+    """Minimum area of a region, px^2 at 640x480. A smaller region is merged with its most similar neighbour. The
+    default comes from the authors' code.
     """
 
 
@@ -251,26 +265,26 @@ class Rejection(Settings):
     """Rules that reject regions (paper, section III-F). None switches a rule off."""
 
     max_distance_m: Positive | None = None
-    """Maximum distance of a region's centroid from the camera, m. None: no limit. Authors' code: 1.8. Larger values
-    keep farther regions.
+    """Maximum distance of a region's centroid from the camera, m. Larger values keep farther regions. None: no limit.
+    The authors' code uses 1.8.
     """
     max_lambda1_px2: MaxArea_px2 = None
     """Maximum of the larger eigenvalue of the covariance of a region's pixel coordinates, px^2. Larger values keep
-    longer regions. Authors' code: 3800.
+    longer regions. The authors' code uses 3800.
     """
     max_lambda2_px2: MaxArea_px2 = None
     """Maximum of the smaller eigenvalue of the covariance of a region's pixel coordinates, px^2. Larger values keep
-    wider regions. Authors' code: 950.
+    wider regions. The authors' code uses 950.
     """
     max_eccentricity: Share | None = None
-    """Maximum eccentricity sqrt(1 - lambda2 / lambda1) of a region. Larger values keep more elongated regions. Authors'
-    code: 0.978.
+    """Maximum eccentricity sqrt(1 - lambda2 / lambda1) of a region. Larger values keep more elongated regions. The
+    authors' code uses 0.978.
     """
     max_missing: Share | None = None
-    """Maximum share of a region's pixels without depth, counted after in-painting. Larger values keep more regions.
-    Paper: 0.3, without in-painting.
+    """Maximum share of a region's pixels without depth, counted after in-painting. Larger values keep more regions. The
+    paper uses 0.3 without in-painting.
     """
     max_dark: Share | None = None
     """Maximum share of a region's pixels with a brightness from 0 to 23 of 255, the three darkest of 32 bins. Larger
-    values keep darker regions. Paper: 0.3.
+    values keep darker regions. The paper uses 0.3.
     """

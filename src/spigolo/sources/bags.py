@@ -1,7 +1,6 @@
 """Source for recordings of ROS 1 and ROS 2, read by rosbags without ROS.
 
-A first pass reads all stamps and pairs each colour image with the nearest depth image. The number of frames is
-therefore known.
+A first pass over the bag reads all stamps, pairs colour and depth images, and counts the frames.
 """
 
 from __future__ import annotations

@@ -23,7 +23,9 @@ GAP_UNITS = 2.5
 therefore not reported.
 """
 ALONE = 0.8
-"""Minimum result of `_alone` at which depth is reported as coarse."""
+"""Minimum ratio of pixels with equal depth to pixels with similar depth, at which depth is reported as coarse (median
+over all pixels).
+"""
 FEWEST = 8
 """Minimum number of different depth values in a frame. With fewer values, the check has not enough evidence."""
 SATURATED_SHARE = 0.005

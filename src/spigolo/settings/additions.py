@@ -145,7 +145,7 @@ class DepthContours(Settings):
     """
     holes_from: Share | None = None
     """Minimum share of missing depth in a frame at which hole outlines become contours. Image edges inside holes then
-    become contours too, so that regions do not merge across a hole. None: off.
+    become contours too, so that the holes do not connect regions. None: off.
     """
 
 

@@ -95,8 +95,8 @@ class Joining(Settings):
     """Join two parts of one flat or convex surface."""
     enclosed: Share | None = None
     """Minimum share of the pixels around a region that belong to one object, for the region to be joined with the
-    object. This rule joins regions on the support plane, such as the bottom of a bowl. Larger values join fewer
-    regions. None: off.
+    object. The rule joins regions on the support plane, such as the bottom of a bowl. Larger values join fewer regions.
+    None: off.
     """
     reach_px: Offset_px = 4
     """Distance from a border to the depth samples on both sides, px."""

@@ -1,7 +1,7 @@
 """One frame.
 
-Reads a colour image, its depth and the camera, finds the objects and prints where each one is and how large.
-Writes the picture, and the points of the best object as a robot would take them: `points.npz`.
+Read a colour image, a depth image and a camera file. Find the objects, and print the position and size of each object.
+Write a picture of the objects to `01_objects.png`, and the points of the best object to `01_points.npz`.
 
     python examples/01_one_frame.py [rgb.png depth.png camera.json] [--out FOLDER]
 """
@@ -20,7 +20,7 @@ SCENE = Path(sp.__file__).parent / "demo_scene"
 
 
 def main() -> None:
-    """Finds the objects of a frame and prints their facts."""
+    """Find the objects of a frame and print their positions and sizes."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*", default=[SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"])
     parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")
@@ -40,7 +40,7 @@ def main() -> None:
 
     write_png(given.out / "01_objects.png", result.overlay())
     if len(result):
-        best = result[0]  # objects come best score first
+        best = result[0]  # objects are sorted by score, best first
         np.savez_compressed(given.out / "01_points.npz", points_m=best.points_m(), mask=best.mask)
     print(f"written to {given.out}")
 

@@ -1,7 +1,7 @@
 """Arrays from a camera.
 
-A driver gives arrays, not files: millimetres as integers or metres with NaN, and intrinsics in one of many forms.
-Depth that lies in its own camera's image is moved into the colour image first.
+Create frames from arrays of a camera driver: depth as integers in millimetres or as floats in metres, and intrinsics in
+several forms. Register a depth map to the colour image if it was recorded by a separate depth camera.
 
     python examples/02_arrays_from_a_camera.py [--out FOLDER]
 """
@@ -21,13 +21,13 @@ SCENE = Path(sp.__file__).parent / "demo_scene"
 
 
 def main() -> None:
-    """Gives arrays in several forms and moves an unregistered depth map."""
+    """Segment arrays in several forms, and register a depth map to the colour image."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")
     given = parser.parse_args()
 
     scene = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
-    color = scene.color  # (H, W, 3) uint8, RGB: an image from OpenCV needs [..., ::-1]
+    color = scene.color  # (H, W, 3) uint8, RGB. Convert a BGR image of OpenCV with [..., ::-1]
     millimetres = np.round(scene.depth * 1000).astype(np.uint16)  # 0 = missing
     metres = np.where(scene.depth > 0, scene.depth, np.nan)  # NaN = missing
 
@@ -42,7 +42,7 @@ def main() -> None:
         result = sp.segment(sp.Frame(color, depth, camera, depth_scale=scale))
         print(f"{name:22s} {len(result):2d} objects; left out: {', '.join(result.left_out) or 'nothing'}")
 
-    # A depth camera of its own, 25 mm to the left, sees the same table: the scene's depth, moved there.
+    # Simulate the depth map of a separate depth camera, 25 mm to the left of the colour camera.
     depth_camera = sp.Camera(fx=475.0, fy=475.0, cx=319.5, cy=239.5, width=640, height=480)
     T_color_depth = np.eye(4)
     T_color_depth[0, 3] = -0.025

@@ -1,7 +1,7 @@
 """Region of interest.
 
-Objects are wanted in one place only: a box in the image, a box in the robot's space, or a mask of any shape.
-What lies outside is not forgotten but rejected, with that reason.
+Find objects only in a region of interest: a box in the image, a box in the robot's base frame, or a mask of any shape.
+Regions outside the region of interest are rejected with the reason `OUTSIDE`.
 
     python examples/03_region_of_interest.py [--out FOLDER]
 """
@@ -19,16 +19,16 @@ from spigolo.view.overlay import tile
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 
-# Where the camera of the bundled scene is in the robot's base frame (x right, y away, z up, table at z = 0):
-# 0.57 m above the table, looking down by 40 degrees.
+# Pose of the camera of the bundled scene in the robot's base frame (x right, y away, z up, table at z = 0).
+# The camera is 0.57 m above the table and looks down by 40 degrees.
 S, C = np.sin(np.radians(40)), np.cos(np.radians(40))
 T_BASE_CAMERA = np.array(
     [[1, 0, 0, -0.005], [0, -S, C, 0.03 - 0.81 * C], [0, -C, -S, 0.05 + 0.81 * S], [0, 0, 0, 1]]
-)  # columns: the camera's X, Y, Z axes and its place
+)  # columns: X, Y, Z axes and position of the camera
 
 
 def main() -> None:
-    """Segments one frame with four regions of interest."""
+    """Segment one frame without and with three regions of interest."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")
     given = parser.parse_args()
@@ -38,7 +38,7 @@ def main() -> None:
     regions = {
         "everywhere": None,
         "pixel box (y0, x0, y1, x1)": (220, 80, 420, 600),
-        # back left, above the table
+        # box above the rear left part of the table
         "robot's box": sp.MetricBox((-0.45, 0.05, 0.01), (0.10, 0.4, 0.40), T_BASE_CAMERA),
         "mask": (y - 290) ** 2 + (x - 470) ** 2 < 130**2,
     }

@@ -1,7 +1,7 @@
 """Presets and stages.
 
-A preset is a value: change a field, write it as TOML, read it back, compare the answers.
-`trace` is the same run with every stage kept, so that one can see why a region was rejected.
+Change fields of a preset, write the preset to a TOML file, read the file, and compare the results of several presets.
+The function `trace` segments a frame and keeps the result of every stage, to show why a region was rejected.
 
     python examples/05_presets_and_stages.py [rgb.png depth.png camera.json] [--out FOLDER]
 """
@@ -20,7 +20,7 @@ SCENE = Path(sp.__file__).parent / "demo_scene"
 
 
 def main() -> None:
-    """Compares three presets, one of them changed."""
+    """Compare the results of TABLE, of a changed TABLE and of OBJECTS."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*", default=[SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"])
     parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")
@@ -29,13 +29,13 @@ def main() -> None:
         parser.error("expected a colour image, a depth image and a camera file")
     frame = sp.read_frame(*given.files)
 
-    # larger objects than the paper's: regions grow further, and may be larger
+    # change TABLE for larger objects: more merging, and larger limits of the region size
     mine = sp.TABLE.replace(
         name="mine", partition={"gamma": 0.0065}, rejection={"max_lambda1_px2": 7000.0, "max_lambda2_px2": 2400.0}
     )
     path = given.out / "mine.toml"
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(mine.to_toml(), encoding="utf-8")  # for `spigolo segment --preset mine.toml`
+    path.write_text(mine.to_toml(), encoding="utf-8")  # read it with `spigolo segment --preset mine.toml`
     assert sp.preset(path) == mine
 
     for config in (sp.TABLE, mine, sp.OBJECTS):

@@ -1,7 +1,7 @@
 """Many frames.
 
-Segments a folder of frames on two processes and reads the objects of all of them from one table. A run that is killed
-continues with the same call, and ends with the same files. The table is COCO, which needs no extra.
+Segment many frames in two processes, and read the objects of all frames from one COCO file. If a run was stopped, the
+same call continues the run and produces the same files.
 
     python examples/06_many_frames.py [--out FOLDER]
 """
@@ -18,18 +18,18 @@ from spigolo.batch import FrameFiles, local, run_batch
 from spigolo.frames.files import write_png
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
-MOST = 5  # how many images are printed
+MOST = 5  # maximum number of frames that are printed
 
 
 def main() -> None:
-    """Segments frames in two processes, twice: the second run finds everything done."""
+    """Segment frames in two processes, twice. The second run keeps all results of the first run."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")
     out = parser.parse_args().out
 
     files = SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"
-    jobs = [FrameFiles(f"morning/{k:04d}", *files) for k in range(3)]  # / in a name makes a folder
-    jobs.append(FrameFiles("lost", SCENE / "no-such.png", *files[1:]))  # fails, and stops nothing
+    jobs = [FrameFiles(f"morning/{k:04d}", *files) for k in range(3)]  # / in a frame name creates a folder
+    jobs.append(FrameFiles("lost", SCENE / "no-such.png", *files[1:]))  # this frame fails, but the run continues
 
     for _ in range(2):
         summary = run_batch(jobs, sp.OBJECTS, out / "06_batch", local(workers=2), table="coco")

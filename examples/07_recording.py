@@ -1,11 +1,11 @@
 """Recording.
 
-Reads a recording, a folder or a camera frame by frame and follows the objects by ids that last while they stay in view.
-Prints what could not be used, the frame rate and the latency. Writes the picture of the last frame.
+Read the frames of a recording, a folder or a camera. Objects keep their ids from frame to frame while they are in view.
+Print the ids, the number of unusable images, the frame rate and the latency. Write a picture of the last frame.
 
     python examples/07_recording.py [SOURCE] [--out FOLDER]
 
-SOURCE: a folder, a ROS bag (recording.mcap), `realsense:`. Default: the bundled scene, seen by a camera that moves.
+SOURCE: a folder, a ROS bag (recording.mcap), or `realsense:`. Default: the bundled scene, seen by a moving camera.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ SCENE = Path(sp.__file__).parent / "demo_scene"
 
 
 def write_scene(folder: Path, count: int = 5) -> None:
-    """Write a recording as a folder of frames: the bundled scene moves by two pixels a frame."""
+    """Write a folder of frames, in which the bundled scene moves by two pixels per frame."""
     frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
     for k in range(count):
         color, depth = (np.roll(image, 2 * k, axis=1) for image in (frame.color, frame.depth))
@@ -34,7 +34,7 @@ def write_scene(folder: Path, count: int = 5) -> None:
 
 
 def main() -> None:
-    """Segments every frame of a source and prints the ids of its objects."""
+    """Segment all frames of a source and print the ids of the objects."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("source", nargs="?", help="default: the bundled scene")
     parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")

@@ -1,7 +1,7 @@
 """Tune by looking.
 
-A page with a slider for each parameter, the masks and the cloud is one call: tune(frames). Without a browser the same
-session runs in a script: parameters are set by name, regions are corrected by a pixel, and the preset is saved.
+Tune the parameters of a preset without a browser: set a parameter by its name, correct a region by a pixel, and save
+the preset. With `--page`, the function `tune` opens a web page with sliders, the object masks and the point cloud.
 
     python examples/08_tune_by_looking.py [--page] [--out FOLDER]
 """
@@ -19,11 +19,11 @@ from spigolo.view.tuning_session import Session
 
 SCENE = Path(sp.__file__).parent / "demo_scene"
 TABLE = 440, 150
-"""A pixel (y, x) of the table."""
+"""Pixel (y, x) on the table."""
 
 
 def main() -> None:
-    """Set one parameter, keep one region, save the preset."""
+    """Set a parameter, keep a region as an object, and save the preset."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--page", action="store_true", help="show the page in a browser, until Ctrl-C")
     parser.add_argument("--out", type=Path, default=Path("spigolo-examples"), help="default: %(default)s")

@@ -1,6 +1,6 @@
-"""Give spigolo each kind of bad input and print its messages as a Markdown table: `python scripts/bad_inputs.py`.
+"""Run spigolo on each kind of bad input and print the messages as Markdown tables: `python scripts/bad_inputs.py`.
 
-With `--write` the table goes to docs/bad-input.md.
+With `--write`, the script writes the tables to docs/bad-input.md.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def main() -> None:
 
 
 def make_page() -> str:
-    """The whole page: every case in a folder of its own making."""
+    """Create the bad inputs in a temporary folder, collect all messages, and return the page as Markdown."""
     with tempfile.TemporaryDirectory(prefix="bad-") as name, ThreadPoolExecutor(2) as pool:
         folder = Path(name)
         make_files(folder)
@@ -65,13 +65,13 @@ def make_page() -> str:
 
 
 def table(title: str, inputs: list[str], sentences: list[str]) -> str:
-    """A section with its table."""
+    """Return a section of the page: a heading, and a table of inputs and messages."""
     rows = [f"| {what} | {escape(sentence)} |" for what, sentence in zip(inputs, sentences, strict=True)]
     return "\n".join([f"## {title}", "", "| input | sentence |", "|---|---|", *rows, ""])
 
 
 def make_files(folder: Path) -> None:
-    """The bundled scene, and everything that is wrong with it."""
+    """Write the bundled scene and all bad input files into a folder."""
     copy_scene(folder)
     make_images(folder)
     make_cameras(folder)
@@ -84,13 +84,13 @@ def make_files(folder: Path) -> None:
 
 
 def copy_scene(folder: Path) -> None:
-    """A frame that is right."""
+    """Copy the images and the camera file of the bundled scene, which have no fault, into a folder."""
     for name in ("rgb.png", "depth.png", "camera.json"):
         shutil.copy(SCENE / name, folder / name)
 
 
 def make_images(folder: Path) -> None:
-    """Images of the wrong size, type or content, and files that are none."""
+    """Write images of the wrong size, type or content, and files that are not images."""
     depth = cv2.imread(str(SCENE / "depth.png"), cv2.IMREAD_UNCHANGED)
     grey = np.clip(depth / 10, 0, 255).astype(np.uint8)
     pictures = {
@@ -111,7 +111,7 @@ def make_images(folder: Path) -> None:
 
 
 def make_cameras(folder: Path) -> None:
-    """Camera files that lack something or hold what cannot be."""
+    """Write camera files with missing or invalid values."""
     camera = json.loads((SCENE / "camera.json").read_text(encoding="utf-8"))
     cameras = {
         "no-scale": {k: v for k, v in camera.items() if k != "depth_scale"},
@@ -129,7 +129,7 @@ def make_cameras(folder: Path) -> None:
 
 
 def make_sets(folder: Path) -> None:
-    """Folders without frames, without half of a set, without labels."""
+    """Create folders without frames, with an incomplete data set, and without labels."""
     (folder / "no-frames").mkdir()
     scene = folder / "half-a-set" / "test" / "000001"
     scene.mkdir(parents=True)
@@ -140,7 +140,7 @@ def make_sets(folder: Path) -> None:
 
 
 def make_rows(folder: Path) -> None:
-    """Rows of an evaluation of none of the paper's sets."""
+    """Write the scores of an evaluation on a data set that is not in the paper."""
     labels = cv2.imread(str(SCENE / "label.png"), cv2.IMREAD_UNCHANGED)
     row = Row(
         data_set="mine", frame="rgb", group="mine/rgb", labelling="full", method="toscana2016", preset="TABLE",
@@ -151,22 +151,22 @@ def make_rows(folder: Path) -> None:
 
 
 def segment(color: str = "rgb.png", depth: str = "depth.png", camera: str = "camera.json", *more: str) -> Words:
-    """The words that segment a frame."""
+    """Return the command-line arguments that segment a frame."""
     return ["segment", color, depth, "--camera", camera, "--no-check", *more]
 
 
 def flags(*more: str) -> Words:
-    """Those that segment the right frame with flags."""
+    """Return the command-line arguments that segment the frame without faults, with additional flags."""
     return segment("rgb.png", "depth.png", "camera.json", *more)
 
 
 def command_line() -> list[tuple[str, Words]]:
-    """What was wrong, and the words after `spigolo`."""
+    """Return all command-line cases, as pairs of a description and the arguments after `spigolo`."""
     return [*wrong_files(), *wrong_flags(), *other_verbs(), *warned_of()]
 
 
 def wrong_files() -> list[tuple[str, Words]]:
-    """Images and cameras."""
+    """Return the command-line cases with bad images and cameras."""
     return [
         ("depth of another size than colour", segment(depth="half.png")),
         ("depth with 8 bits", segment(depth="depth8.png")),
@@ -194,7 +194,7 @@ def wrong_files() -> list[tuple[str, Words]]:
 
 
 def wrong_flags() -> list[tuple[str, Words]]:
-    """Presets, values and places."""
+    """Return the command-line cases with bad presets, values and output folders."""
     return [
         ("a preset nobody knows", flags("--preset", "tabel")),
         ("an unknown key in a TOML file", flags("--preset", "unknown-key.toml")),
@@ -214,7 +214,7 @@ def wrong_flags() -> list[tuple[str, Words]]:
 
 
 def other_verbs() -> list[tuple[str, Words]]:
-    """Folders, sets, rows and what else the verbs take."""
+    """Return the command-line cases of verbs other than `segment`."""
     return [
         ("a folder without frames", ["segment", "no-frames"]),
         ("no such folder", ["segment", "nowhere"]),
@@ -234,7 +234,7 @@ def other_verbs() -> list[tuple[str, Words]]:
 
 
 def warned_of() -> list[tuple[str, Words]]:
-    """What is done, with a warning."""
+    """Return the command-line cases that give a warning instead of an error."""
     return [
         ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
         (
@@ -245,7 +245,7 @@ def warned_of() -> list[tuple[str, Words]]:
 
 
 def library(folder: Path) -> list[tuple[str, Call]]:
-    """What was wrong, and the call."""
+    """Return all cases of the Python library, as pairs of a description and a function to call."""
     frame = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
     color, depth, camera = frame.color, frame.depth, frame.camera
     assert camera is not None
@@ -273,7 +273,9 @@ def library(folder: Path) -> list[tuple[str, Call]]:
 
 
 def run_command(words: Words, folder: Path) -> str:
-    """What the command line says on its error stream; it must end with 2, or with 0 after a warning."""
+    """Run spigolo with command-line arguments and return its messages. The exit code must be 2, or 0 after a
+    warning.
+    """
     out = [] if "--out" in words or words[-1].startswith("--") or words[0] == "fetch" else ["--out", "out"]
     done = subprocess.run(
         [sys.executable, "-c", "from spigolo.cli import main; main()", *words, *out],
@@ -291,7 +293,7 @@ def run_command(words: Words, folder: Path) -> str:
 
 
 def run_call(call: Call) -> str:
-    """What the library raises or warns of."""
+    """Call a function and return its error message or its warnings."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
@@ -302,12 +304,12 @@ def run_call(call: Call) -> str:
 
 
 def clean(text: str, folder: Path) -> str:
-    """The sentence without the folder's name."""
+    """Remove the path of the temporary folder from a message."""
     return text.replace(f"{folder}/", "").replace(f"{folder}", "")
 
 
 def escape(text: str) -> str:
-    """Text for a cell of a Markdown table."""
+    """Escape a text for a cell of a Markdown table."""
     for character in "\\|<*_[":
         text = text.replace(character, f"\\{character}")
     return text

@@ -1,6 +1,6 @@
-"""Check the built site for dead links, and its search index: `python scripts/check_site.py [SITE]`.
+"""Check the links and the search index of the built documentation: `python scripts/check_site.py [SITE]`.
 
-`make docs` runs it after each build. It prints each fault and ends with exit code 1 if there is one.
+`make docs` runs this script after each build. The script prints all faults and returns exit code 1 if there are any.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ SEARCHED = {
     "table returned as object": "wrong-results.html",
     "hand eye calibration": "outputs.html",
 }
-"""Words that people search for, and the page whose title or headings must hold all of them, or else its text."""
+"""Search words, and the page that must have a section with all of these words."""
 ELSEWHERE = re.compile(r"[a-z]+:|//|#__")
 
 
 class Page(HTMLParser):
-    """The links and anchors of one page."""
+    """Links and anchors of one page."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ class Page(HTMLParser):
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        """Keep what a tag links to and the anchors that it makes."""
+        """Collect the link targets and the anchors of an HTML tag."""
         for key, value in attrs:
             if value and key in ("id", "name"):
                 self.anchors.add(value)
@@ -53,7 +53,7 @@ def main() -> None:
 
 
 def find_dead_links(site: Path) -> list[str]:
-    """Return a line for each link to a file or an anchor that is not there."""
+    """Return one line of text for each link to a file or an anchor that does not exist."""
     pages = {path: Page(path) for path in site.rglob("*.html") if path.name != "404.html"}
     faults = []
     for path, page in pages.items():
@@ -68,7 +68,7 @@ def find_dead_links(site: Path) -> list[str]:
 
 
 def find_missed_words(site: Path) -> list[str]:
-    """Return a line for each search whose words no section of its page has together."""
+    """Return one line of text for each entry of `SEARCHED` without a section that contains all search words."""
     sections = json.loads((site / "search.json").read_text(encoding="utf-8"))["items"]
     faults = []
     for words, page in SEARCHED.items():

@@ -1,8 +1,8 @@
-"""Count how heavy the prose of docstrings, comments and pages is: `python scripts/count_prose.py [--list] [NAME ...]`.
+"""Count style faults in docstrings, comments and pages: `python scripts/count_prose.py [--list] [NAME ...]`.
 
-Each NAME is a folder or file of this repository, or a package that is installed for this Python. Three counts are
-printed per 1,000 words: sentences that open with What, Where, Whether, Of, How or Whose, semicolons, and sentences of
-more than 25 words. Code is left out.
+Each NAME is a folder or file of this repository, or a package that is installed for this Python. The script prints
+three counts per 1,000 words. The faults are semicolons, sentences of more than 25 words, and sentences that begin with
+What, Where, Whether, Of, How or Whose. Code is not counted.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ ROOT = Path(__file__).resolve().parents[1]
 OURS = ("src", "docs", "README.md")
 OPENERS = frozenset({"what", "where", "whether", "of", "how", "whose"})
 LONG = 25
-"""Sentences of more words than this are long."""
+"""Maximum number of words in a sentence that does not count as long."""
 
 FENCED = re.compile(r"^ *(```|~~~).*?^ *\1[^\n]*$", re.DOTALL | re.MULTILINE)
 DOCTEST = re.compile(r"^ *>>>.*?(?:\n\s*\n|\Z)", re.DOTALL | re.MULTILINE)
 SECTION = re.compile(r"^ *[A-Z][\w ]*\n *-{3,} *$", re.MULTILINE)
-"""A heading of numpy's docstrings."""
+"""Pattern of a section heading in a docstring in NumPy style."""
 PARAMETER = re.compile(r"^( *)(?:[*\w][\w*, ]* : .*|[a-z_]+(?=\n\1 +\S))$", re.MULTILINE)
-"""The line with the name of a parameter in numpy's docstrings."""
+"""Pattern of the line with the name of a parameter in a docstring in NumPy style."""
 LISTING = re.compile(r"(?:(?<=\n\n)|\A)(?: {2,}\S.*\n?)+(?=\n|\Z)")
-"""Indented lines between empty ones."""
+"""Pattern of an indented block between empty lines."""
 SPAN = re.compile(r"``[^`]+``|`[^`\n]+`|\*\*|!?\[([^\]]*)\]\([^)]*\)|:\w+:")
 NEW_BLOCK = re.compile(r"\n\s*\n|\n(?= *(?:[-*#|>]|\d+\.) )|^ *#+ ", re.MULTILINE)
 SENTENCE = re.compile(r"(?<=[.!?])[\"')]*\s+(?=[\"'(]*[A-Z`0-9])")
@@ -40,7 +40,7 @@ WORD = re.compile(r"[^\W\d_][\w'’-]*")
 
 @dataclass(frozen=True)
 class Place:
-    """A sentence, with the file and line of the text that holds it."""
+    """Sentence, with the file and the line of the text that contains it."""
 
     path: Path
     line: int
@@ -48,11 +48,11 @@ class Place:
 
     @property
     def words(self) -> list[str]:
-        """The words of the sentence."""
+        """Return the words of the sentence."""
         return WORD.findall(self.sentence)
 
     def faults(self) -> list[str]:
-        """Name what makes the sentence heavy."""
+        """Return the style faults of the sentence."""
         words, first = self.words, FIRST.match(self.sentence)
         found = [f"opens with {first[1]}"] if first and first[1].lower() in OPENERS else []
         found += ["semicolon"] * self.sentence.count(";")
@@ -61,7 +61,7 @@ class Place:
 
 @dataclass
 class Count:
-    """Counts over many sentences."""
+    """Counts of words and style faults over many sentences."""
 
     words: int = 0
     openers: int = 0
@@ -70,7 +70,7 @@ class Count:
     heavy: list[Place] = field(default_factory=list)
 
     def add(self, place: Place) -> None:
-        """Count one sentence."""
+        """Add the words and style faults of one sentence to the counts."""
         faults = place.faults()
         self.words += len(place.words)
         self.openers += any(fault.startswith("opens") for fault in faults)
@@ -80,7 +80,7 @@ class Count:
             self.heavy.append(place)
 
     def per_thousand(self) -> tuple[float, float, float]:
-        """Return openers, semicolons and long sentences per 1,000 words."""
+        """Return the numbers of bad openings, semicolons and long sentences per 1,000 words."""
         openers, semicolons, long = (1000 * n / max(self.words, 1) for n in (self.openers, self.semicolons, self.long))
         return openers, semicolons, long
 
@@ -100,7 +100,9 @@ def main() -> None:
 
 
 def find(name: str) -> Path:
-    """Return the folder or file of that name: here, in this repository, or of an installed package."""
+    """Return the path of a folder, file or package. The name is searched in the current folder, in this repository and
+    in the installed packages.
+    """
     for path in (Path(name), ROOT / name):
         if path.exists():
             return path
@@ -112,7 +114,7 @@ def find(name: str) -> Path:
 
 
 def count_prose(root: Path) -> dict[str, Count]:
-    """Count the prose below a folder, or of one file, by its kind."""
+    """Count the prose in a folder or file. Return the counts, indexed by kind of text."""
     counts: dict[str, Count] = {}
     files = [root] if root.is_file() else sorted(p for p in root.rglob("*") if "tests" not in p.relative_to(root).parts)
     for path in files:
@@ -123,7 +125,7 @@ def count_prose(root: Path) -> dict[str, Count]:
 
 
 def read_texts(path: Path) -> Iterator[tuple[str, int, str]]:
-    """Yield (kind, line, text) of everything in a file that people read."""
+    """Yield tuples (kind, line, text) of all docstrings, comments and paragraphs in a file."""
     if path.suffix == ".md":
         page = FENCED.sub(lambda code: "\n" * code[0].count("\n"), path.read_text(encoding="utf-8"))
         for line, text in split_page(page):
@@ -135,7 +137,9 @@ def read_texts(path: Path) -> Iterator[tuple[str, int, str]]:
 
 
 def split_page(page: str) -> Iterator[tuple[int, str]]:
-    """Yield paragraphs, list items and cells of tables. Indented code and references to code are left out."""
+    """Yield the paragraphs, list items and table cells of a Markdown page. Code blocks and references to code are left
+    out.
+    """
     block: list[str] = []
     for number, line in enumerate([*page.splitlines(), ""], start=1):
         item = re.match(r" *(?:[-*]|\d+\.|#+|>) ", line)
@@ -152,14 +156,16 @@ def split_page(page: str) -> Iterator[tuple[int, str]]:
 
 
 def find_docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
-    """Yield every string that stands as a statement: of modules, classes, functions and the names above it."""
+    """Yield the docstrings of modules, classes, functions and variables."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             yield node.lineno, node.value.value
 
 
 def find_comments(path: Path) -> Iterator[tuple[int, str]]:
-    """Yield comments. Lines that follow each other are one, and marks for tools are left out."""
+    """Yield the comments of a Python file. Comments on consecutive lines are joined. Comments for tools, such as noqa,
+    are left out.
+    """
     lines: list[str] = []
     last = 0
     with tokenize.open(path) as file:
@@ -176,7 +182,7 @@ def find_comments(path: Path) -> Iterator[tuple[int, str]]:
 
 
 def split_sentences(text: str) -> Iterator[str]:
-    """Yield the sentences of a text, without its code."""
+    """Yield the sentences of a text. Code in the text is left out."""
     text = inspect.cleandoc(text)
     for pattern in (FENCED, LISTING, DOCTEST, SECTION, PARAMETER):
         text = pattern.sub("\n", text)

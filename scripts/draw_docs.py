@@ -1,7 +1,8 @@
-"""Draw the pictures of the docs: `python scripts/draw_docs.py [--out DIR] [NAME ...]`.
+"""Draw the pictures of the documentation: `python scripts/draw_docs.py [--out DIR] [NAME ...]`.
 
-The first is that of `spigolo demo`. Others compare presets, additions, open choices of the paper and faults. Most show
-the bundled scene, the rest scenes that MuJoCo renders (`pip install "spigolo[synthetic]"`).
+The pictures show the output of `spigolo demo`, and compare presets, additions, open choices of the paper and faults.
+Most pictures show the bundled scene. Other pictures show scenes that MuJoCo renders (`pip install
+"spigolo[synthetic]"`).
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ def main() -> None:
 
 
 def demo(frame: sp.Frame) -> Color:
-    """The picture of `spigolo demo`, smaller."""
+    """Draw the picture of `spigolo demo` at a smaller size."""
     run = sp.trace(frame)
     result = run.segmentation
     pictures = {
@@ -54,7 +55,7 @@ def demo(frame: sp.Frame) -> Color:
 
 
 def presets(frame: sp.Frame) -> Color:
-    """Objects of each preset."""
+    """Draw the objects that each preset finds."""
     pictures = {"colour": frame.color}
     for name, config in (("OBJECTS", sp.OBJECTS), ("TABLE", sp.TABLE), ("CLUTTER", sp.CLUTTER), ("SHELF", sp.SHELF)):
         result = sp.segment(frame, config)
@@ -64,7 +65,7 @@ def presets(frame: sp.Frame) -> Color:
 
 
 def write_jpeg(path: Path, picture: Color) -> None:
-    """Write a JPEG that a page can carry, and print its size."""
+    """Write a picture as JPEG of at most `MOST_BYTES` bytes, and print its size."""
     done, data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     if not done or data.size > MOST_BYTES:
         raise ValueError(f"{path.name} would have {data.size} bytes, at most {MOST_BYTES} are wanted")
@@ -88,7 +89,7 @@ BUNDLED: dict[str, Callable[[sp.Frame], Color]] = {
     "support-plane": additions.support_plane,
     "noise-floor": additions.noise_floor,
 }
-"""Pictures of the bundled scene."""
+"""Functions that draw pictures of the bundled scene, indexed by file name."""
 RENDERED: dict[str, Callable[[], Color]] = {
     "merging": additions.merging,
     "ledge": additions.ledge,
@@ -96,7 +97,7 @@ RENDERED: dict[str, Callable[[], Color]] = {
     "touching-objects": failures.touching_objects,
     "flat-objects": failures.flat_objects,
 }
-"""Pictures of scenes that are rendered for them."""
+"""Functions that draw pictures of rendered scenes, indexed by file name."""
 
 if __name__ == "__main__":
     main()

@@ -1,8 +1,9 @@
-"""One of the paper's tables in one go: `python scripts/paper_tables.py 1` renders, evaluates and reports.
+"""Reproduce one table of the paper: `python scripts/paper_tables.py 1` renders frames, evaluates methods and writes the
+table.
 
-Table 1 is of Rutgers APC, 2 of UW RGB-D Scenes v1, 3 of Tejani et al. With `--data FOLDER` the frames are those of the
-published set there, without it rendered stand-ins in the set's original layout, which are rendered once. A run that was
-cut off goes on: with the rows that it has, and with the stand-ins if they were complete.
+Table 1 uses the data set Rutgers APC, table 2 UW RGB-D Scenes v1, and table 3 Tejani et al. With `--data FOLDER`, the
+frames of the published data set are evaluated. Without `--data`, similar frames are rendered in the layout of the data
+set. A run that was interrupted continues with the rendered frames and the scores that it has already written.
 """
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ from spigolo.errors import SpigoloError
 
 
 class Recipe(NamedTuple):
-    """family: that stands in for the set; preset: the paper's for it; methods: ours and what is compared with it."""
+    """Parameters of one table. family: family of rendered scenes. preset: preset of the paper for the data set.
+    methods: methods to compare.
+    """
 
     family: str
     preset: str
@@ -57,7 +60,9 @@ def main() -> int:
 
 
 def stand_ins(family: str, count: int, seed: int, out: Path) -> Path:
-    """Their folder, which has its name once it is complete."""
+    """Render frames in the layout of a data set and return their folder. An existing folder is complete and is not
+    rendered again.
+    """
     folder = out / f"{family}-{count}-seed-{seed}"
     if not folder.is_dir():
         half = folder.with_name(f"{folder.name}.part")

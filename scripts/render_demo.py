@@ -1,4 +1,4 @@
-"""Render the bundled demo scene afresh: ``MUJOCO_GL=egl python scripts/render_demo.py [--out DIR]``."""
+"""Render the bundled demo scene: ``MUJOCO_GL=egl python scripts/render_demo.py [--out DIR]``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DEMO_SCENE = Path(__file__).resolve().parents[1] / "src" / "spigolo" / "demo_sce
 
 
 def main() -> None:
-    """Render and write the four files."""
+    """Render the scene and write rgb.png, depth.png, label.png and camera.json."""
     parser = argparse.ArgumentParser(description="Render the bundled demo scene with MuJoCo.")
     parser.add_argument("--out", type=Path, default=DEMO_SCENE, help="folder to write to (default: %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="seed of the sensor noise (default: %(default)s)")
@@ -31,7 +31,8 @@ def main() -> None:
     for name, image in images.items():
         if not cv2.imwrite(str(arguments.out / name), image, packing):
             raise OSError(f"could not write {arguments.out / name}")
-    camera = {key: value for key, value in asdict(CAMERA).items() if key != "distortion"}  # it has none
+    # the rendered camera has no distortion
+    camera = {key: value for key, value in asdict(CAMERA).items() if key != "distortion"}
     camera["depth_scale"] = DEPTH_SCALE_M
     (arguments.out / "camera.json").write_text(json.dumps(camera, indent=1) + "\n", encoding="utf-8")
 

@@ -1,6 +1,6 @@
-"""Listen to the node.
+"""Print the objects in the point clouds of the ROS 2 node.
 
-Prints the objects of each frame with their points, from the cloud that `spigolo ros` publishes.
+For each frame, print the label, the number of points and the centre of all objects in the topic `spigolo/cloud`.
 
     source /opt/ros/jazzy/setup.bash
     spigolo ros --color /camera/camera/color/image_raw ...     # in another terminal
@@ -19,7 +19,7 @@ POINT = np.dtype([("xyz", "<f4", 3), ("rgb", "<u4"), ("label", "<u4")])
 
 
 def show(cloud: PointCloud2) -> None:
-    """Print the label, number of points and centre of each object."""
+    """Print the label, the number of points and the centre of each object in a point cloud."""
     points = np.frombuffer(cloud.data, POINT)
     labels, first, count = np.unique(points["label"], return_index=True, return_counts=True)
     stamp = cloud.header.stamp
@@ -30,7 +30,7 @@ def show(cloud: PointCloud2) -> None:
 
 
 def main() -> None:
-    """Listen until the wanted number of clouds has come."""
+    """Print the objects in the given number of point clouds, then stop."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=10, help="clouds to wait for, default: %(default)s")
     given = parser.parse_args()

@@ -1,4 +1,4 @@
-"""Start spigolo next to a RealSense: ros2 launch examples/ros2/spigolo.launch.py camera:=/camera/camera."""
+"""Start spigolo for a RealSense camera: ros2 launch examples/ros2/spigolo.launch.py camera:=/camera/camera."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from launch.substitutions import LaunchConfiguration
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Run `spigolo ros` on the topics of a camera. Its driver must align depth to colour (align_depth.enable:=true)."""
+    """Run `spigolo ros` on the topics of a camera. The driver must align depth to colour (align_depth.enable:=true)."""
     camera, preset = LaunchConfiguration("camera"), LaunchConfiguration("preset")
     command = [
         "spigolo",

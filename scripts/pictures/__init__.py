@@ -1,1 +1,3 @@
-"""The pictures of the docs, by subject. `scripts/draw_docs.py` draws them."""
+"""Functions that draw the pictures of the documentation, one module per subject. `scripts/draw_docs.py` calls these
+functions.
+"""

@@ -1,4 +1,4 @@
-"""Pictures of the additions of OBJECTS, off and on."""
+"""Pictures that compare results of OBJECTS with and without an addition."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from spigolo.view.overlay import boundary_picture, region_picture, tile
 
 LEFT_HALF = (100, 92, 320, 352)
 NOISE_PER_M = 0.0028
-"""The noise floor of OBJECTS, 1/m."""
+"""Value of `Additions.noise_per_m` in OBJECTS, 1/m."""
 
 
 def additions(frame: sp.Frame) -> Color:
-    """Objects with all additions, and with one of them left out."""
+    """Draw the objects that OBJECTS finds with all additions, and without one of the additions."""
     configs = {"all additions": sp.OBJECTS}
     for name, off in {
         "no contours": {"additions.contours": None},
@@ -31,9 +31,10 @@ def additions(frame: sp.Frame) -> Color:
 
 
 def depth_contours(frame: sp.Frame) -> Color:
-    """Boundaries and regions with and without depth contours.
+    """Draw boundaries and regions with and without depth contours.
 
-    The support plane is off, because it closes feet too. Joining is off, because it requires the plane.
+    The support plane is off, because it also adds contours at the feet of objects. Joining is off, because it requires
+    the support plane.
     """
     with_them = sp.OBJECTS.replace(additions={"joining": None, "support": None})
     pictures = {}
@@ -48,7 +49,7 @@ def depth_contours(frame: sp.Frame) -> Color:
 
 
 def support_plane(frame: sp.Frame) -> Color:
-    """Objects with and without the support plane, and the plane. The preset has no rule for walls."""
+    """Draw the support plane, and the objects that OBJECTS_1 finds with and without the support plane."""
     found = sp.segment(frame, sp.PRESETS["OBJECTS_1"])
     without = sp.segment(frame, sp.PRESETS["OBJECTS_1"].replace(**{"additions.support": None}))
     return tile(
@@ -62,7 +63,9 @@ def support_plane(frame: sp.Frame) -> Color:
 
 
 def noise_floor(frame: sp.Frame) -> Color:
-    """Regions with and without the noise floor of eq. 9. Merging is off, because it removes most of the bands."""
+    """Draw regions with and without the noise floor of eq. 9. Merging is off, because it also removes most borders at
+    depth quantisation steps.
+    """
     pictures = {}
     for title, config in {
         "noise_per_m = 0": sp.OBJECTS.replace(additions={"noise_per_m": 0.0, "merging": None}),
@@ -74,7 +77,7 @@ def noise_floor(frame: sp.Frame) -> Color:
 
 
 def merging() -> Color:
-    """Regions with and without merging, of a table near the camera whose depth is noisy."""
+    """Draw the regions of a near table with noisy depth, with and without merging."""
     frame = scenes.groceries()
     pictures = {"colour": frame.color}
     for title, config in {
@@ -87,7 +90,9 @@ def merging() -> Color:
 
 
 def ledge() -> Color:
-    """Flat boxes far from the camera, with and without the rule that keeps flat objects."""
+    """Draw the objects found among flat boxes far from the camera, with and without the rule that keeps flat
+    objects.
+    """
     flat = scenes.flat_boxes((9, 10, 11, 12, 13, 15), distance_m=0.9)
     without = sp.segment(flat.frame, sp.OBJECTS.replace(**{"additions.rules.ledge": None}))
     found = sp.segment(flat.frame)
@@ -102,7 +107,7 @@ def ledge() -> Color:
 
 
 def packing() -> Color:
-    """A layer of packed boxes, which `packing` warns of, and the same layer with one box that is higher."""
+    """Draw a layer of packed boxes that causes a warning, and the same layer with one higher box."""
     layer, raised = scenes.packed_layer(0.0), scenes.packed_layer(0.05)
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")

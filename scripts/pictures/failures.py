@@ -1,4 +1,4 @@
-"""Pictures of wrong results: faults of the input, and limits of the method."""
+"""Pictures of wrong results, caused by faults of the input or limits of the method."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from spigolo.view.overlay import tile
 
 
 def wrong_inputs(frame: sp.Frame) -> Color:
-    """Objects found in inputs with a fault, for the page of symptoms."""
+    """Draw the objects that are found in a good frame and in frames with a fault."""
     camera = frame.camera
     assert camera is not None
     shifted = np.roll(frame.depth, 25, axis=1)
@@ -35,14 +35,16 @@ def wrong_inputs(frame: sp.Frame) -> Color:
 
 
 def table(frame: sp.Frame) -> npt.NDArray[np.bool_]:
-    """Background pixels on the support plane."""
+    """Return the mask (H, W) of background pixels on the support plane."""
     support = sp.segment(frame).support
     assert support is not None
     return support
 
 
 def touching_objects() -> Color:
-    """Two boxes with flush faces, and the same boxes with one of them 3 cm behind."""
+    """Draw the objects found in two boxes with flush front faces, and in the same boxes with one box 3 cm behind the
+    other.
+    """
     pictures = {}
     for title, behind_m in {"flush faces": 0.0, "one box 3 cm behind": 0.03}.items():
         frame = scenes.two_boxes(behind_m)
@@ -54,7 +56,7 @@ def touching_objects() -> Color:
 
 
 def flat_objects() -> Color:
-    """Boxes of several heights, of which the lowest are lost."""
+    """Draw the objects found among boxes of several heights. The lowest boxes are not found."""
     flat = scenes.flat_boxes((3, 5, 7, 10, 15, 30), distance_m=0.7)
     result = sp.segment(flat.frame)
     return tile(

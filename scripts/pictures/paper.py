@@ -1,4 +1,4 @@
-"""Pictures of choices that the paper leaves open: each reading next to the other, on the bundled scene."""
+"""Pictures of choices that the paper leaves open, with the results of both choices on the bundled scene."""
 
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ GROUND, CANNY, STEP = (30, 30, 30), (110, 110, 110), (255, 150, 30)
 
 
 def mean_of_windows(frame: sp.Frame) -> Color:
-    """Eq. 5 against eq. 8 at a shadow."""
+    """Draw depth next to a shadow, smoothed with the plain mean of eq. 5 and with the mean over valid pixels of eq.
+    8.
+    """
     plain, valid = (smooth(frame.depth, Smoothing(mean=mean)) for mean in ("plain", "valid"))
     depths = {"measured": frame.depth, "plain mean (eq. 5)": plain, "mean of valid pixels (eq. 8)": valid}
     pictures = {title: zoom(grey(depth), BOX_CORNER, 4) for title, depth in depths.items()}
@@ -33,13 +35,13 @@ def mean_of_windows(frame: sp.Frame) -> Color:
 
 
 def sign_of_step(frame: sp.Frame) -> Color:
-    """Eq. 13 with the absolute and with the signed difference."""
+    """Draw the boundaries of eq. 13 with the absolute and with the signed depth difference."""
     choices = {"absolute step": EdgesConfig(), "signed step (as printed)": EdgesConfig(signed_step=True)}
     return edge_choice(frame, BOXES, choices)
 
 
 def missing_samples(frame: sp.Frame) -> Color:
-    """Eq. 13 where a sample is missing."""
+    """Draw the boundaries of eq. 13 if missing depth samples are ignored, and if they count as depth steps."""
     choices = {
         "missing samples: no evidence": EdgesConfig(),
         "missing samples: a boundary": EdgesConfig(missing_is_boundary=True),
@@ -48,7 +50,9 @@ def missing_samples(frame: sp.Frame) -> Color:
 
 
 def sign_rule(frame: sp.Frame) -> Color:
-    """Eq. 19 with both rules, of the scene as a camera on its side sees it."""
+    """Draw the boundaries of eq. 19 with both sign rules. The scene is rotated by 90 degrees, as for a camera mounted
+    on its side.
+    """
     height, width = frame.shape[::-1]
     camera = sp.Camera(525, 525, (width - 1) / 2, (height - 1) / 2, width, height)
     turned = sp.Frame(np.rot90(frame.color), np.rot90(frame.depth), camera)
@@ -60,7 +64,7 @@ def sign_rule(frame: sp.Frame) -> Color:
 
 
 def texture_edges(frame: sp.Frame) -> Color:
-    """Canny's edges and what eq. 20 leaves of them."""
+    """Draw the Canny edges, and the edges that remain after eq. 20."""
     edges = edge_maps(frame, EdgesConfig())
     canny = np.where(edges.canny[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
     final = np.where(edges.final[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
@@ -73,7 +77,7 @@ def texture_edges(frame: sp.Frame) -> Color:
 
 
 def soft_boundary(frame: sp.Frame) -> Color:
-    """Eq. 23 on a soft and on a thin map."""
+    """Draw the regions of eq. 23 with a soft and with a thin boundary map."""
     pictures = {}
     for name in ("soft", "thin"):
         run = sp.trace(frame, sp.TABLE.replace(**{"edges.boundary": name}))
@@ -84,9 +88,9 @@ def soft_boundary(frame: sp.Frame) -> Color:
 
 
 def larger_end(frame: sp.Frame) -> Color:
-    """Eq. 23 with the larger of both ends and with the first one, on a thin map.
+    """Draw the regions of eq. 23 on a thin boundary map, with both values of `BoundaryCost.ends`.
 
-    Of the preset that is 8-connected: on a 4-connected grid no edge slips diagonally through a thin line.
+    The preset is OBJECTS_1, which is 8-connected. On a 4-connected grid, no graph edge crosses a thin line diagonally.
     """
     pictures = {}
     for ends, title in (("max", "larger of both ends"), ("i", "first end, as printed")):
@@ -96,7 +100,7 @@ def larger_end(frame: sp.Frame) -> Color:
 
 
 def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, EdgesConfig]) -> Color:
-    """The colour image and the boundaries of two settings, enlarged."""
+    """Draw a window of the colour image, and the boundaries of each setting in this window."""
     pictures = {"colour": zoom(frame.color, window, 3)}
     for title, config in choices.items():
         pictures[title] = zoom(edge_picture(edge_maps(frame, config)), window, 3)
@@ -104,7 +108,7 @@ def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, EdgesConfig]
 
 
 def edge_maps(frame: sp.Frame, config: EdgesConfig) -> EdgeMaps:
-    """The paper's edges on in-painted and smoothed depth, as TABLE has them."""
+    """Return the edge maps of the paper, computed from in-painted and smoothed depth as in TABLE."""
     depth = smooth(inpaint_small_gaps(frame.depth, Inpainting()), Smoothing())
     return find_edges(frame.color, depth, frame.camera, config)
 
@@ -118,7 +122,7 @@ def edge_picture(edges: EdgeMaps) -> Color:
 
 
 def grey(depth: DepthMap) -> Color:
-    """Depth from 0.7 to 1.3 m in grey, near = dark, missing = blue."""
+    """Draw depth from 0.7 to 1.3 m in grey. Near pixels are dark, and pixels without depth are blue."""
     level = np.clip((depth - 0.7) / 0.6 * 190 + 45, 20, 235).astype(np.uint8)
     picture = np.repeat(level[..., None], 3, axis=2)
     picture[depth == 0] = (20, 30, 110)
@@ -126,7 +130,9 @@ def grey(depth: DepthMap) -> Color:
 
 
 def change(smoothed: DepthMap, measured: DepthMap) -> Color:
-    """Difference of depth, black at -40 mm or less, mid-grey at 0, white at +40 mm; missing = blue."""
+    """Draw smoothed minus measured depth: -40 mm is black, 0 is grey, and +40 mm is white. Pixels without depth are
+    blue.
+    """
     level = np.clip((smoothed - measured) / 0.04 * 127 + 128, 0, 255).astype(np.uint8)
     picture = np.repeat(level[..., None], 3, axis=2)
     picture[measured == 0] = (20, 30, 110)

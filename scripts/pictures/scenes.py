@@ -1,4 +1,4 @@
-"""Scenes that show what the bundled one does not: products on a wooden table, rendered by MuJoCo.
+"""Scenes for pictures of the documentation: products on a wooden table, rendered with MuJoCo.
 
 World axes: x to the right, y away from the camera, z up. The table top is z = 0. Lengths are in metres.
 """
@@ -38,7 +38,7 @@ TWO_BOXES = (130, 180, 350, 460)
 
 @dataclass(frozen=True)
 class FlatBoxes:
-    """Boxes of several heights in two rows. places_px: where the height of each is written, (x, y)."""
+    """Frame of boxes of several heights in two rows. places_px: pixels (x, y) at which the heights are written."""
 
     frame: sp.Frame
     heights_mm: tuple[int, ...]
@@ -46,12 +46,12 @@ class FlatBoxes:
 
     @property
     def window(self) -> Window:
-        """The part of the image around the boxes."""
+        """Return the pixel box around all boxes."""
         (x0, y0), (x1, y1) = self.places_px.min(axis=0), self.places_px.max(axis=0)
         return int(y0) - 95, int(x0) - 85, int(y1) + 30, int(x1) + 85
 
     def labelled(self) -> Color:
-        """The colour image with the height of each box below it."""
+        """Return the colour image with the height of each box written below the box."""
         picture = self.frame.color.copy()
         for height_mm, (x, y) in zip(self.heights_mm, self.places_px.tolist(), strict=True):
             for ink, width in (((20, 20, 20), 4), ((255, 255, 255), 1)):
@@ -60,7 +60,7 @@ class FlatBoxes:
 
 
 def flat_boxes(heights_mm: tuple[int, ...], distance_m: float) -> FlatBoxes:
-    """Six printed boxes of 13 x 10 cm, from the rear left to the front right."""
+    """Render six printed boxes of 13 x 10 cm in two rows, with the given heights."""
     spots = [(-0.2 + 0.2 * (k % 3), 0.12 - 0.2 * (k // 3)) for k in range(6)]
     things = [
         _box((*FLAT_M, height / 1000), spot, 8 * k - 20, 30 + k)
@@ -72,7 +72,7 @@ def flat_boxes(heights_mm: tuple[int, ...], distance_m: float) -> FlatBoxes:
 
 
 def groceries() -> sp.Frame:
-    """Six products near the camera, with more noise than usual."""
+    """Render six products near the camera, with more depth noise than usual."""
     things = [
         _product("cereal_1", (-0.22, 0.12), 20),
         _product("Milk", (0.0, 0.16), 35),
@@ -85,14 +85,14 @@ def groceries() -> sp.Frame:
 
 
 def two_boxes(behind_m: float) -> sp.Frame:
-    """Two boxes of one size that touch, the right one `behind_m` behind the left one."""
+    """Render two boxes of equal size that touch. The right box is `behind_m` behind the left box."""
     size_m = 0.10, 0.08, 0.14
     things = [_box(size_m, (-0.05, 0.0), 0, 3), _box(size_m, (0.0505, behind_m), 0, 9)]
     return _photograph(things, View((0.0, 0.0, 0.05), 0.7, 35.0, 20.0), seed=1)
 
 
 def packed_layer(raised_m: float) -> sp.Frame:
-    """Boxes of one height side by side, wider than the image, with their prints up. One is `raised_m` higher."""
+    """Render a layer of packed boxes that is wider than the image. One box is `raised_m` higher than the others."""
     x, y, z = PACKED_M
     things = []
     for row, column in np.ndindex(9, 11):
@@ -103,13 +103,13 @@ def packed_layer(raised_m: float) -> sp.Frame:
 
 
 def _box(size_m: Size, spot_m: Spot, yaw_deg: float, print_seed: int) -> SceneObject:
-    """A printed carton that stands on the table."""
+    """Return a printed carton that stands on the table."""
     parts = (Part(box(size_m), carton(size_m, np.random.default_rng(print_seed)), 0.1, 0.3),)
     return SceneObject("box", (*spot_m, 0.0), yaw_deg, parts)
 
 
 def _box_from_above(size_m: Size, spot_m: Spot, kind: int) -> SceneObject:
-    """A carton with its picture on top."""
+    """Return a carton with a printed upper face."""
     rng = np.random.default_rng(kind % 3)
     x, y = (round(2400 * length) for length in size_m[:2])
     colours = palette(rng)
@@ -125,7 +125,9 @@ def _product(name: str, spot_m: Spot, yaw_deg: float, rest: int = 0) -> SceneObj
 
 
 def _photograph(things: Sequence[SceneObject], view: View, seed: int, noise_level: float = 1.0) -> sp.Frame:
-    """The things on a wooden table, as a camera like the first Kinect records them (noise level 1)."""
+    """Render objects on a wooden table, with a sensor model of the first Kinect. noise_level: 1 is the noise of the
+    Kinect.
+    """
     top = block((0.0, 0.0, -TABLE_M[2] / 2), TABLE_M)
     wood, ground = surface("wood", np.random.default_rng(1)), surface("plain", np.random.default_rng(9))
     surroundings = Part(top, wood, 0.1, 0.2), floor(ground, -0.75)
@@ -137,7 +139,7 @@ def _photograph(things: Sequence[SceneObject], view: View, seed: int, noise_leve
 
 
 def _pixels(points_m: Sequence[tuple[float, float, float]], view: View) -> npt.NDArray[np.intp]:
-    """Pixels (N, 2), (x, y), of points in world axes."""
+    """Project points in world axes, m, to pixels (N, 2) in the order (x, y)."""
     x, y, z, _ = view.world_to_camera @ np.column_stack([points_m, np.ones(len(points_m))]).T
     camera = view.camera
     return np.stack([camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy], axis=1).round().astype(np.intp)

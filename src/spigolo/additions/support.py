@@ -1,7 +1,8 @@
 """Search of the support plane, on which objects stand (ours, not in the paper).
 
-RANSAC proposes the largest planes of a sample of the pixels, and least squares refines them. The rules of
-`settings.Support` then choose one: it faces up, hides what is below it, carries objects, or lies above the largest.
+RANSAC proposes the largest planes in a sample of pixels, and least squares refines these planes. The rules in
+`settings.Support` then choose one plane. For example, the support plane must face up and hide the points below the
+plane.
 """
 
 from __future__ import annotations
@@ -23,15 +24,16 @@ REFINEMENTS = 3
 STACKED_M = 0.1
 STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
-"""Minimum cosine of the angle between the normals of the largest plane and a second one above it, i.e. 14 degrees.
+"""Minimum cosine of the angle between the normals of two planes that count as parallel, i.e. at most 14 degrees.
 
-A second support is at least 10 cm above the first. Heights are tested in steps of 5 cm.
+A parallel plane must be at least `STACKED_M` above the largest plane. The points of the parallel plane differ in height
+by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
-"""Maximum share of the points surrounded by an opaque plane that lie below it."""
+"""Maximum share of points below an opaque plane, among the points on or below the plane that the plane surrounds."""
 SPARSE = 0.6
-"""Share of measured depth in a frame below which sides of a plane may be unseen. An opaque plane then has fewer points
-below it than on it.
+"""Share of measured depth in a frame below which a stricter test applies. An opaque plane then has no more points below
+the plane than on the plane.
 """
 MOST_PLANES = 6
 SEED = 7
@@ -46,10 +48,11 @@ def find_support(
     max_distance_m: float | None = None,
     roi: Mask | None = None,
 ) -> Plane | None:
-    """Find the support plane, within reach and near the region of interest if the parameters require it.
+    """Find the support plane of a depth map.
 
-    depth: (H, W) in metres, as measured. max_distance_m: the reach. roi: pixels (H, W) of the region of interest.
-    Returns None without parameters or camera, or if no plane has enough of the measured pixels.
+    depth: measured depth map (H, W) in metres. max_distance_m: maximum depth, used if `config.within_reach` is set.
+    roi: mask (H, W) of the region of interest, used if `config.near_roi` is set. Returns None if `camera` or `config`
+    is None, or if no plane fulfils the rules.
     """
     if camera is None or config is None:
         return None
@@ -64,7 +67,9 @@ def find_support(
 
 
 def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
-    """Return True if objects can stand on a plane with this share of the measured pixels."""
+    """Return True if a plane faces up, so that objects can stand on the plane. share: share of the measured pixels on
+    the plane.
+    """
     x, y, _ = plane.normal
     if rule.up is not None:
         up = np.asarray(rule.up, np.float64)
@@ -85,8 +90,8 @@ def _grown_box(mask: Mask, share: float) -> tuple[int, int, int, int]:
 
 
 def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | None:
-    """Find the support of a depth map (H, W) in metres on a random sample of its pixels. None if no plane of the sample
-    qualifies.
+    """Find the support plane of a depth map (H, W) in metres, from a random sample of its pixels. Return None if no
+    plane fulfils the rules.
     """
     valid = np.flatnonzero(depth > 0)
     if valid.size < 3:
@@ -99,9 +104,9 @@ def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | Non
 
 
 def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Support) -> Plane | None:
-    """Return the first plane that the rules accept, or the plane stacked on it. None without any plane that faces up.
+    """Return the first plane that the rules accept, or a parallel plane above it. Return None if no plane faces up.
 
-    sparse: True for a frame without most of its depth.
+    planes: candidates, largest first. sparse: True if much of the frame's depth is missing.
     """
     facing = config.facing
     remaining = (p for p in planes if facing is None or faces_up(p, sample.share_on(p, config), facing))
@@ -118,9 +123,10 @@ def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Suppo
 
 
 def _is_opaque(plane: Plane, sample: Sample, sparse: bool, config: Support) -> bool:
-    """Return True if almost no points are visible through the plane, where the plane surrounds them on three sides.
+    """Return True if a plane is opaque, so that almost no points below the plane are visible through the plane.
 
-    A table hides the floor. The front edges of a shelf lie in one plane too, but surround points behind it.
+    A table is opaque, because it hides the floor. The plane through the front edges of a shelf is not opaque, because
+    points behind the plane are visible.
     """
     on = sample.on(plane, config)
     below = plane.height_m(sample.points) < -tolerance_m(sample.points[:, 2], config)
@@ -131,7 +137,9 @@ def _is_opaque(plane: Plane, sample: Sample, sparse: bool, config: Support) -> b
 
 
 def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sample: Sample, config: Support) -> Plane:
-    """Return the plane, or the first of the other planes with objects on it if almost nothing stands on the plane."""
+    """Return the plane if enough points stand on it, or else the first of the other planes on which enough points
+    stand.
+    """
     if sample.share_standing_on(plane, config) >= min_things:
         return plane
     apart = ~sample.on(plane, config)
@@ -143,7 +151,9 @@ def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sampl
 
 
 def _stacked(floor: Plane, stacked_share: float, sample: Sample, config: Support) -> Plane | None:
-    """Return the largest plane above `floor` and parallel to it. None if its share is too small."""
+    """Return the largest plane that is parallel to `floor` and above `floor`. Return None if too few points lie on the
+    parallel plane.
+    """
     height = np.sort(floor.height_m(sample.points))
     height = height[height > STACKED_M]
     if height.size < 3:
@@ -160,7 +170,9 @@ def _stacked(floor: Plane, stacked_share: float, sample: Sample, config: Support
 
 
 def _largest_planes(sample: Sample, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Return up to six different planes, roughly the largest first, each with at least `min_share` of the sample."""
+    """Yield up to `MOST_PLANES` different planes, roughly the largest first. At least the share `min_share` of the
+    sample lies on each plane.
+    """
     tried: list[Plane] = []
     for hypothesis in _hypotheses(sample.points, rng, config):
         if len(tried) == MOST_PLANES:
@@ -180,7 +192,9 @@ def _is_alike(plane: Plane, other: Plane) -> bool:
 
 
 def _hypotheses(points: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Return planes through three random points each, sorted by their number of points (N, 3), largest first."""
+    """Yield planes through three random points each. points: sample (N, 3). Planes with the most sample points come
+    first.
+    """
     a, b, c = points[rng.integers(len(points), size=(3, HYPOTHESES))]
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
@@ -196,7 +210,9 @@ def _hypotheses(points: Points, rng: np.random.Generator, config: Support) -> It
 
 
 def _refine(plane: Plane, sample: Sample, config: Support) -> Plane | None:
-    """Refine a plane by repeated least squares on the points within the tolerance. None if there are too few."""
+    """Refine a plane by repeated least squares on the points within the tolerance. Return None for fewer than three
+    points.
+    """
     for _ in range(REFINEMENTS):
         inliers = sample.points[sample.on(plane, config)]
         if len(inliers) < 3:
@@ -213,5 +229,7 @@ def _fit(points: Points) -> Plane:
 
 
 def _towards_camera(normal: Points, offset_m: float) -> Plane:
-    """Return the plane with its normal towards the camera, which is at the origin. The offset is then positive."""
+    """Return the plane with its normal towards the camera, so that the offset is not negative. The camera is at the
+    origin.
+    """
     return Plane(normal, offset_m) if offset_m >= 0 else Plane(-normal, -offset_m)

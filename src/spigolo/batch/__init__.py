@@ -1,10 +1,10 @@
-"""Segmentation of many frames into one table of objects. Runs survive crashes and damaged frames.
+"""Segmentation of many frames into one table of objects. Damaged frames and crashes do not stop a run.
 
     jobs = [FrameFiles("a", Path("a/rgb.png"), Path("a/depth.png"), "kinect-v1", 0.001), ...]
     summary = run_batch(jobs, sp.OBJECTS, Path("out"), local(workers=2))
 
-`run_batch` writes labels/FRAME.png for each frame and one table of all objects. A run that was killed continues where
-it stopped, and produces the same files. A frame that fails is recorded with the reason.
+`run_batch` writes labels/FRAME.png for each frame and one table of all objects. An interrupted run can be continued and
+produces the same files. A failed frame is recorded with the reason.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Engines that distribute a run to the workers of a Dask cluster."""
+"""Engines that run jobs on the workers of a Dask cluster."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 TIMEOUT_S = 30
-"""Maximum time to wait for a scheduler, s."""
+"""Maximum time to wait for the Dask scheduler, s."""
 TASK_S = 1.0
-"""Target duration of a cluster task, s. Shorter tasks have more overhead. Longer tasks lose more work with a lost
-worker.
+"""Target duration of a cluster task, s. Smaller values cause more overhead. Larger values lose more work when a worker
+dies.
 """
 MAX_GROUP = 1000
-"""Maximum number of items in a task."""
+"""Maximum number of items in a cluster task."""
 LOOPBACK = "127.0.0.1"
 RECENT = 15
-"""Number of recent tasks whose duration determines the size of the next tasks."""
+"""Number of recent cluster tasks whose durations determine the number of items in the next tasks."""
 
 
 def dask_cluster(address: str, group: int | None = None) -> Engine:
     """Return an engine that uses the workers of a Dask scheduler. address: `tcp://HOST:PORT`.
 
-    Workers need the same version of spigolo, and the input files under the same paths. Dask repeats the work of a lost
-    worker.
+    All workers need the same version of spigolo, and access to the input files under the same paths. If a worker dies,
+    Dask repeats the work of this worker.
 
-    group: number of items in a task. None: as many as take about one second. Raises SpigoloError without the extra
-    `cluster` or without a scheduler at that address.
+    group: number of items in a cluster task. None: chosen automatically for tasks of about one second. Raises
+    SpigoloError if the extra `cluster` is not installed or no scheduler runs at the address.
     """
     distributed = _distributed()
 
@@ -52,11 +52,12 @@ def dask_cluster(address: str, group: int | None = None) -> Engine:
 
 
 def dask_local(workers: int = 1, group: int | None = None) -> Engine:
-    """Return an engine that starts a Dask cluster on this machine for the duration of the run.
+    """Return an engine that starts a Dask cluster on this machine and stops the cluster after the run.
 
-    Each worker process has one thread. Workers and dashboard listen on the loopback interface.
+    Each worker process has one thread. The workers and the dashboard listen on the loopback interface only.
 
-    group: as for `dask_cluster`. Raises SpigoloError without the extra `cluster` or for less than one worker.
+    group: number of items in a cluster task, as for `dask_cluster`. Raises SpigoloError for less than one worker, or if
+    the extra `cluster` is not installed.
     """
     distributed = _distributed()
     if workers < 1:
@@ -75,10 +76,10 @@ def dask_local(workers: int = 1, group: int | None = None) -> Engine:
 
 
 class _ClusterRun(Generic[T, R]):
-    """Run over the items in groups.
+    """Run of a function on all items. The items are submitted to the cluster in groups.
 
-    If a group kills its workers, its items are repeated one by one. Dask blames every task that a lost worker held, not
-    only the one that killed it. So an item is lost only if it kills its workers again when nothing else runs.
+    If the workers of a group die, the items of the group are repeated one by one. Dask reports all tasks of a dead
+    worker as failed. An item is therefore reported as lost only if its workers die again while no other item runs.
     """
 
     def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:
@@ -92,7 +93,7 @@ class _ClusterRun(Generic[T, R]):
         self.item_s: deque[float] = deque(maxlen=RECENT)
 
     def outcomes(self, distributed: Any) -> Iterator[tuple[T, R | Lost]]:
-        # a separate task: each worker keeps one copy, and Dask repeats the task if its worker is lost
+        # submit the function as a separate task, so that each worker keeps one copy and Dask restores a lost copy
         self.work = self.client.submit(_itself, self.do, pure=False)
         queue = distributed.as_completed(self._submit(), loop=self.client.loop)
         for future in queue:
@@ -101,7 +102,7 @@ class _ClusterRun(Generic[T, R]):
                 queue.add(following)
 
     def _submit(self) -> list[Any]:
-        """Submit groups until each thread of the cluster has some."""
+        """Submit groups of items until each thread of the cluster has enough work."""
         window = IN_FLIGHT * max(sum(self.client.nthreads().values()), 1)
         futures = []
         while len(self.in_flight) < window and (group := self._next_group()):
@@ -120,7 +121,7 @@ class _ClusterRun(Generic[T, R]):
         return group
 
     def _size(self) -> int:
-        """Return the number of items that take about as long as a task should."""
+        """Return the number of items in the next task, so that the task takes about `TASK_S` seconds."""
         return min(max(int(TASK_S / max(median(self.item_s), 1e-9)), 1), MAX_GROUP) if self.item_s else 1
 
     def _collect(self, future: Any) -> Iterator[tuple[T, R | Lost]]:
@@ -143,7 +144,7 @@ def _itself(do: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 
 def _work(do: Callable[[Any], Any], group: list[Any]) -> tuple[list[Any], float]:
-    """Return the outcomes of a group and its duration in seconds."""
+    """Process a group of items. Return the outcomes and the duration in seconds."""
     cv2.setNumThreads(1)
     start = time.perf_counter()
     return [_outcome(do, item) for item in group], time.perf_counter() - start

@@ -1,4 +1,4 @@
-"""Engines: pools of worker processes with one compute thread each."""
+"""Engines, which run a function on many items in worker processes with one compute thread each."""
 
 from __future__ import annotations
 
@@ -22,29 +22,33 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 IN_FLIGHT = 2
-"""Number of items submitted per worker, so that no worker waits for its next item."""
+"""Number of items that are submitted per worker at a time, so that no worker has to wait."""
 TRIES_ALONE = 2
-"""Number of times that an item runs in a separate process after its worker died."""
+"""Maximum number of times that an item is repeated in a separate process after a worker process died."""
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Outcome of an item whose worker died."""
+    """Outcome of an item that could not be processed because the worker process died."""
 
     reason: str
-    """Reason for the record."""
+    """Reason of the loss, as text."""
 
 
 class Engine(Protocol):
-    """Function that runs work on items in any order. `here`, `local`, `dask_cluster` and `dask_local` are engines."""
+    """Function that runs another function on items, in any order. `here` is an engine. `local`, `dask_cluster` and
+    `dask_local` return engines.
+    """
 
     def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
-        """Yield each item with the return value of `do`, as soon as it is ready. do, items: picklable."""
+        """Yield each item with the return value of `do(item)`, as soon as the value is ready. `do` and the items must
+        be picklable.
+        """
         ...
 
 
 def local(workers: int = 1) -> Engine:
-    """Return an engine that uses processes on this machine. Raises SpigoloError for less than one worker."""
+    """Return an engine that uses worker processes on this machine. Raises SpigoloError for less than one worker."""
     if workers < 1:
         raise SpigoloError(f"expected at least one worker, got {workers}: leave it out for one per core")
 
@@ -55,8 +59,8 @@ def local(workers: int = 1) -> Engine:
 
 
 def here(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
-    """Run the work in this process with one compute thread. The function is an engine. An exception in `do` ends the
-    run.
+    """Run `do` on the items in the current process with one compute thread. The function `here` is itself an engine. An
+    exception in `do` ends the run.
     """
     with one_thread():
         for item in items:
@@ -64,7 +68,7 @@ def here(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost
 
 
 def in_order(engine: Engine, do: Callable[[T], R], items: Iterable[T]) -> Generator[R | Lost]:
-    """Yield the outcomes of an engine in the order of the items. Early outcomes wait in memory."""
+    """Yield the outcomes of an engine in the order of the items. Outcomes that arrive early are kept in memory."""
     early: dict[int, R | Lost] = {}
     following = 0
     outcomes = cast("Generator[tuple[tuple[int, T], R | Lost]]", engine(_Numbered(do), enumerate(items)))
@@ -78,7 +82,7 @@ def in_order(engine: Engine, do: Callable[[T], R], items: Iterable[T]) -> Genera
 
 @dataclass(frozen=True, slots=True)
 class _Numbered(Generic[T, R]):
-    """Wrapper that runs work on numbered items."""
+    """Wrapper that calls a function on numbered items, without their numbers."""
 
     do: Callable[[T], R]
 
@@ -88,7 +92,7 @@ class _Numbered(Generic[T, R]):
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Limit OpenCV to one thread inside the block."""
+    """Limit OpenCV to one thread inside the `with` block."""
     before = cv2.getNumThreads()
     cv2.setNumThreads(1)
     try:
@@ -105,7 +109,9 @@ def cores() -> int:
 
 
 class _LocalRun(Generic[T, R]):
-    """Run over the items. If the pool breaks, it is replaced, and unfinished items are repeated one by one."""
+    """Run of a function on all items with a process pool. If a worker dies, the pool is replaced, and unfinished items
+    are repeated one by one.
+    """
 
     def __init__(self, do: Callable[[T], R], items: Iterable[T], workers: int) -> None:
         self.do, self.workers = do, workers
@@ -122,7 +128,9 @@ class _LocalRun(Generic[T, R]):
             self._stop()
 
     def _fill(self) -> bool:
-        """Submit waiting items up to the limit. Return True if any items are in flight."""
+        """Submit waiting items to the pool, up to `IN_FLIGHT` per worker. Return True if any submitted item is
+        unfinished.
+        """
         while len(self.in_flight) < IN_FLIGHT * self.workers:
             item = self.again.popleft() if self.again else next(self.items, None)
             if item is None:
@@ -142,7 +150,7 @@ class _LocalRun(Generic[T, R]):
     def _collect(self) -> Iterator[tuple[T, R | Lost]]:
         done, _ = wait(self.in_flight, return_when=FIRST_COMPLETED)
         if any(isinstance(future.exception(), BrokenProcessPool) for future in done):
-            done, _ = wait(self.in_flight)  # after a break, all futures are done or broken
+            done, _ = wait(self.in_flight)  # after a worker died, all futures are done or broken
         broken = []
         for future in done:
             item = self.in_flight.pop(future)
@@ -156,7 +164,9 @@ class _LocalRun(Generic[T, R]):
                 yield item, self._alone(item)
 
     def _alone(self, item: T) -> R | Lost:
-        """Return the outcome of an item in a separate process, as this item may have killed its worker."""
+        """Process an item in a separate process, because the item may be the reason why a worker died. Return the
+        outcome.
+        """
         for _ in range(TRIES_ALONE):
             with _pool(1, self.do) as pool:
                 future = pool.submit(_work, item)
@@ -174,18 +184,18 @@ class _LocalRun(Generic[T, R]):
 
 
 def _outcome(future: Future[Any]) -> Any:
-    """Return the result of a future, or Lost if the item could not be submitted."""
+    """Return the result of a future, or `Lost` if the future has an exception."""
     error = future.exception()
     return future.result() if error is None else Lost(reason_of(error))
 
 
 def reason_of(error: BaseException) -> str:
-    """Return an error as one line of text."""
+    """Format an exception as one line of text."""
     return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def _pool(workers: int, do: Callable[[Any], Any]) -> ProcessPoolExecutor:
-    # spawn: OpenCV's threads do not survive a fork
+    # use spawn, because OpenCV's threads do not survive a fork
     return ProcessPoolExecutor(workers, get_context("spawn"), initializer=_prepare, initargs=(do,))
 
 
@@ -193,7 +203,7 @@ _do: Callable[[Any], Any] | None = None
 
 
 def _prepare(do: Callable[[Any], Any]) -> None:
-    """Prepare a new worker process."""
+    """Prepare a new worker process that will call `do`."""
     global _do  # noqa: PLW0603
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the parent handles Ctrl-C
     threading.Thread(target=_end_with_parent, daemon=True).start()
@@ -202,7 +212,7 @@ def _prepare(do: Callable[[Any], Any]) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this worker when its parent process ends. Otherwise it would wait for work forever after the parent was
+    """End this worker process when its parent process ends. Otherwise the worker would wait forever if the parent was
     killed.
     """
     parent = parent_process()

@@ -16,7 +16,9 @@ BLOCK = 1 << 20
 
 
 class Job(Protocol):
-    """Frame that can be pickled and read in another process. Any object with these four members is a job."""
+    """Frame that can be read in another process. Any picklable object with the members `name`, `stamp`, `fingerprint`
+    and `read` is a job.
+    """
 
     @property
     def name(self) -> str:
@@ -24,39 +26,39 @@ class Job(Protocol):
         ...
 
     def stamp(self) -> str:
-        """Return a text that changes if the inputs may have changed. This must be fast, without reading the contents of
-        files.
+        """Return a text that changes if the inputs may have changed. The method must be fast and must not read the
+        content of files.
         """
         ...
 
     def fingerprint(self) -> str:
-        """Return a hash of all inputs of the frame."""
+        """Return a hash of the content of all inputs of the frame."""
         ...
 
     def read(self) -> Frame:
-        """Return the frame. Raises SpigoloError."""
+        """Read the frame. Raises SpigoloError."""
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class FrameFiles:
-    """Frame stored in image files."""
+    """Job that reads a frame from image files."""
 
     name: str
     """Name of the frame, unique in a run."""
     color: str | Path
-    """Colour image, or a .npz file with the whole frame."""
+    """Path of the colour image, or of a .npz file with the whole frame."""
     depth: str | Path
-    """Depth image."""
+    """Path of the depth image."""
     camera: str | Path | None = None
-    """Camera file, nominal camera or field of view, as `read_frame` takes it."""
+    """Camera file, camera name or field of view, in a form that `read_frame` accepts."""
     depth_scale: float | None = None
-    """Metres per unit of the depth image. None: value of the camera file."""
+    """Metres per unit of the depth image. None: value in the camera file."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
 
     def stamp(self) -> str:
-        """Return a hash of the options, and of the size and time of each file. Raises FileError."""
+        """Return a hash of the options, and of the size and modification time of each file. Raises FileError."""
         return _hash(*self._options(), *(f"{s.st_size} {s.st_mtime_ns}" for s in map(_stat, self._files())))
 
     def fingerprint(self) -> str:
@@ -64,7 +66,7 @@ class FrameFiles:
         return _hash(*self._options(), *map(_content, self._files()))
 
     def read(self) -> Frame:
-        """Return the frame. Raises FileError, CameraError or FrameError."""
+        """Read the frame. Raises FileError, CameraError or FrameError."""
         return read_frame(self.color, self.depth, self.camera, self.depth_scale, max_pixels=self.max_pixels)
 
     def _files(self) -> list[Path]:
@@ -74,7 +76,7 @@ class FrameFiles:
         return files
 
     def _options(self) -> tuple[str, ...]:
-        """Return the options that affect the frame in addition to its files."""
+        """Return the options that affect the frame in addition to the content of the files."""
         text = self.camera if isinstance(self.camera, str) and not os.path.isfile(self.camera) else None
         return repr(text), repr(self.depth_scale), repr(self.max_pixels)
 

@@ -1,4 +1,4 @@
-"""Manifest of a run: one line of JSON for each frame that is done or has failed."""
+"""Manifest of a run, with one line of JSON for each finished or failed frame."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LOCK = ".lock"
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """One line of the manifest."""
+    """Line of the manifest, which records the outcome of one frame."""
 
     frame: str
     """Name of the frame."""
@@ -29,26 +29,27 @@ class Entry:
     inputs: str
     """Hash of the inputs (`Job.fingerprint`)."""
     digest: str
-    """Digest of the preset."""
+    """Digest of the preset (`Config.digest`)."""
     version: str
-    """Version of spigolo."""
+    """Version of spigolo that processed the frame."""
     objects: int
-    """Number of objects."""
+    """Number of objects in the frame."""
     files: Mapping[str, int]
-    """Size in bytes of each output file, by folder."""
+    """Size of each output file in bytes, indexed by folder."""
     warnings: tuple[str, ...]
     """Warnings about the frame."""
     error: str | None
-    """Reason of the failure, None if the frame is done."""
+    """Reason of the failure. None if the frame did not fail."""
 
 
 NAMES = tuple(f.name for f in fields(Entry))
 
 
 class Manifest:
-    """Manifest of an output folder, owned by one run at a time. A later line of a frame replaces an earlier one.
+    """Manifest of an output folder. Only one run at a time can open the manifest. A later line of a frame replaces an
+    earlier line.
 
-    Raises FileError if another run owns the folder.
+    Raises FileError if another run uses the folder.
     """
 
     def __init__(self, root: Path) -> None:
@@ -78,7 +79,7 @@ class Manifest:
         self._file = self._lock = None
 
     def append(self, entry: Entry) -> None:
-        """Write the line of a frame immediately. Raises FileError if the disk is full."""
+        """Append the line of a frame to the file without delay. Raises FileError if the disk is full."""
         assert self._file is not None
         line = _line(entry)
         try:
@@ -90,8 +91,8 @@ class Manifest:
         self.entries[entry.frame] = entry
 
     def sort(self, names: Iterable[str]) -> None:
-        """Rewrite the file with one line per frame: first the frames of a run in its order, then earlier frames by
-        name.
+        """Rewrite the file with one line per frame. The frames in `names` come first, in the order of `names`. Other
+        frames follow, sorted by name.
         """
         first = dict.fromkeys(name for name in names if name in self.entries)
         order = [*first, *sorted(self.entries.keys() - first.keys())]
@@ -118,7 +119,7 @@ def _line(entry: Entry) -> bytes:
 
 
 def _entry(line: bytes) -> Entry | None:
-    """Return the entry of a line. None if the line is not an entry."""
+    """Parse a line of the manifest. Return None if the line is damaged."""
     try:
         values: Any = json.loads(line)
         values["warnings"] = tuple(values["warnings"])
@@ -130,7 +131,7 @@ def _entry(line: bytes) -> Entry | None:
 
 
 def _locked(root: Path) -> BinaryIO:
-    """Return the open lock file of a folder. The system releases the lock whenever the process ends."""
+    """Lock a folder and return the open lock file. The operating system releases the lock when the process ends."""
     try:
         root.mkdir(parents=True, exist_ok=True)
         file = (root / LOCK).open("ab")
@@ -152,7 +153,7 @@ def _locked(root: Path) -> BinaryIO:
 
 
 def _in_worker() -> bool:
-    """Return True if a worker process runs the user's script again, because the script has no main guard."""
+    """Return True in a worker process that runs the user's script again, because the script has no main guard."""
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_globals.get("__name__") != "__mp_main__":
         frame = frame.f_back

@@ -1,4 +1,4 @@
-"""Paths of output files. Frame names cannot lead out of the output folder."""
+"""Paths of output files. Frame names that lead out of the output folder are rejected."""
 
 from __future__ import annotations
 
@@ -8,22 +8,24 @@ from pathlib import Path
 from spigolo.errors import FileError
 
 FORBIDDEN = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
-"""Characters that are not allowed in file names on every system."""
+"""Characters that at least one operating system forbids in file names."""
 RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:\..*)?", re.IGNORECASE)
-"""Names of Windows devices."""
+"""Device names, which Windows forbids as file names."""
 MAX_BYTES = 200
-"""Maximum length in bytes of one part of a name. File systems allow 255 bytes including suffixes and prefixes."""
+"""Maximum length of one part of a frame name, in bytes. File systems allow 255 bytes including suffixes and
+prefixes.
+"""
 
 
 def check_name(name: str) -> None:
-    """Raise FileError if the name of a frame cannot be a file name below a folder."""
+    """Raise FileError if the name of a frame is not a valid relative path."""
     for part in name.split("/"):
         if wrong := _wrong_with(part):
             raise FileError(f"expected a frame name that can be a file name, got {name[:MAX_BYTES]!r}: {wrong}")
 
 
 def _wrong_with(part: str) -> str | None:
-    """Return the reason why a part of a name is refused. None if it is valid."""
+    """Return the reason why a part of a frame name is invalid. None if the part is valid."""
     wrong = {
         "a part is empty, or the name begins or ends with /": not part,
         "it would lead out of the output folder": part in (".", ".."),
@@ -37,9 +39,9 @@ def _wrong_with(part: str) -> str | None:
 
 
 def place(root: Path, folder: str, name: str, suffix: str) -> Path:
-    """Return the path of a frame's file: ROOT/FOLDER/NAME + suffix.
+    """Return the path of an output file of a frame: ROOT/FOLDER/NAME + suffix.
 
-    Raises FileError for a forbidden name, and if a symbolic link leads out of the root.
+    Raises FileError for an invalid name, and if a symbolic link leads out of the root folder.
     """
     check_name(name)
     path = root.joinpath(folder, *f"{name}{suffix}".split("/"))

@@ -1,4 +1,4 @@
-"""Work on one frame: from a job to the contents of its output files."""
+"""Processing of one job, from the input frame to the content of its output files."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from spigolo.settings.config import Config
 from spigolo.stream import Segmenter
 
 SUFFIXES: Mapping[str, str] = {"labels": ".png", "objects": ".json", "undistorted": ".png"}
-"""Output folders, and the suffix of the files in each."""
+"""Suffix of the output files, indexed by folder."""
 MAX_LABEL = np.iinfo(np.uint16).max
 _kept = threading.local()
 
@@ -31,28 +31,28 @@ class Answer:
     """Outcome of one job."""
 
     stamp: str = ""
-    """Stamp of the inputs, taken before they are read."""
+    """Stamp of the inputs (`Job.stamp`), taken before the inputs are read."""
     fingerprint: str = ""
-    """Hash of the inputs, empty if they cannot be read."""
+    """Hash of the inputs (`Job.fingerprint`). Empty if the inputs cannot be read."""
     objects: int = 0
-    """Number of objects."""
+    """Number of objects in the frame."""
     files: Mapping[str, bytes] = field(default_factory=dict)
     """Content of the output files, indexed by folder."""
     warnings: tuple[str, ...] = ()
     """Warnings about the frame."""
     error: str | None = None
-    """Reason of a failure. None without a failure."""
+    """Reason of a failure. None if the frame did not fail."""
 
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Function that segments the frame of a job. The function never raises, as a failure is an outcome too."""
+    """Function that segments the frame of a job. An exception becomes the field `error` of the outcome."""
 
     config: Config
     """Parameters of the segmentation."""
 
     def __call__(self, job: Job) -> Answer:
-        """Return the outcome of a job."""
+        """Segment the frame of a job and return the outcome."""
         stamp = fingerprint = ""
         try:
             stamp, fingerprint = job.stamp(), job.fingerprint()
@@ -67,7 +67,7 @@ class Work:
 
 
 def _segmenter(config: Config) -> Segmenter:
-    """Return the segmenter of this thread, which keeps its buffers between frames."""
+    """Return the segmenter of the current thread. The segmenter keeps its buffers between frames."""
     known: Segmenter | None = getattr(_kept, "segmenter", None)
     if known is None or known.config != config:
         known = _kept.segmenter = Segmenter(config)

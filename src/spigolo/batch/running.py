@@ -1,4 +1,4 @@
-"""Run over many frames that can continue after an interruption."""
+"""Segmentation of many frames in a run that can be continued after an interruption."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from spigolo.settings.config import Config, check_config
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """Progress of a run."""
+    """Numbers of finished and failed frames during a run."""
 
     total: int
-    """Number of frames."""
+    """Total number of frames."""
     kept: int
-    """Number of frames that an earlier run finished."""
+    """Number of frames whose files from an earlier run are kept."""
     computed: int
-    """Number of frames that this run finished."""
+    """Number of frames that this run has segmented."""
     failed: int
     """Number of frames that failed."""
 
@@ -39,7 +39,7 @@ class Summary:
     """Outcome of a run."""
 
     progress: Progress
-    """Numbers of frames in total, kept, computed and failed."""
+    """Numbers of kept, computed and failed frames at the end of the run."""
     objects: int
     """Number of objects in the table."""
     failures: tuple[tuple[str, str], ...]
@@ -59,12 +59,14 @@ def run_batch(
     table: str = "parquet",
     tell: Callable[[Progress], None] | None = None,
 ) -> Summary:
-    """Segment the frames of jobs. Write labels/FRAME.png, objects/FRAME.json and one table into a folder.
+    """Segment the frames of many jobs. Write labels/FRAME.png, objects/FRAME.json and one table of all objects into a
+    folder.
 
-    Frames in the folder's manifest with the same inputs, preset and version are kept. Failed frames are tried again.
+    Frames with results from an earlier run are skipped if inputs, preset and version of spigolo are the same. Failed
+    frames are repeated.
 
-    table: "parquet" or "coco". tell: called after each frame. Raises FileError if nothing can be written or another run
-    owns the folder.
+    table: format of the table, "parquet" or "coco". tell: function that is called with the progress after each frame.
+    Raises FileError if the folder is not writable or another run uses the folder.
     """
     check_config(config)
     file, write = writer_of(table)
@@ -83,7 +85,7 @@ def run_batch(
 
 
 class _Run:
-    """State of one run: files written and frames counted."""
+    """State of a run, which writes the output files and counts the frames."""
 
     def __init__(
         self, root: Path, config: Config, manifest: Manifest, total: int, tell: Callable[[Progress], None] | None
@@ -93,7 +95,7 @@ class _Run:
         self.failures: list[tuple[str, str]] = []
 
     def clean(self) -> None:
-        """Remove temporary files of a killed run. Other files of the user stay."""
+        """Remove temporary files of a run that was killed. Other files in the folder are kept."""
         left = [path for name in (FILE, *TABLES) for path in self.root.glob(f".{name}-*")]
         for folder, suffix in SUFFIXES.items():
             if not (self.root / folder).is_symlink():
@@ -102,7 +104,7 @@ class _Run:
             path.unlink(missing_ok=True)
 
     def admitted(self, jobs: Sequence[Job]) -> Iterator[Job]:
-        """Yield each job with a valid name once. The others are recorded as failed."""
+        """Yield the jobs with a valid and unique name. Other jobs are recorded as failed."""
         taken: dict[str, str] = {}
         for job in jobs:
             first = taken.setdefault(job.name.casefold(), job.name)
@@ -116,7 +118,7 @@ class _Run:
                 yield job
 
     def keep(self, job: Job) -> bool:
-        """Return True if a frame is already done, and count it."""
+        """Return True if the files of a frame from an earlier run can be kept. The frame is then counted as kept."""
         entry = self.manifest.entries.get(job.name)
         if entry is None or not self._is_current(entry) or not self._is_whole(entry):
             return False
@@ -132,7 +134,9 @@ class _Run:
         return True
 
     def compute(self, jobs: Sequence[Job], engine: Engine) -> None:
-        """Compute jobs, and write the files of each as soon as it is done."""
+        """Process jobs with an engine. The output files of a frame are written as soon as the engine returns the
+        outcome.
+        """
         if not jobs:
             return
         with closing(cast("Iterator[tuple[Job, Answer | Lost]]", engine(Work(self.config), jobs))) as outcomes:  # type: ignore[type-var]
@@ -144,7 +148,7 @@ class _Run:
                     self.fail(job.name, answer)
 
     def write(self, name: str, answer: Answer) -> None:
-        """Write the files of a frame, then its line in the manifest."""
+        """Write the output files of a frame, and then the line of the frame in the manifest."""
         try:
             paths = {folder: place(self.root, folder, name, SUFFIXES[folder]) for folder in SUFFIXES}
         except FileError as error:
@@ -159,11 +163,11 @@ class _Run:
         self._count(computed=self.progress.computed + 1)
 
     def fail(self, name: str, answer: Answer) -> None:
-        """Record a failure. Files of an earlier run that could be mistaken for its result are removed."""
+        """Record the failure of a frame. Output files of the frame from an earlier run are removed."""
         for folder, suffix in SUFFIXES.items():
             try:
                 place(self.root, folder, name, suffix).unlink(missing_ok=True)
-            except OSError:  # includes FileError, for files outside the folder
+            except OSError:  # FileError is an OSError too, raised for paths outside the folder
                 continue
         self.manifest.append(self._entry(name, answer))
         self.failures.append((name, answer.error or ""))
@@ -187,7 +191,7 @@ class _Run:
         return entry.error is None and (entry.digest, entry.version) == (self.config.digest, __version__)
 
     def _is_whole(self, entry: Entry) -> bool:
-        """Return True if the files of a frame exist with the recorded sizes."""
+        """Return True if all output files of a frame exist and have the sizes in the manifest."""
         try:
             paths = {folder: place(self.root, folder, entry.frame, SUFFIXES[folder]) for folder in entry.files}
             return {"labels", "objects"} <= paths.keys() and all(

@@ -1,4 +1,4 @@
-"""Table of all objects, collected from the files of the frames, in the order of the frames."""
+"""Writers of the table of all objects, which is collected from the JSON files of the frames."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ Shard = Mapping[str, Any]
 Writer = Callable[[Iterable[Shard], Path, Mapping[str, str]], None]
 
 PARQUET, COCO = TABLES = ("objects.parquet", "coco.json")
-"""File names of the tables."""
+"""File names of the Parquet and the COCO table."""
 ROWS = 20_000
-"""Number of rows in a group of the Parquet file, which limits the memory."""
+"""Number of rows in a group of the Parquet file. Larger values require more memory."""
 INTEGERS = ("label", "region", "area_px", "image_height_px", "image_width_px")
 TEXTS = ("frame", "mask_rle")
 
 
 def writer_of(kind: str) -> tuple[str, Writer]:
-    """Return the file name and the writer of a kind of table. Raises ConfigError, or FileError without the required
-    extra.
+    """Return the file name and the writer for a table format, "parquet" or "coco". Raises ConfigError for another
+    format, and FileError if pyarrow is missing.
     """
     if kind == "parquet":
         _arrow()
@@ -38,7 +38,7 @@ def writer_of(kind: str) -> tuple[str, Writer]:
 
 
 def read_shards(paths: Iterable[Path]) -> Iterator[Shard]:
-    """Yield the objects of each frame. Raises FileError for a damaged file."""
+    """Read the JSON file of each frame and yield its content. Raises FileError for a damaged file."""
     for path in paths:
         try:
             shard = json.loads(path.read_bytes())
@@ -48,7 +48,7 @@ def read_shards(paths: Iterable[Path]) -> Iterator[Shard]:
 
 
 def write_parquet(shards: Iterable[Shard], path: Path, about: Mapping[str, str]) -> None:
-    """Write one row for each object. about: metadata of the file."""
+    """Write a Parquet file with one row for each object. about: metadata of the file."""
     pa, pq = _arrow()
     schema = _schema(pa).with_metadata({f"spigolo.{name}": text for name, text in about.items()})
     aside = path.with_name(f".{path.name}-aside")
@@ -65,7 +65,7 @@ def write_parquet(shards: Iterable[Shard], path: Path, about: Mapping[str, str])
 
 
 def _groups(shards: Iterable[Shard]) -> Iterator[list[dict[str, Any]]]:
-    """Yield rows in groups of equal size, independent of the frames. An empty table has one empty group."""
+    """Yield table rows in groups of `ROWS` rows, across frames. An empty table has one empty group."""
     rows: list[dict[str, Any]] = []
     for shard in shards:
         rows += _rows(shard)
@@ -82,7 +82,7 @@ def _rows(shard: Shard) -> list[dict[str, Any]]:
 
 
 def _schema(pa: Any) -> Any:
-    """Return the columns. Pixels and metres keep their names and order from `objects.json`."""
+    """Return the schema of the Parquet file. Columns have the names and the order of the fields in objects.json."""
     numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
     kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())
     kinds |= {"stamp_ns": pa.int64(), "box_px": whole}
@@ -93,7 +93,7 @@ def _schema(pa: Any) -> Any:
 
 
 def write_coco(shards: Iterable[Shard], path: Path, about: Mapping[str, str]) -> None:
-    """Write COCO instances. Images are numbered from 1 in the order of the frames and have the names of the frames."""
+    """Write a COCO file of instances. Images are numbered from 1 in the order of the frames."""
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
     for number, shard in enumerate(shards, start=1):

@@ -1,4 +1,4 @@
-"""Verb `batch` for many frames."""
+"""Verb `batch`, which segments many frames."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from spigolo.sources.numbered import NumberedFrame
 
 MOST_FAILURES = 10
-"""Maximum number of failures that are printed. manifest.jsonl contains all."""
+"""Maximum number of failures that are printed. The file manifest.jsonl contains all failures."""
 
 
 def batch(
@@ -39,7 +39,7 @@ def batch(
 ) -> int:
     """Segment many frames: labels/FRAME.png for each, and one table of all objects.
 
-    A run that was stopped continues with the same command. Exit code 1 if a frame failed.
+    Repeat the command to continue an interrupted run. Exit code 1 if a frame failed.
 
     Example: `spigolo batch recordings/ --camera kinect-v1 --depth-scale 0.001 --out results`.
 
@@ -58,8 +58,8 @@ def batch(
     workers
         Number of processes on this machine. Default: one per core.
     scheduler
-        Dask cluster to use instead: the address of its scheduler, such as tcp://127.0.0.1:8786, or local
-        for a new one of `--workers` processes on this machine.
+        Address of a Dask scheduler, such as tcp://127.0.0.1:8786. `local` starts a Dask cluster of `--workers`
+        processes on this machine. Default: no cluster.
     format
         Table of the objects: parquet writes objects.parquet, coco writes coco.json.
     out
@@ -81,7 +81,7 @@ def batch(
 def _jobs(
     words: Sequence[str], camera: str | None, depth_scale: float | None, max_pixels: int
 ) -> Sequence[FrameFiles] | Sequence[NumberedFrame]:
-    """Return the frames of a source as jobs: image files, or frames of a bag or data set by their numbers."""
+    """Return the frames of a source as jobs, which read image files or frames of a bag or data set."""
     from spigolo.batch import FrameFiles
     from spigolo.sources.bags import BagSource
     from spigolo.sources.folders import FolderSource
@@ -110,7 +110,9 @@ def _engine(workers: int | None, scheduler: str | None) -> Engine:
 
 @contextmanager
 def _bar(total: int) -> Iterator[Callable[[Progress], None]]:
-    """Open a progress bar with rate, remaining time and number of failures."""
+    """Show a progress bar with frame rate, remaining time and number of failures. Yield the function that updates the
+    bar.
+    """
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
 
     text = TextColumn("{task.fields[rate]}  {task.fields[failed]} failed")

@@ -1,4 +1,4 @@
-"""Verbs for frames of the user: segment, trace, doctor."""
+"""Verbs `segment`, `trace` and `doctor`, which process frames of the user."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def segment(
 ) -> int:
     """Segment frames and write labels.png, objects.json and overlay.png for each.
 
-    labels.png has 16 bits. Read it with cv2.IMREAD_UNCHANGED, without which OpenCV returns 8 bits, all 0.
+    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED, because OpenCV otherwise returns 8 bits, all 0.
 
     Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
     kinect-v1 --preset TABLE --partition.gamma 0.004`.
@@ -74,11 +74,11 @@ def segment(
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory, about 100 bytes for each pixel.
     ids
-        Give objects ids that last from frame to frame while they stay in view.
+        Give objects ids. An object keeps its id from frame to frame while it is in view.
     frames
         Number of frames after which to stop, for cameras and recordings. Default: all.
     out
-        Output folder. With several frames, each gets its own folder inside.
+        Output folder. With several frames, the results of each frame are in a subfolder.
 
     """
     words, flags = split_flags(inputs)
@@ -92,7 +92,7 @@ def segment(
 
 
 def _one(source: Source, run: Segmenter, wanted: Roi | None, check: bool, _: int | None, out: Path) -> int:
-    """Segment the only frame of a source."""
+    """Segment the only frame of a source and write its results."""
     frame = first_frame(source)
     result = _segmented(frame, run, wanted, check, out)
     from spigolo.cli import show
@@ -106,7 +106,7 @@ def _one(source: Source, run: Segmenter, wanted: Roi | None, check: bool, _: int
 
 
 def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit: int | None, out: Path) -> int:
-    """Segment all frames. A frame that fails does not stop the others."""
+    """Segment all frames of a source and write their results. A frame that fails does not stop the run."""
     from spigolo.cli import show
 
     source.on_broken = _print_error

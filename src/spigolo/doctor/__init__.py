@@ -1,4 +1,4 @@
-"""Checks of a frame: sizes, depth unit, missing depth, alignment, intrinsics, and which cost function fits."""
+"""Checks of a frame: image size, depth unit, missing depth, alignment and intrinsics. Advice on the cost function."""
 
 from spigolo.doctor.checkup import diagnose
 from spigolo.doctor.findings import Diagnosis, Finding, Severity

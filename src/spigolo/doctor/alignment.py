@@ -1,7 +1,7 @@
-"""Check that depth is aligned with colour. An object that ends in depth mostly changes colour there too.
+"""Check that depth is aligned with colour. Colour mostly changes where depth has a step.
 
-The contours of near things are taken from depth. The colour gradient below them is averaged for every shift of the
-contours. In an aligned frame, the average is largest at shift 0.
+Depth contours are the near sides of depth steps. For every shift of the contours, the colour gradient under the
+contours is averaged. In an aligned frame, the average is largest without a shift.
 """
 
 from __future__ import annotations
@@ -21,38 +21,44 @@ ALIGNMENT = "alignment"
 ELSEWHERE = "To check it, run the doctor on a frame of boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
-"""Edges compare depth from 5 pixels on either side: an offset up to this is harmless."""
-MIN_CONTOUR_SHARE = 500 / (640 * 480)
-"""Minimum share of contour pixels in the image. Fewer are no evidence."""
-MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
-"""Minimum contrast of the gradient under the contours, in units of the mean gradient around them, and minimum distance
-from the scores of other shifts, in standard deviations. Below these, the best shift is one of many.
+"""Maximum shift between depth and colour that is harmless, px. Object boundaries compare depth 5 px on both sides of an
+image edge.
 """
+MIN_CONTOUR_SHARE = 500 / (640 * 480)
+"""Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
+judged.
+"""
+MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
+"""Minimum of `Fit.score` and minimum of `Fit.peak`. With a smaller score or peak, alignment cannot be judged."""
 SHIFTED = 0.95
-"""Unshifted, contours fit less than this share of their best fit."""
+"""Minimum ratio of the score without shift to the best score. A frame with a smaller ratio is reported as shifted."""
 MIRRORED = 0.8
-"""The same for unmirrored contours. It is lower, because scenes have some symmetry."""
+"""Minimum ratio of the score of unmirrored contours to the score of mirrored contours. A frame with a smaller ratio is
+reported as mirrored.
+"""
 
 STEP_OFFSET_PX = 2
 STEP_M, STEP_PER_M = 0.02, 0.012
-"""Depth must rise by the larger of STEP_M and STEP_PER_M times the squared depth."""
+"""Minimum depth step at a contour: max(STEP_M, STEP_PER_M * depth^2), m."""
 MAX_SHADOW_PX = 60
 GRADIENT_SIGMA_PX, AROUND_PX = 1.2, 33
 FLAT_GRADIENT = 2.0
-"""Gradients well below this, in grey levels per pixel, are noise."""
+"""Colour gradient below which differences count as noise, in grey levels per pixel."""
 MAX_GRADIENT = 3.0
-"""Gradients count up to this multiple of those around, so that no single strong edge decides."""
+"""Maximum of a colour gradient, as a multiple of the mean gradient around the pixel. The maximum limits the influence
+of single strong edges.
+"""
 
 TURNS = {"mirrored left to right": (1,), "upside down": (0, 1), "mirrored top to bottom": (0,)}
-"""Image axes that are reversed."""
+"""Image axes that are reversed in each kind of mirrored depth."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """The best shift of the contours (dx_px, dy_px) and its score.
+    """Best shift of the depth contours (dx_px, dy_px), and the mean colour gradient under the shifted contours (score).
 
-    peak: by how many standard deviations the score lies above the mean of all shifts. unshifted: the best score of the
-    shifts within the tolerance.
+    peak: score minus the mean score of all shifts, in standard deviations. unshifted: best score of the shifts up to
+    `TOLERANCE_PX`.
     """
 
     dx_px: int
@@ -63,12 +69,14 @@ class Fit:
 
     @property
     def is_clear(self) -> bool:
-        """True if the best shift is better than chance."""
+        """Return True if the best shift is clearly better than other shifts."""
         return self.score >= MIN_CONTRAST and self.peak >= MIN_PEAK
 
 
 def check_alignment(color: Color, filled: DepthMap) -> Finding:
-    """Find depth that is shifted against colour, or mirrored. filled: depth with its small gaps in-painted."""
+    """Check if depth is shifted or mirrored relative to colour. filled: depth map (H, W) in metres with in-painted
+    small gaps.
+    """
     contours = depth_contours(filled)
     count = count_contours(contours)
     if count < MIN_CONTOUR_SHARE * filled.size:
@@ -112,10 +120,11 @@ def _not_registered(fit: ScaleFit) -> Finding:
 
 
 def depth_contours(depth: DepthMap) -> Pair:
-    """Return the near side of every depth step, as two float maps (H, W) of 0 and 1. Pixels near the image border stay
-    0.
+    """Return two maps (H, W) of 0 and 1 with the near sides of depth steps along x and along y. Pixels near the image
+    border are 0.
 
-    Shadows count as the background behind them. The near side must be flat: slanted surfaces have no steps.
+    Shadows are first filled with the depth of the background. The near side of a step must be flat, so that slanted
+    surfaces have no steps.
     """
     limit = np.maximum(np.float32(STEP_M), np.float32(STEP_PER_M) * depth * depth)
     pair = []
@@ -134,12 +143,14 @@ def depth_contours(depth: DepthMap) -> Pair:
 
 
 def count_contours(contours: Pair) -> int:
-    """Pixels on both kinds of contours."""
+    """Return the number of contour pixels in both maps."""
     return int(contours[0].sum() + contours[1].sum())
 
 
 def color_gradients(color: Color) -> Pair:
-    """Gradients (H, W) along x and y of the channel that changes most, by the mean gradient around, less their mean."""
+    """Return colour gradients (H, W) along x and along y, divided by the mean gradient around each pixel, with mean 0.
+    Each pixel uses the channel that changes most.
+    """
     smooth = cv2.GaussianBlur(color, (0, 0), GRADIENT_SIGMA_PX)
     along_x, along_y = (
         np.abs(cv2.Scharr(smooth, cv2.CV_16S, *order)).max(axis=2).astype(np.float32) / 32 for order in ((1, 0), (0, 1))
@@ -150,7 +161,7 @@ def color_gradients(color: Color) -> Pair:
 
 
 def best_shift(contours: Pair, gradients: Pair) -> Fit:
-    """Try every shift of the contours up to 24 pixels in x and y."""
+    """Find the shift of the contours with the largest colour gradient, among all shifts up to 24 px in x and y."""
     inside = (slice(SEARCH_PX, -SEARCH_PX), slice(SEARCH_PX, -SEARCH_PX))
     sums = sum(
         np.asarray(cv2.matchTemplate(gradient, contour[inside], cv2.TM_CCORR))

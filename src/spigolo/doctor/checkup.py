@@ -1,4 +1,4 @@
-"""All checks of a frame on one page."""
+"""Function `diagnose`, which runs all checks on a frame."""
 
 from __future__ import annotations
 
@@ -21,20 +21,21 @@ CV2_WHEELS = (
     "opencv-contrib-python-headless",
 )
 SMALL_PX = 160
-"""Objects in an image of a shorter width or height are a few pixels large."""
+"""Minimum width and height of an image, px. In smaller images, objects are only a few pixels large."""
 WITHOUT_INTRINSICS = (
     "expected intrinsics, got none: results in metres, the support plane and contact boundaries are left out. Give"
     " --camera. A guess such as 60deg finds far more objects than none"
 )
 AFTER_UNIT = "not checked, because the unit of depth is probably wrong"
 BORDER = 0.1
-"""Minimum share of missing depth at the image border that is reported with the advice."""
+"""Minimum share of missing depth at the image border that is reported with the advice on the cost function."""
 
 
 def diagnose(frame: Frame) -> Diagnosis:
-    """Run every check on one frame. Takes about 0.3 s for 640x480 and prints nothing.
+    """Run all checks on a frame and return the findings, without printing. The checks take about 0.3 s for 640x480
+    pixels.
 
-    A check that lacks evidence says so in a note. Without any depth, the checks that need depth are left out.
+    A check without enough evidence returns a note. If a frame has no depth, the checks that need depth are left out.
     """
     check_frame(frame)
     camera: Camera | None = frame.camera
@@ -56,7 +57,7 @@ def diagnose(frame: Frame) -> Diagnosis:
 
 
 def check_wheels() -> Finding:
-    """Several OpenCV wheels write the same folder cv2, and the one installed last wins in part."""
+    """Check that only one OpenCV wheel is installed. Several wheels overwrite each other's files in the folder cv2."""
     present = [name for name in CV2_WHEELS if _is_installed(name)]
     if len(present) < 2:
         return fine("opencv", f"one OpenCV wheel: {', '.join(present) or 'not from pip'}")
@@ -69,7 +70,7 @@ def check_wheels() -> Finding:
 
 
 def check_size(frame: Frame) -> Finding:
-    """Check that the images are not very small. `Frame` has already refused unequal sizes."""
+    """Check that the images of a frame are not too small."""
     height, width = frame.depth.shape
     if min(height, width) < SMALL_PX:
         return note(
@@ -79,7 +80,9 @@ def check_size(frame: Frame) -> Finding:
 
 
 def advise_cost(filled: DepthMap) -> Finding:
-    """The cost function that AutoCost takes. filled: depth with its small gaps in-painted."""
+    """Return the cost function that `AutoCost` chooses, as advice. filled: depth map (H, W) in metres with in-painted
+    small gaps.
+    """
     auto, inside = AutoCost(), missing_share(filled)
     elsewhere = float(missing_mask(filled).mean()) - inside
     where = f"{inside:.1%} of the frame lacks depth inside the working range"

@@ -1,4 +1,4 @@
-"""The result of a check."""
+"""Findings, which are the results of the checks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from enum import Enum
 
 
 class Severity(str, Enum):
-    """OK: as expected. NOTE: worth knowing, or not to be judged. WARNING: mend this first."""
+    """Severity of a finding. OK: as expected. NOTE: useful information, or a check without enough evidence. WARNING: a
+    fault to fix.
+    """
 
     OK = "ok"
     NOTE = "note"
@@ -16,37 +18,38 @@ class Severity(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """The result of one check.
+    """Result of one check.
 
-    check: its name. sentence: a short statement. A warning says what was expected, what was found and how to mend it.
+    check: name of the check. sentence: result as text. A warning contains the expected value, the found value and how
+    to fix the fault.
     """
 
     check: str
     severity: Severity
     sentence: str
     judged: bool = True
-    """False if the frame lacks the evidence for this check."""
+    """False if the frame has not enough evidence for the check."""
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """All findings of a frame, in the order of the checks."""
+    """Findings of all checks of a frame, in the order of the checks."""
 
     findings: tuple[Finding, ...]
 
     @property
     def warnings(self) -> tuple[Finding, ...]:
-        """The findings to mend first."""
+        """Return the findings with the severity WARNING."""
         return tuple(f for f in self.findings if f.severity is Severity.WARNING)
 
     @property
     def unjudged(self) -> tuple[Finding, ...]:
-        """The checks that lacked evidence."""
+        """Return the findings of the checks without enough evidence."""
         return tuple(f for f in self.findings if not f.judged)
 
     @property
     def advice(self) -> str:
-        """Which cost function fits the frame, and why."""
+        """Return the advice on the cost function that fits the frame, with the reason."""
         return next((f.sentence for f in self.findings if f.check == COST), "")
 
 
@@ -54,15 +57,15 @@ COST, INTRINSICS = "cost function", "intrinsics"
 
 
 def fine(check: str, sentence: str) -> Finding:
-    """A finding that is as expected."""
+    """Return a finding with the severity OK."""
     return Finding(check, Severity.OK, sentence)
 
 
 def note(check: str, sentence: str, *, judged: bool = True) -> Finding:
-    """A finding worth knowing. judged: False where the frame lacks the evidence."""
+    """Return a finding with the severity NOTE. judged: False if the frame has not enough evidence for the check."""
     return Finding(check, Severity.NOTE, sentence, judged)
 
 
 def warning(check: str, sentence: str) -> Finding:
-    """A finding to mend."""
+    """Return a finding with the severity WARNING."""
     return Finding(check, Severity.WARNING, sentence)

@@ -1,7 +1,7 @@
-"""Check that the intrinsics can be those of the camera.
+"""Check that the intrinsics are plausible for the camera of a frame.
 
-A wrong focal length keeps planes plane but bends right angles. Things on a table mostly have upright sides: boxes,
-cans, mugs. So the check looks for the focal length with which most surfaces are upright.
+With a wrong focal length, planes stay planar, but right angles change. Most objects on a table have upright sides. The
+check therefore searches the focal length with which most surfaces are upright.
 """
 
 from __future__ import annotations
@@ -20,8 +20,9 @@ FOCAL_LENGTH = "focal length"
 
 MAX_ASPECT = 0.05
 USUAL_SHARE = (0.7, 1.15)
-"""Focal length by image width of most RGB-D cameras: Kinect v1 and Xtion 0.82 to 0.9, RealSense D415, D435 and SR300
-0.96 (4:3) and 0.72 (16:9), Zivid 0.92."""
+"""Range of the focal length divided by the image width for most RGB-D cameras. Examples: Kinect v1 and Xtion 0.82 to
+0.9, RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
+"""
 KNOWN_WIDE = (
     (16 / 9, 0.473, "Azure Kinect"),
     (16 / 9, 0.50, "RealSense D455 or depth of D435"),
@@ -30,32 +31,46 @@ KNOWN_WIDE = (
     (4 / 3, 0.60, "RealSense D405, D455 or depth of D435"),
     (16 / 9, 0.585, "Orbbec Femto Bolt"),
 )
-"""Width by height, focal length by width, and the cameras beyond that range that have both."""
+"""Cameras outside `USUAL_SHARE`, as tuples: image width / height, focal length / image width, and names of the
+cameras.
+"""
 KNOWN_WITHIN = 0.03
 POSSIBLE_SHARE = (0.42, 1.3)
-"""Focal length by image width of all RGB-D cameras. One beyond comes of surfaces that are not upright."""
+"""Range of the focal length divided by the image width for all RGB-D cameras. An estimated focal length outside the
+range is ignored.
+"""
 
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
-"""Factors on the focal length."""
+"""Factors by which the focal length is multiplied in the search."""
 RIGHT_WITHIN = 1.25
-"""Maximum factor that is accepted as right. Surfaces that slant a little can cause such a factor."""
+"""Maximum factor on the focal length that is accepted as correct, because slightly slanted surfaces change the
+factor.
+"""
 MIN_TILT_DEG = 20.0
-"""Seen straight from above, an upright side stays upright with any focal length."""
+"""Minimum angle between the viewing direction and the normal of the support plane, degrees. Seen from above, upright
+sides stay upright with any focal length.
+"""
 UPRIGHT_COS = 0.07
-"""Within 4 degrees of upright."""
+"""Maximum cosine of the angle between a surface normal and the support's normal for an upright surface, i.e. within 4
+degrees.
+"""
 MIN_UPRIGHT = 0.05
-"""Minimum share of the surfaces next to the support that are upright with the best factor. Fewer are no evidence."""
+"""Minimum share of the surfaces that are upright with the best factor. With a smaller share, the focal length cannot be
+judged.
+"""
 CLEAR = 2.0
-"""The best factor has this many times the upright surfaces of the given focal length, or the reverse."""
+"""Minimum ratio between the numbers of upright surfaces with the best factor and with the given focal length, for a
+clear result.
+"""
 SURFACES, MIN_SURFACES, SEED = 15000, 2000, 7
 FLAT_M, FLAT_PER_M = 0.002, 0.003
-"""Windows that lie off their plane by more (m, and 1/m by squared depth) hold an edge."""
+"""Maximum residual of a smooth surface from a local plane: max(FLAT_M, FLAT_PER_M * depth^2), m."""
 
 Points = npt.NDArray[np.float64]
 
 
 def check_intrinsics(camera: Camera) -> Finding:
-    """Principal point near the middle, square pixels."""
+    """Check that the principal point is near the image centre and that pixels are square."""
     x, y = camera.cx / camera.width, camera.cy / camera.height
     if not (1 / 3 <= x <= 2 / 3 and 1 / 3 <= y <= 2 / 3):
         return warning(
@@ -73,16 +88,17 @@ def check_intrinsics(camera: Camera) -> Finding:
 
 
 def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
-    """Check right angles first. If they give no evidence, compare with the fields of view of known cameras.
+    """Check the focal length by the right angles in the scene. Without enough right angles, compare the focal length
+    with known cameras.
 
-    filled: depth with its small gaps in-painted.
+    filled: depth map (H, W) in metres with in-painted small gaps.
     """
     share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
     stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
     factor = upright_factor(filled, camera)
     wrong = factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN)
     if factor is not None and wrong and not POSSIBLE_SHARE[0] <= share * factor <= POSSIBLE_SHARE[1]:
-        factor = None  # the walls of a bin lean, and no camera has the focal length at which they stand upright
+        factor = None  # no camera has this focal length: the surfaces are slanted, such as the walls of a bin
     if factor is not None and wrong:
         return warning(
             FOCAL_LENGTH,
@@ -104,10 +120,11 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
 
 
 def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
-    """Return the factor on the focal length with which most surfaces are upright. It is 1 if the given one does about
-    as well.
+    """Return the factor on the focal length with which most surfaces are upright. The factor is 1 if the given focal
+    length is about as good.
 
-    None without evidence: no support, a view from straight above, few upright surfaces, or no clear best.
+    Returns None without enough evidence: no support plane, a view from above, few upright surfaces, or no clearly best
+    factor.
     """
     support = find_support(filled, camera, Support())
     if support is None or np.degrees(np.arccos(min(abs(support.normal[2]), 1.0))) < MIN_TILT_DEG:
@@ -127,10 +144,10 @@ def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
 
 
 def count_upright(normals: Points, support: Points) -> npt.NDArray[np.intp]:
-    """Count the normals (N, 3) that are at right angles to the support's normal (3,), for each factor on the focal
+    """Count the normals (N, 3) that are perpendicular to the support's normal (3,), for each factor on the focal
     length.
 
-    With t times the focal length the normal (a, b, c) of a plane is really (t a, t b, c).
+    If the focal length is multiplied by t, the normal (a, b, c) of a plane becomes (t a, t b, c).
     """
     level = normals[:, :2] @ support[:2]
     inward = normals[:, 2] * support[2]
@@ -141,7 +158,7 @@ def count_upright(normals: Points, support: Points) -> npt.NDArray[np.intp]:
 
 
 def _normals_beside(support: Plane, filled: DepthMap, camera: Camera) -> Points:
-    """Normals (N, 3) of a sample of the smooth surfaces that are not on the support."""
+    """Return the normals (N, 3) of a sample of smooth surfaces that are not on the support plane."""
     planes = fit_local_planes(filled)
     smooth = _is_smooth(planes, filled) & ~support_mask(support, filled, camera, Support())
     y, x = np.nonzero(smooth)

@@ -1,7 +1,7 @@
-"""Planes through the window of every pixel, fitted to inverse depth.
+"""Planes that are fitted to the inverse depth in a window around every pixel.
 
-Seen by a pinhole camera, 1 / Z of a plane is linear in pixel coordinates. So these fits need no intrinsics, and the
-noise of 1 / Z is that of Z by its square.
+For a pinhole camera, the inverse depth 1 / Z of a plane is linear in pixel coordinates. The fits therefore need no
+intrinsics. The noise of 1 / Z is the noise of Z divided by Z^2.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ Map = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LocalPlanes:
-    """Planes fitted to inverse depth, all (H, W): slope_x and slope_y in 1/(m px), mean and rms residual in 1/m.
+    """Planes fitted to inverse depth, as maps (H, W): slopes in 1/(m px), mean and root-mean-square residual in 1/m.
 
-    whole: True if the window of the pixel has no missing depth. Elsewhere the numbers mean nothing.
+    whole: True if the window of a pixel has no missing depth. The other maps are valid only there.
     """
 
     slope_x: Map
@@ -33,14 +33,14 @@ class LocalPlanes:
     whole: Mask
 
     def normals(self, y: npt.NDArray[np.intp], x: npt.NDArray[np.intp], camera: Camera) -> Map:
-        """Return normals (N, 3) at the pixels (y, x), of any length. Their X and Y grow with the focal length."""
+        """Return the normals (N, 3) of the planes at the pixels (y, x), not normalised."""
         a, b = self.slope_x[y, x], self.slope_y[y, x]
         c = self.mean[y, x] - (x - camera.cx) * a - (y - camera.cy) * b
         return np.stack([camera.fx * a, camera.fy * b, c], axis=1)
 
 
 def fit_local_planes(depth: DepthMap) -> LocalPlanes:
-    """Least squares in the window of 7x7 pixels around each pixel."""
+    """Fit a plane to inverse depth in a window of 7x7 pixels around each pixel, by least squares."""
     size = 2 * RADIUS_PX + 1
     inverse = np.divide(1.0, depth, out=np.zeros(depth.shape), where=depth > 0)
     whole = cv2.erode((depth > 0).astype(np.uint8), np.ones((size, size), np.uint8), borderValue=0) > 0

@@ -1,4 +1,4 @@
-"""Depth as it was measured: its sign, its gaps, its unit."""
+"""Checks of the measured depth: negative values, missing depth, and the unit."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 MISSING, UNIT, REACH = "missing depth", "depth unit", "reach of depth"
 
 FEW_BEYOND = 0.001
-"""Share of depth beyond the reach of cameras up to which segmentation is not affected."""
+"""Share of pixels with depth that no camera measures, above which a warning is given instead of a note."""
 
 FEW_VALID = 0.02
-"""With a smaller share of valid pixels there is nothing to segment."""
+"""Minimum share of measured pixels in a frame. With a smaller share, a warning is given."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
-"""Minimum share of the frame in holes of one or two pixels that is reported."""
+"""Minimum share of pixels in holes of one or two pixels that is reported."""
 
 SCALES = {
     0.001: "stored millimetres",
@@ -30,26 +30,30 @@ SCALES = {
     0.0002: "TUM",
     0.0001: "0.1 mm",
 }
-"""Metres per unit that cameras and data sets use."""
+"""Common depth units of cameras and data sets, in metres per unit."""
 PLAUSIBLE = math.log(3.0)
-"""Logarithm of the ratio to TABLE_M up to which a scale is advised."""
+"""Maximum logarithm of the ratio between a median depth and `TABLE_M`, for a unit to be advised."""
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
-"""Working distance of a RealSense D405, and its unit."""
+"""Minimum working distance of a RealSense D405, m, and its depth unit, m."""
 SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
-"""The median depth of a frame that shows things to grasp lies in between."""
+"""Range of plausible median depths of a frame, m."""
 TABLE_M = 0.8
-"""A usual distance: the guess at the scale is the power of ten that comes closest to it."""
+"""Typical distance of a table, m. The advice on a wrong depth unit assumes this median depth."""
 COARSE_UNIT_M = 0.004
-"""Coarsest usual unit. Cameras store depth in units of 0.1 to 1 mm. Some drivers double that."""
+"""Depth unit from which on a warning is given, m. Cameras store depth in units of 0.1 to 1 mm, and some drivers in 2
+mm.
+"""
 FINEST_TICK_M = 1e-4
 ROOM_M = 3.0
 FINE_NOISE_PER_M = 2.5e-4
-"""Depth noise of triangulating cameras and of time of flight is not less than this times the squared distance."""
+"""Minimum depth noise of a real camera per squared distance, 1/m."""
 
 
 def check_negative(frame: Frame) -> Finding:
-    """Negative depth comes of a subtraction, of a wrong integer type or of the wrong axis."""
+    """Check that no depth is negative. Negative values come from a subtraction, a wrong integer type or a wrong
+    axis.
+    """
     if frame.negative_depth:
         return warning(
             "negative depth",
@@ -60,7 +64,9 @@ def check_negative(frame: Frame) -> Finding:
 
 
 def check_reach(frame: Frame) -> Finding:
-    """Check for values that no camera measured. They are a note if they cover too few pixels to matter."""
+    """Check for depths that no camera can measure. Return a warning if the share of pixels with such depths is at least
+    `FEW_BEYOND`.
+    """
     found = frame.out_of_reach
     if found is not None:
         sentence = f"expected missing depth as 0, found that {found}: store 0 where nothing was measured"
@@ -69,9 +75,11 @@ def check_reach(frame: Frame) -> Finding:
 
 
 def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
-    """Report how much depth is missing, and in which part: at the border, inside, or in a grid of sampling holes.
+    """Report the share of missing depth at the image border, in large gaps, in small gaps and in a grid of sampling
+    holes.
 
-    filled: depth with its small gaps in-painted. A grid of holes would otherwise join all gaps to those at the border.
+    filled: depth map (H, W) in metres with in-painted small gaps. Otherwise, a grid of holes would connect all gaps
+    with the border.
     """
     missing = missing_mask(depth)
     share = float(missing.mean())
@@ -96,9 +104,9 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
 
 
 def check_unit(frame: Frame, filled: DepthMap) -> Finding:
-    """Check that depth can be in metres, by its distance, its stored unit and its noise.
+    """Check that depth is in metres, by the median depth, the stored unit and the noise.
 
-    filled: depth with its small gaps in-painted, so that the noise is measured between sampling holes too.
+    filled: depth map (H, W) in metres with in-painted small gaps, on which the noise is measured.
     """
     depth = frame.depth
     median = float(np.median(depth[depth > 0]))
@@ -127,7 +135,9 @@ def check_unit(frame: Frame, filled: DepthMap) -> Finding:
 
 
 def unit_advice(median_m: float, unit_m: float | None) -> str:
-    """Return how to mend a wrong unit. unit_m: metres per stored unit that were taken, None for no integers."""
+    """Return advice on how to correct a wrong depth unit. unit_m: assumed metres per stored unit, None for
+    floating-point depth.
+    """
     listed = "; ".join(f"{name}: {scale:g}" for scale, name in SCALES.items())
     if unit_m is None:
         return f"multiply depth_scale by {guess_factor(median_m):g} ({listed})"
@@ -140,12 +150,14 @@ def unit_advice(median_m: float, unit_m: float | None) -> str:
 
 
 def guess_factor(median_m: float) -> float:
-    """Return the power of ten that brings a median depth closest to that of a table-top."""
+    """Return the power of ten by which a median depth must be multiplied to be closest to `TABLE_M`."""
     return float(10.0 ** np.round(np.log10(TABLE_M / median_m)))
 
 
 def sees_close(frame: Frame) -> bool:
-    """Return whether the frame may come from a camera for the closest range: units of 0.1 mm, or a D405's view."""
+    """Return True if a frame may come from a close-range camera: depth in units of 0.1 mm, or the field of view of a
+    RealSense D405.
+    """
     if frame.unit_m is not None and abs(frame.unit_m / CLOSE_UNIT_M - 1) < 0.01:
         return True
     camera = frame.camera
@@ -158,19 +170,20 @@ def sees_close(frame: Frame) -> bool:
 
 
 def stored_unit_m(depth: DepthMap) -> float:
-    """The largest unit that all depths are whole multiples of, looked for from 0.1 mm upwards.
+    """Return the largest unit of which all depths are whole multiples, in metres, at least 0.1 mm.
 
-    Millimetres multiplied by ten come in steps of 10 mm, which no camera stores. Floating-point depth has no unit
-    and gives 0.1 mm.
+    If millimetres were multiplied by ten by mistake, the unit is 10 mm, which no camera uses. Floating-point depth has
+    a unit of 0.1 mm.
     """
     ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
     return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M
 
 
 def noise_per_m(filled: DepthMap) -> float | None:
-    """Return depth noise by squared distance (1/m) on the smoother surfaces. None if no surface is whole.
+    """Return the depth noise per squared distance on smooth surfaces, 1/m. None if no window has complete depth.
 
-    It is about constant for a sensor, and depth times ten has a tenth of it.
+    Depth noise per squared distance is nearly constant for a sensor. If depth is ten times too large, the result is ten
+    times too small.
     """
     planes = fit_local_planes(filled)
     return float(np.percentile(planes.residual[planes.whole], 25)) if planes.whole.any() else None

@@ -1,4 +1,6 @@
-"""Planes that are bent: depth that is no Z coordinate, but the distance along the ray or a sensor's raw numbers."""
+"""Check that planes are flat. Planes look curved if depth is the distance along the ray or raw disparity instead of
+Z.
+"""
 
 from __future__ import annotations
 
@@ -12,23 +14,29 @@ from spigolo.settings.additions import Support
 PLANARITY = "depth along Z"
 
 NEAR_M, NEAR_PER_M = 0.004, 0.003
-"""Distance from the plane (m, and 1/m by squared depth) up to which a pixel lies on it."""
+"""Maximum distance of a pixel from a plane, to count as on the plane: max(NEAR_M, NEAR_PER_M * distance^2), m."""
 MORE = 1.15
-"""The largest plane has this many times the pixels once depth is read as something else."""
+"""Minimum ratio of pixel counts on the largest plane, for a warning: depth read as distance along the ray, divided by
+depth read as Z.
+"""
 MORE_RAW, MIN_RAW = 1.5, 0.3
-"""The same for raw disparity, which at half a metre is nearly millimetres, and its share of the measured pixels."""
+"""Limits for a warning that depth is raw disparity: minimum ratio of pixel counts on the largest plane, and minimum
+share of pixels on this plane.
+"""
 MIN_SHARE = 0.12
-"""Minimum share of the measured pixels on that plane."""
+"""Minimum share of the measured pixels on the largest plane. With a smaller share, the check has not enough
+evidence.
+"""
 RAW_KINECT = (-0.0030711016, 3.3309495161)
-"""Inverse depth, 1/m, of the raw disparity of a Kinect v1: slope and offset."""
+"""Slope and offset of the linear function from the raw disparity of a Kinect v1 to inverse depth, 1/m."""
 LARGEST_RAW_M = 2.047
-"""Raw disparity has 11 bits, here read as millimetres."""
+"""Largest raw disparity of a Kinect v1 (11 bits), read as millimetres, in metres."""
 
 
 def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
-    """Find depth whose planes are flat only as distance along the ray, or as raw disparity of a Kinect v1.
+    """Check if planes become flat when depth is read as distance along the ray, or as raw disparity of a Kinect v1.
 
-    filled: depth with its small gaps in-painted.
+    filled: depth map (H, W) in metres with in-painted small gaps.
     """
     as_z = _on_plane(filled, camera)
     as_ray = _on_plane(along_z(filled, camera), camera)
@@ -51,21 +59,23 @@ def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
 
 
 def along_z(distance: DepthMap, camera: Camera) -> DepthMap:
-    """Return Z (H, W) of distances along the ray."""
+    """Convert distances along the ray (H, W) to Z coordinates (H, W), m."""
     y, x = np.ogrid[: distance.shape[0], : distance.shape[1]]
     lengths = np.sqrt(1 + ((x - camera.cx) / camera.fx) ** 2 + ((y - camera.cy) / camera.fy) ** 2)
     return np.asarray(distance / lengths, np.float32)
 
 
 def from_raw_disparity(depth: DepthMap) -> DepthMap:
-    """Return Z (H, W) of a Kinect's raw disparity that was read as millimetres. 0 for what is no such number."""
+    """Convert raw disparity of a Kinect v1, which was read as millimetres, to Z coordinates (H, W), m. Invalid
+    disparities give 0.
+    """
     slope, offset = RAW_KINECT
     inverse = slope * 1000 * depth + offset
     return np.where((depth > 0) & (inverse > 0.1), 1 / np.maximum(inverse, 0.1), 0).astype(np.float32)
 
 
 def _as_raw(depth: DepthMap, camera: Camera) -> float:
-    """Return the share of the measured pixels on one plane when depth is read as raw disparity."""
+    """Return the share of the measured pixels on the largest plane if depth is read as raw disparity."""
     if not 0 < depth.max() <= LARGEST_RAW_M:
         return 0.0
     converted = from_raw_disparity(depth)

@@ -1,6 +1,7 @@
-"""Depth that was never registered: its contours fit those of colour once they are scaled about the image centre.
+"""Detection of depth that is not registered to colour: depth contours fit the colour edges after scaling about the
+image centre.
 
-The depth camera has another focal length than the colour camera, and stands next to it.
+The scale differs from 1 because the focal lengths of the depth and the colour camera differ.
 """
 
 from __future__ import annotations
@@ -13,28 +14,36 @@ import numpy.typing as npt
 
 Map = npt.NDArray[np.float32]
 Pair = tuple[Map, Map]
-"""Maps of upright edges (compared along x) and of level ones (compared along y)."""
+"""Two maps (H, W): vertical edges, which are compared along x, and horizontal edges, which are compared along y."""
 
 WIDTH_PX = 320
-"""Width of the images that are compared."""
+"""Width of the reduced images that are compared, px."""
 SEARCH_PX = 20
-"""Shifts that are tried with each scale, px of those images. A camera's distance moves near things by as much."""
+"""Maximum shift in x and y that is tried with each scale, px of the reduced images. The distance between both cameras
+causes a shift.
+"""
 TRIED = np.exp(np.arange(np.log(0.86), np.log(1.9), 0.04))
-"""Scales that are tried: ratios of the colour camera's focal length to that of the depth camera."""
+"""Scales that are tried. A scale is the focal length of the colour camera divided by the focal length of the depth
+camera.
+"""
 MIN_SCORE, MAX_UNSCALED = 0.1, 0.82
-"""Minimum score of a scale, and maximum ratio of the best score without scale to it."""
+"""Minimum score of the best scale, and maximum ratio of the best unscaled score to the best score, for a clear
+result.
+"""
 MIN_EVIDENCE, UNSCALED_COSTS = 2.45, 4.0
-"""Minimum of the peak, less that share times UNSCALED_COSTS: the closer no scale is, the clearer the peak must be."""
+"""Minimum of peak - UNSCALED_COSTS * ratio for a clear result. The ratio is the best unscaled score divided by the best
+score.
+"""
 SAME = 0.07
-"""Logarithm of a scale up to which it counts as none."""
+"""Maximum absolute logarithm of a scale that counts as unscaled."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScaleFit:
-    """The best scale of depth contours about the image centre, and the shift after it in px of the image.
+    """Best scale of the depth contours about the image centre, and the shift after scaling, px.
 
-    score: mean gradient under the contours. unscaled: the same for the best shift without scale. peak: distance of the
-    score from the mean of all scales and shifts, in standard deviations.
+    score: mean colour gradient under the scaled contours. unscaled: best score without scaling. peak: score minus the
+    mean over all scales and shifts, in standard deviations.
     """
 
     scale: float
@@ -46,14 +55,16 @@ class ScaleFit:
 
     @property
     def is_clear(self) -> bool:
-        """True if the scale fits far better than none, and better than chance."""
+        """Return True if the best scale fits much better than the unscaled contours and than other scales."""
         share = self.unscaled / max(self.score, MIN_SCORE)
         evident = self.peak - UNSCALED_COSTS * share >= MIN_EVIDENCE
         return self.score >= MIN_SCORE and share < MAX_UNSCALED and evident
 
 
 def best_scale(contours: Pair, gradients: Pair) -> ScaleFit:
-    """Try every scale with every shift. contours and gradients: those of `depth_contours` and `color_gradients`."""
+    """Find the scale and the shift of the contours with the largest colour gradient. contours, gradients: results of
+    `depth_contours` and `color_gradients`.
+    """
     height, width = contours[0].shape
     shrink = max(width / WIDTH_PX, 1.0)
     size = (round(width / shrink), round(height / shrink))
@@ -80,7 +91,7 @@ def _scores(
     shape: tuple[int, int],
     size: tuple[int, int],
 ) -> npt.NDArray[np.float32]:
-    """Return the mean gradient under the scaled contours for each shift."""
+    """Return the mean colour gradient under the scaled contours for each shift in y and x."""
     sums, count = np.zeros((2 * SEARCH_PX + 1, 2 * SEARCH_PX + 1), np.float32), 0
     for (y, x), gradient in zip(places, gradients, strict=True):
         template = _drawn(y, x, scale, shape, size)
@@ -92,7 +103,9 @@ def _scores(
 def _drawn(
     y: npt.NDArray[np.intp], x: npt.NDArray[np.intp], scale: float, shape: tuple[int, int], size: tuple[int, int]
 ) -> npt.NDArray[np.float32]:
-    """Return the contour pixels, scaled about the image centre and shrunk, as counts."""
+    """Scale contour pixels about the image centre, and return the number of contour pixels at each pixel of a reduced
+    image.
+    """
     height, width = shape
     u = ((x - (width - 1) / 2) * scale / width + 0.5) * size[0]
     v = ((y - (height - 1) / 2) * scale / height + 0.5) * size[1]

@@ -1,4 +1,4 @@
-"""Coarse depth: whole-pixel disparity, or 8 bits kept in 16, leave wide gaps between the depths that occur."""
+"""Check for coarse depth. Whole-pixel disparity or 8-bit depth leaves wide gaps between the depth values of a frame."""
 
 from __future__ import annotations
 
@@ -13,42 +13,49 @@ from spigolo.frames.frame import DepthMap
 STEPS = "depth steps"
 
 TICK_M = 1e-4
-"""Resolution at which depths count as equal."""
+"""Resolution to which depth values are rounded, m."""
 GAP_PER_M = 4e-3
-"""Half the window around a depth by its square, 1/m. A Kinect v1 has steps of 2.9e-3, whole pixels of disparity 1.6e-2
-or more."""
+"""Half the width of the window around a depth value per squared distance, 1/m. Steps of a Kinect v1 are 2.9e-3, and
+steps of whole-pixel disparity at least 1.6e-2.
+"""
 GAP_UNITS = 2.5
-"""The same in units of the file, so that millimetres at close range are no gap."""
+"""Minimum of half the width of the window around a depth value, in units of the stored depth. Steps of one unit are
+therefore not reported.
+"""
 ALONE = 0.8
-"""Median share of a depth in its window from which on depth is coarse."""
+"""Minimum ratio of pixels with equal depth to pixels with similar depth, at which depth is reported as coarse (median
+over all pixels).
+"""
 FEWEST = 8
-"""Number of depths that a frame must have to be judged."""
+"""Minimum number of different depth values in a frame. With fewer values, the check has not enough evidence."""
 SATURATED_SHARE = 0.005
-"""Minimum share of the frame that holds the largest depth for it to be no distance."""
+"""Minimum share of the frame's pixels with the largest depth value, for the value to be reported."""
 SATURATED_RATIO = 1.4
-"""Minimum ratio of that depth to the next smaller one."""
+"""Minimum ratio of the largest depth value to the next smaller value, for the value to be reported."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Levels:
-    """The depths that occur, in ticks and in ascending order, and how many pixels have each."""
+    """Different depth values of a frame in ascending order, in ticks of `TICK_M`, and the number of pixels with each
+    value.
+    """
 
     ticks: npt.NDArray[np.int64]
     counts: npt.NDArray[np.int64]
 
     @property
     def unit(self) -> int:
-        """The largest number of ticks that all depths are multiples of."""
+        """Return the greatest common divisor of the depth values, in ticks."""
         return int(np.gcd.reduce(self.ticks)) if self.ticks.size else 1
 
 
 def levels_of(depth: DepthMap) -> Levels:
-    """Return the depths that occur in a depth map (H, W)."""
+    """Return the different depth values of a depth map (H, W) in metres."""
     return Levels(*np.unique(np.rint(depth[depth > 0] / TICK_M).astype(np.int64), return_counts=True))
 
 
 def check_steps(depth: DepthMap) -> Finding:
-    """Find depth that comes in steps far wider than those of any depth camera at its distance."""
+    """Check if the steps between depth values are much larger than the steps of any depth camera."""
     levels = levels_of(depth)
     if levels.ticks.size < FEWEST:
         return note(STEPS, f"depth steps cannot be judged: {levels.ticks.size} different depths are few", judged=False)
@@ -66,7 +73,9 @@ def check_steps(depth: DepthMap) -> Finding:
 
 
 def check_saturated(depth: DepthMap) -> Finding:
-    """Find one depth far beyond all others that many pixels have: a code for missing depth, not a distance."""
+    """Check if many pixels have the same depth, far beyond all other depths. The value is then probably a code for
+    missing depth.
+    """
     levels = levels_of(depth)
     if levels.ticks.size >= FEWEST:
         share, ratio = levels.counts[-1] / depth.size, levels.ticks[-1] / levels.ticks[-2]
@@ -82,7 +91,9 @@ def check_saturated(depth: DepthMap) -> Finding:
 
 
 def _alone(levels: Levels) -> float:
-    """Return the median, over the pixels, of a depth's share of the pixels in the window around it."""
+    """Return the median over all pixels of the number of pixels with equal depth divided by the number of pixels with
+    similar depth.
+    """
     half = np.maximum(GAP_PER_M * TICK_M * levels.ticks.astype(np.float64) ** 2, GAP_UNITS * levels.unit)
     total = np.concatenate([[0], np.cumsum(levels.counts)])
     low = np.searchsorted(levels.ticks, levels.ticks - half, "left")
@@ -93,7 +104,7 @@ def _alone(levels: Levels) -> float:
 
 
 def _gap_m(levels: Levels, middle: int) -> float:
-    """Return the mean gap between depths that many pixels have, around the one at `middle`."""
+    """Return the mean difference between frequent depth values next to the value at index `middle`, m."""
     common = np.nonzero(levels.counts >= 0.1 * levels.counts[middle])[0]
     place = int(np.searchsorted(common, middle))
     near = levels.ticks[common[max(place - 1, 0) : place + 2]]

@@ -1,4 +1,6 @@
-"""Reading and writing of files: colour, depth and cameras. Files are written completely or not at all."""
+"""Reading of frames and cameras from files, and writing of images and JSON. A file is written completely or not at
+all.
+"""
 
 from __future__ import annotations
 
@@ -53,13 +55,14 @@ def read_frame(
     name: str | None = None,
     max_pixels: int = MAX_PIXELS,
 ) -> Frame:
-    """Return the frame of a colour image, a 16-bit depth PNG (or an array) and a camera.
+    """Read a frame from a colour image, a depth image and a camera file. Depth is a 16-bit PNG or an array file.
 
     camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
-    string is a file name if that file exists or has the suffix of a camera file. Otherwise it is the name of a camera.
-    depth_scale: metres per stored unit, 0.001 for millimetres. If it is None, integers use the depth_scale of the
-    camera file or mapping, and floating-point depth is in metres. One .npz file may hold colour, depth and camera.
-    name: name of the frame, by default that of the colour file. Raises FileError, CameraError or FrameError.
+    string is a file name if the file exists or the string has the suffix of a camera file. Otherwise the string is a
+    camera name. depth_scale: metres per stored unit, 0.001 for millimetres. If depth_scale is None, integer depth uses
+    the depth_scale of the camera file or mapping, and floating-point depth is in metres. One .npz file may contain
+    colour, depth and camera. name: name of the frame. None: name of the colour file. Raises FileError, CameraError or
+    FrameError.
     """
     try:
         stored = read_depth(depth, max_pixels)
@@ -81,7 +84,8 @@ def read_frame(
 
 
 def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
-    """Return the camera in any form that `read_frame` accepts, and its depth scale. The scale is None if it is unknown.
+    """Convert a camera in any form that `read_frame` accepts to a `Camera` and a depth scale. An unknown camera or
+    scale is None.
 
     Raises FileError or CameraError.
     """
@@ -104,7 +108,9 @@ def _camera_and_fields(
 
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
-    """Return the validated depth_scale of a camera's fields, or None without a depth_scale. Raises CameraError."""
+    """Return the depth_scale in the fields of a camera file or mapping. None without a depth_scale. Raises CameraError
+    for an invalid value.
+    """
     is_file = isinstance(camera, str | os.PathLike)
     try:
         scale = None if fields is None else scale_from_mapping(fields)
@@ -120,7 +126,7 @@ def _names_file(text: str) -> bool:
 
 
 def write_png(path: PathLike, image: Image) -> None:
-    """Write an image as PNG: (H, W, 3) uint8 RGB, or (H, W) of 8 or 16 bits."""
+    """Write an image as PNG. image: RGB (H, W, 3) uint8, or grey (H, W) with 8 or 16 bits."""
     bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if image.ndim == 3 else image
     done, data = cv2.imencode(".png", bgr)
     if not done:
@@ -134,7 +140,8 @@ def write_json(path: PathLike, values: Any) -> None:
 
 
 def append_lines(path: Path) -> BinaryIO:
-    """Open a text file for appending lines, and create its folder. An incomplete last line from a crash is removed.
+    """Open a text file to append lines, and create the folder of the file. An incomplete last line, which a crash may
+    leave, is removed.
 
     Raises FileError.
     """

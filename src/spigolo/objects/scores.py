@@ -1,4 +1,4 @@
-"""Strength of each region's border, and its score as an object (our choice, docs/score.md)."""
+"""Border strength and score of regions (our choice, docs/score.md)."""
 
 from __future__ import annotations
 
@@ -11,20 +11,23 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Share of measured pixels in the image at which the depth term of a score reaches 63 % of its maximum (our choice)."""
+"""Number of measured pixels of a region, divided by the image size, at which the depth term of the score reaches 63 %
+(our choice).
+"""
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """Return a map (H, W) of border strength from 0 to 1: the boundary map, or a map of edge weights without a boundary
-    map.
+    """Return a map (H, W) of boundary values from 0 to 1: the boundary map, or a map of edge weights if there is no
+    boundary map.
     """
     return weight_contour(graph) if cues.boundary is None else cues.boundary
 
 
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
-    """Return a boundary map (H, W) from 0 to 1 that is computed from edge weights.
+    """Return a map (H, W) of boundary values from 0 to 1 that is computed from the edge weights of a graph.
 
-    Each pixel gets the larger weight of its right and lower edge, divided by the 95th percentile of these weights.
+    Each pixel gets the larger weight of its right and its lower edge. The weights are divided by their 95th percentile
+    and clipped to 1.
     """
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)
@@ -34,7 +37,9 @@ def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
 
 
 def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Return the mean value (R,) of a map (H, W) along the border of each region, 0 for a region without neighbours."""
+    """Return the mean value (R,) of the map `contour` (H, W) along the border of each region. Regions without
+    neighbours get 0.
+    """
     sums = np.zeros((regions.count, 2))
     moments.sum_contours(regions.labels, contour, sums)
     return np.asarray(sums[:, 1] / np.maximum(sums[:, 0], 1))
@@ -43,14 +48,14 @@ def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.
 def region_score(
     contour: npt.NDArray[np.float64], measured: npt.NDArray[np.float64], above: npt.NDArray[np.float64] | None
 ) -> npt.NDArray[np.float64]:
-    """Return the score (R,) of each region from 0 to 1, which is high for whole objects.
+    """Return the score (R,) of each region, from 0 to 1. A high score means that the region is probably a whole object.
 
-    The score is contour * (1 - exp(-measured / 0.98 %)) * above. Large surfaces with a strong contour above the support
-    plane are more often whole objects.
+    The score is contour * (1 - exp(-measured / 0.98 %)) * above. The score is high for large regions above the support
+    plane with a strong border.
 
     - contour: mean boundary value (R,) along each region's border.
     - measured: number of each region's measured pixels (R,), as a share of the image.
-    - above: share (R,) of each region above the support plane, or None if the frame has no support plane.
+    - above: share (R,) of each region's pixels above the support plane. None if the frame has no support plane.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

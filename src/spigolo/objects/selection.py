@@ -1,4 +1,4 @@
-"""Selection of objects: every region is measured and judged (section III-F)."""
+"""Selection of objects. All regions are measured, and the rules accept or reject each region (section III-F)."""
 
 from __future__ import annotations
 
@@ -23,9 +23,11 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
-"""Depth range that covers the range of every RGB-D camera, metres."""
+"""Depth range that contains the range of every RGB-D camera, m."""
 CLOSE_M, FAR_M = 0.15, 3.0
-"""Range of the median depth outside which the unit of a frame without objects is doubtful, metres."""
+"""Range of plausible median depths, m. A warning is given if no object is found and the median depth is outside this
+range.
+"""
 SAMPLED = 8
 
 
@@ -40,9 +42,10 @@ def set_scene(
     sized: Config,
     roi: Roi | None = None,
 ) -> Scene:
-    """Collect the maps and parameters by which the regions of a frame are judged.
+    """Collect the maps and parameters that the rules need to accept or reject the regions of a frame.
 
-    sized: parameters in pixels of this image. roi: regions outside it are rejected.
+    sized: `config` with lengths and areas scaled to the image size. roi: region of interest. Regions outside the region
+    of interest are rejected.
     """
     return Scene(
         frame=frame,
@@ -60,11 +63,10 @@ def set_scene(
 
 
 def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArray[np.float32]:
-    """Return the map that measures borders.
+    """Return the map (H, W) of boundary values, from which the border strength of regions is computed.
 
-    In a halved frame, an offset of one pixel between border and boundary is two pixels of the full frame. The map
-    therefore takes the maximum over neighbouring pixels. The mean along a border is then equal to that of the full
-    frame.
+    In a frame at half resolution, borders and boundaries may differ by one pixel. Each pixel of the map then gets the
+    maximum of the 3x3 pixels around it.
     """
     contour = contour_cue(cues, graph)
     if additions is None or additions.resolution == "full":
@@ -73,7 +75,7 @@ def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArr
 
 
 def _for_holes(additions: Additions | None, contours: Contours | None) -> Additions | None:
-    """Return the additions. If hole outlines are contours in this frame, use the minimum contour for such frames."""
+    """Return the additions. If hole outlines are contours in the frame, `min_contour_holes` replaces `min_contour`."""
     if additions is None or contours is None or not contours.in_holes or additions.rules.min_contour_holes is None:
         return additions
     rules = additions.rules.model_copy(update={"min_contour": additions.rules.min_contour_holes})
@@ -82,7 +84,9 @@ def _for_holes(additions: Additions | None, contours: Contours | None) -> Additi
 
 @stage("objects")
 def select_objects(regions: Regions, scene: Scene) -> Segmentation:
-    """Measure all regions, from any method. Return each one as an object or with the reason for its rejection."""
+    """Measure all regions. Return each region as an object, or as rejected with a reason. regions: result of any
+    segmentation method.
+    """
     warn_of_depth(scene.frame)
     facts = scene.measure(regions)
     if not scene.frame.depth.any():
@@ -94,7 +98,9 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
 
 
 def warn_of_depth(frame: Frame) -> None:
-    """Warn of implausible depth in which no object can be found, judged from a few thousand pixels."""
+    """Warn if a frame has no depth, or if its median depth is implausible. The median is estimated from a few thousand
+    pixels.
+    """
     if not frame.depth.any():
         warn("the frame has no depth at all, so nothing in it is an object")
         return
@@ -107,7 +113,9 @@ def warn_of_depth(frame: Frame) -> None:
 
 
 def warn_of_reach(scene: Scene) -> None:
-    """Warn if most of a frame without objects lies beyond the reach, or nearer than most cameras measure."""
+    """Warn if the median depth of a frame without objects is larger than `max_distance_m`, or smaller than most cameras
+    measure.
+    """
     median, reach_m = _median_m(scene.frame), scene.rejection.max_distance_m
     if reach_m is not None and max(reach_m, FAR_M) < median <= FARTHEST_M:
         why = f"beyond the reach of {reach_m:g} m (rejection.max_distance_m)"
@@ -119,6 +127,8 @@ def warn_of_reach(scene: Scene) -> None:
 
 
 def _median_m(frame: Frame) -> float:
-    """Return the median measured depth, estimated from a few thousand pixels. 0 without depth."""
+    """Return the median of the measured depth, estimated from a few thousand pixels, m. Returns 0 for a frame without
+    depth.
+    """
     few = frame.depth[::SAMPLED, ::SAMPLED]
     return float(np.median(few[few > 0])) if few.any() else 0.0

@@ -1,6 +1,6 @@
 """Parameters of our additions to the paper. `Config.additions` is None in the paper's presets.
 
-The rules of joining are in `settings.joining`, those that reject or keep regions in `settings.rules`.
+`settings.joining` has the rules that join regions. `settings.rules` has the rules that reject or keep regions.
 
 Lengths in pixels refer to a 640x480 image, and grow with the image if `Additions.lengths_grow` is set.
 """
@@ -30,22 +30,22 @@ class Facing(Settings):
     """Required direction of a support plane. Objects can stand only on a plane that faces up."""
 
     up: tuple[float, float, float] | None = None
-    """Upward direction in the camera's frame (X right, Y down, Z forward), of any length. With None, the camera is
-    assumed to look level or down, and not to be turned on its side.
+    """Upward direction in the camera's frame (X right, Y down, Z forward), of any length. None assumes that the camera
+    looks horizontally or downwards and is mounted upright.
     """
     max_tilt_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
-    """Maximum angle between the plane's normal and `up`, degrees."""
+    """Maximum angle between the plane's normal and `up`, degrees. Larger values accept steeper planes."""
     max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
-    """Maximum angle between the plane's normal and the image's vertical plane, degrees. A plane beyond it faces
-    sideways. Used only without `up`.
+    """Maximum angle between the plane's normal and the image's vertical plane, degrees. Planes with a larger angle face
+    sideways and must reach `min_share_sideways`. Used only if `up` is None.
     """
     max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
-    """Maximum angle by which the plane's normal may point down in the image, degrees. A plane beyond it is a ceiling.
-    Used only without `up`.
+    """Maximum angle by which the plane's normal may point down in the image, degrees. Planes with a larger angle are
+    ceilings and are skipped. Used only if `up` is None.
     """
     min_share_sideways: Share = 0.5
-    """Minimum share of the measured pixels that a sideways plane must cover to be accepted. Such a large plane means
-    that the camera is mounted on its side.
+    """Minimum share of the measured pixels on a plane that faces sideways. A plane that faces sideways is accepted with
+    at least this share, because the camera is then probably mounted on its side.
     """
 
     @model_validator(mode="after")
@@ -56,91 +56,103 @@ class Facing(Settings):
 
 
 class Support(Settings):
-    """Detection of the support plane, which is the largest plane of the frame, and of the pixels above it."""
+    """Detection of the support plane of a frame, by default the largest plane, and of the pixels above this plane."""
 
     min_height_m: Positive = 0.008
-    """Minimum height of an object pixel above the plane, m. Lower pixels belong to the plane."""
+    """Minimum height of an object pixel above the support plane, m. Lower pixels belong to the plane."""
     noise_factor: NotNegative | None = None
-    """Minimum height of an object pixel above the plane, as a multiple of the plane's noise. The noise is the standard
-    deviation of the plane's own pixels. This height replaces `min_height_m` if it is lower, and the step in height of
-    `Ledge` is lowered by the same ratio. None: always `min_height_m`.
+    """Minimum height of an object pixel above the support plane, as a multiple of the noise of the plane. The noise is
+    the standard deviation of the plane's pixels. If this height is lower than `min_height_m`, it replaces
+    `min_height_m`, and `Ledge.step_m` is lowered by the same ratio. None: the height is always `min_height_m`.
     """
     lowest_m: Positive = 0.004
-    """Lowest value of the minimum height that `noise_factor` gives, m."""
+    """Lower limit of the height that `noise_factor` gives, m."""
     noise_per_m: NotNegative = 0.0056
-    """Minimum height above the plane per squared distance, 1/m: twice the depth error. The larger of this limit and
-    `min_height_m` applies.
+    """Minimum height of an object pixel above the support plane per squared distance, 1/m. The limit is
+    max(`min_height_m`, `noise_per_m` * distance^2). The default is twice `Smoothing.error_per_m`.
     """
     min_above: Share = 0.6
-    """Minimum share of a region's measured pixels that lie above the plane. Regions with a smaller share are
+    """Minimum share of a region's measured pixels that lie above the support plane. Regions with a smaller share are
     rejected.
     """
     min_share: Share = 0.15
-    """Minimum share of the frame's measured pixels that lie on the support plane. Smaller planes are ignored."""
+    """Minimum share of the frame's measured pixels that lie on the support plane. Planes with a smaller share are
+    ignored.
+    """
     contour: bool = True
-    """Add the outline of everything above the plane to the boundary map."""
+    """Add the outlines of the pixels above the support plane to the boundary map."""
     stacked_share: Positive | None = None
-    """Minimum size of a second plane that is parallel to the largest one and above it, as a share of the pixels of the
-    largest one. The second plane is then the support: the table instead of the floor. None: always the largest plane.
+    """Minimum number of pixels on a parallel plane above the largest plane, as a share of the pixels on the largest
+    plane. With at least this share, the upper plane becomes the support plane, such as a table above the floor. None:
+    use the largest plane.
     """
     facing: Facing | None = None
-    """Skip planes on which nothing can stand, such as ceilings and side walls. None: skip no plane."""
+    """Skip planes on which nothing can stand, such as ceilings and side walls. None accepts every direction."""
     min_things: Share | None = None
-    """Minimum share of the measured pixels that stand on the largest plane. If fewer do, the next plane that reaches
-    this share is the support: the floor of a bin instead of its wall. None: always the largest plane.
+    """Minimum share of the measured pixels that stand on the support plane. If fewer pixels stand on the largest plane,
+    such as the wall of a bin, the next plane with this share is used. None: use the largest plane.
     """
     near_roi: NotNegative | None = None
-    """Margin around the region of interest in which the plane is searched, as a share of the size of the region of
-    interest. None: search the whole frame.
+    """Margin around the region of interest, as a share of its height and width. The support plane is searched only in
+    the region of interest and this margin. None: search the whole frame.
     """
     within_reach: bool = False
-    """Search the plane only within `Rejection.max_distance_m`."""
+    """Search the support plane only at distances up to `Rejection.max_distance_m`."""
     opaque: bool = False
-    """Skip planes that surround points below them, such as the front of a shelf, and use the next largest plane. If
-    much of the depth is missing, also skip planes with more points below than on them.
+    """Skip planes through which points are visible, such as the front of a shelf, and use the next largest plane. If
+    more than 40 % of the depth is missing, also skip planes with more points below the plane than on it.
     """
 
 
 class Packing(Settings):
-    """Warning that a layer of packed objects may have been mistaken for the support."""
+    """Conditions for the warning that a layer of packed objects may have been mistaken for the support plane."""
 
     min_share: Share = 0.6
-    """Minimum share of the frame's measured pixels on the support for the warning."""
+    """Minimum share of the frame's measured pixels on the support plane. With a smaller share, no warning is given."""
     min_edges: Share = 0.9
-    """Minimum share of the support's pixels that lie close to a colour edge for the warning."""
+    """Minimum share of the support plane's pixels that lie close to an image edge. With a smaller share, no warning is
+    given.
+    """
     max_things: Share = 0.02
-    """Maximum share of the frame's measured pixels that stand on the support for the warning."""
+    """Maximum share of the frame's measured pixels that stand on the support plane. With a larger share, no warning is
+    given.
+    """
 
 
 class DepthContours(Settings):
     """Contours that are added to the boundary map: depth steps and concave creases, found in the depth map only.
 
-    A shadow first gets the depth of its farther side, so that the contour of an object lies where its shadow begins.
+    Shadows are first filled with the depth of their farther side. The contour of an object then lies where the shadow
+    of the object begins.
     """
 
     max_shadow_px: Length_px = 60
-    """Maximum width of a shadow that gets the depth of its farther side, px."""
+    """Maximum width of a shadow that is filled with the depth of its farther side, px. Wider shadows stay missing."""
     step_offset_px: Offset_px = 2
-    """Distance from a pixel to the depth samples on both sides of it, px."""
+    """Distance from a pixel to the depth samples on both sides that measure a depth step, px. Larger values bridge
+    wider depth ramps.
+    """
     step_m: NotNegative = 0.015
-    """Minimum bend of the depth at a step, m. Larger values give fewer contours."""
+    """Minimum second difference of depth at a depth step, m. Larger values give fewer contours."""
     step_per_m: NotNegative = 0.012
-    """Minimum bend of the depth at a step per squared distance, 1/m, so that noise at long range makes no step. The
-    larger of this limit and `step_m` applies.
+    """Minimum second difference of depth at a depth step per squared distance, 1/m. The limit is max(`step_m`,
+    `step_per_m` * distance^2). Larger values find fewer false steps in noise at long range.
     """
     crease_offset_px: Offset_px = 5
     """Distance between the three depth samples that measure a concave crease, px."""
     crease_low_deg: Angle_deg = 30.0
-    """Minimum angle of a concave crease, degrees."""
+    """Minimum angle between the two sides of a concave crease, degrees. Larger values give fewer contours."""
     crease_high_deg: Angle_deg = 140.0
-    """Maximum angle of a concave crease, degrees. Larger values give more contours. 0 finds no creases."""
+    """Maximum angle between the two sides of a concave crease, degrees. Larger values give more contours. 0 finds no
+    creases.
+    """
     crease_noise: NotNegative | None = None
-    """Minimum depth of a crease behind the line between its two sides, as a multiple of the frame's depth noise. None:
-    every crease counts, even if its sides are short.
+    """Minimum depth of a crease behind the line between its two sides, as a multiple of the frame's depth noise. Larger
+    values find fewer creases in noise. None: no minimum.
     """
     holes_from: Share | None = None
-    """Minimum share of missing depth in the frame at which hole outlines become contours. The image edges inside holes
-    then become contours too, so that regions do not leak through. None: off.
+    """Minimum share of missing depth in a frame at which hole outlines become contours. Image edges inside holes then
+    become contours too, so that the holes do not connect regions. None: off.
     """
 
 
@@ -150,49 +162,59 @@ class Merging(Settings):
     max_mean: Share = 0.4
     """Maximum mean boundary value along the common border of two regions that are merged. Larger values merge more."""
     line: Share = 0.35
-    """Minimum boundary value of a pixel that counts as part of a line."""
+    """Minimum boundary value of a pixel that counts as part of a boundary line. Larger values give fewer lines."""
     min_open_px2: Area_px2 = 200.0
-    """Minimum number of a region's pixels that are not on lines. A region with fewer joins the neighbour with the
-    weakest border.
+    """Minimum area of a region outside boundary lines, px^2. A region with a smaller area is merged with the neighbour
+    across the weakest border.
     """
 
 
 class Refinement(Settings):
     """Refinement of object outlines by colour where depth is missing or smeared.
 
-    All pixels in a band along the borders of objects are assigned anew. A spanning forest over colour differences grows
-    from the pixels outside the band. The forest gives each pixel of the band to an object or to the background.
+    The pixels in a band along object borders lose their labels. A spanning forest over colour differences grows from
+    the pixels outside the band. The forest assigns each pixel of the band to an object or to the background.
     """
 
     ramp_factor: NotNegative = 5.0
-    """Width of the band per pixel of ramp width. A ramp is a depth step that is spread over several pixels. Ramps are
-    wide in stereo depth and narrow in structured-light depth.
+    """Width of the band of refined pixels, as a multiple of the ramp width. A ramp is a depth step that is spread over
+    several pixels, as in stereo depth. Larger values refine more pixels.
     """
     min_width_px: Length_px = 2
-    """Minimum width of the band on each side of a border, px, even if the frame has no ramps."""
+    """Minimum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
     max_width_px: Length_px = 10
-    """Maximum width of the band on each side of a border, px."""
+    """Maximum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
-    """Maximum width of the band at missing depth, such as shadows and rims of objects, px."""
+    """Maximum width of the band of refined pixels next to missing depth, such as shadows, px. Larger values refine more
+    pixels.
+    """
     near_hole_px: Length_px = 1
-    """Distance to missing depth up to which measured depth is treated as unreliable, px."""
+    """Distance to missing depth up to which the band of refined pixels has `hole_width_px` as its maximum, px."""
     reach_px: Offset_px = 8
-    """Length on each side of a border along which ramp widths are measured, px."""
+    """Distance from a border up to which ramp widths are measured, px."""
     min_profiles: Annotated[int, Field(ge=1)] = 40
-    """Minimum number of depth steps to measure ramp widths from. With fewer, the band has its minimum width."""
+    """Minimum number of depth steps from which the ramp width is measured. With fewer steps, the band of refined pixels
+    has the width `min_width_px`.
+    """
     max_opened: Share = 0.6
-    """Maximum share of a small object's layers of pixels that belong to the band. The innermost layers stay."""
+    """Maximum share of an object's thickness that the band of refined pixels may cover. The innermost pixels keep their
+    label, so that small objects do not vanish. Larger values refine more pixels.
+    """
     min_solidity: Share | None = 0.5
-    """Minimum solidity of an object, which is the share of its convex hull that it fills. Background inside the hull is
-    then assigned anew too. None: off.
+    """Minimum share of the convex hull that an object fills (solidity). If an object has at least this solidity,
+    background pixels inside its hull are refined too. None: off.
     """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the colour image before differences are taken, px. 0 does not smooth."""
+    """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, px. 0 does not
+    smooth. Larger values suppress more noise.
+    """
     step_m: Positive = 0.018
-    """Depth difference between neighbours that counts as a full step, m."""
+    """Depth difference between neighbouring pixels that counts as a full depth step, m. Larger values give depth less
+    influence.
+    """
     step_per_m: NotNegative = 0.0083
-    """Depth difference per squared distance that counts as a full step, 1/m. The larger of this limit and `step_m`
-    applies.
+    """Depth difference per squared distance that counts as a full depth step, 1/m. The limit is max(`step_m`,
+    `step_per_m` * distance^2).
     """
     step_weight: NotNegative = 40.0
     """Weight of a full depth step between measured pixels, in grey levels of colour difference. Larger values keep
@@ -201,32 +223,32 @@ class Refinement(Settings):
 
 
 class Additions(Settings):
-    """Our additions to the paper. Each is off by default."""
+    """Our additions to the paper. All additions are off by default."""
 
     support: Support | None = None
-    """Find the support plane, and reject regions that do not stand above it."""
+    """Find the support plane, and reject regions that are not above the plane."""
     packing: Packing | None = None
-    """Warn if a layer of packed objects may have been mistaken for the support. No region is rejected."""
+    """Warn if a layer of packed objects may have been mistaken for the support plane. No region is rejected."""
     contours: DepthContours | None = None
-    """Add depth steps and creases to the boundary map. Effective only if the cost function reads the map."""
+    """Add depth steps and creases to the boundary map. Effective only if the cost function reads the boundary map."""
     merging: Merging | None = None
     """Merge regions over their whole common border. Effective only if the cost function reads the boundary map."""
     joining: Joining | None = None
-    """Join the parts of an object that the partition separated. Requires a support."""
+    """Join the parts of an object that the partition separated. Requires `support`."""
     rules: Rules = Rules()
     """Reject more regions than the rules of the paper do."""
     refinement: Refinement | None = None
     """Refine the outlines of objects by colour where depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0
-    """Depth difference per squared distance that eq. 9 treats as zero, 1/m. Steps of quantised depth would otherwise
-    remain as borders inside large regions.
+    """Depth difference per squared distance that eq. 9 treats as zero, 1/m. Larger values remove more of the borders
+    that the steps of quantised depth leave inside large regions.
     """
     line_px: Offset_px = 1
-    """Width of the lines of E_F before they are blurred, px. 1 is eq. 20."""
-    lengths_grow: bool = False
-    """Let lengths in pixels grow with the image. An image of twice the resolution then shows the same edges, twice as
-    wide.
+    """Width of the boundary lines E_F before blurring, px. The value 1 is eq. 20. Larger values close gaps in the
+    lines.
     """
+    lengths_grow: bool = False
+    """Scale lengths in pixels with the image. All lengths are stated for a 640x480 image."""
     resolution: Literal["full", "half"] = "full"
     """Image size at which the frame is partitioned. `half` halves width and height, and then refines the outlines of
     objects at full size. At 1280x720, `half` takes less than half of the time, but loses objects of a few pixels.

@@ -25,18 +25,18 @@ from spigolo.settings.parameters import Parameters, Settings, parse_toml
 
 
 class Config(Parameters):
-    """All parameters of the method. They are frozen, and `replace` returns a changed copy."""
+    """All parameters of the method. Instances are frozen, and `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. `replace` keeps it, so `digest` tells changed values apart."""
+    """Name of the preset. `replace` keeps the name, but `digest` changes with the values."""
     depth: DepthConfig = DepthConfig()
     """Preparation and comparison of depth (eqs. 5-9)."""
     color: ColorConfig = ColorConfig()
     """Colour difference (eq. 4)."""
     saliency: SaliencyConfig = SaliencyConfig()
-    """Saliency (eq. 10), for cost functions that read it."""
+    """Saliency map (eq. 10), which only some cost functions use."""
     edges: EdgesConfig = EdgesConfig()
-    """Object boundaries (eqs. 12-20), for cost functions that read them."""
+    """Object boundaries (eqs. 12-20), which only some cost functions use."""
     cost: Cost = BoundaryCost()
     """Weight of a graph edge (eqs. 22, 23)."""
     partition: Partition = Partition()
@@ -44,7 +44,7 @@ class Config(Parameters):
     rejection: Rejection = Rejection()
     """Rejection of regions (section III-F)."""
     additions: Additions | None = None
-    """Our additions. None: the paper's method."""
+    """Our additions to the paper. None: the method of the paper."""
 
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:
@@ -53,8 +53,8 @@ class Config(Parameters):
         return self
 
     def at_size(self, shape: tuple[int, int], lengths: bool = False) -> Config:
-        """Return a copy for images of shape (H, W). Lengths grow if `additions.lengths_grow` is set
-        (`Settings.at_size`).
+        """Return a copy for images of shape (H, W). Lengths in pixels grow with the image if `additions.lengths_grow`
+        is set.
         """
         return super().at_size(shape, lengths or (self.additions is not None and self.additions.lengths_grow))
 
@@ -77,8 +77,8 @@ class Config(Parameters):
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
         """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys.
 
-        base: the configuration that the text changes. Instead, a line `base = "TABLE"` in the text may name a preset.
-        Without a base, a missing key keeps its default.
+        base: the configuration that the text changes. A line `base = "TABLE"` in the text takes precedence and names a
+        preset. Without a base, missing keys get their default values.
         """
         values = parse_toml(text)
         named = values.pop("base", None)
@@ -87,7 +87,7 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from those of `old`, as nested mappings. The word "none" stands for
+    """Return the values of `new` that differ from the values in `old`, as nested mappings. The word "none" stands for
     None.
     """
     changes: dict[str, Any] = {}
@@ -105,8 +105,8 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _written(stage: Settings) -> dict[str, Any]:
-    """Return the values by field name. None is left out if it is the default, and else written as "none", as TOML has
-    no null.
+    """Return the values of a stage, indexed by field name. TOML has no null, so None becomes the word "none". None is
+    left out if None is the default.
     """
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():
@@ -119,12 +119,14 @@ def _written(stage: Settings) -> dict[str, Any]:
 
 
 BASES: dict[str, Config] = {}
-"""Presets by name, for the line `base` of a file. The module `presets` fills it."""
+"""Presets, indexed by name, which the line `base` of a preset file can name. The module `presets` fills the mapping."""
 
 
 def base_preset(name: object) -> Config:
-    """Return the preset that the line `base` of a file names. Raises ConfigError, which lists the names."""
-    importlib.import_module("spigolo.settings.presets")  # it imports this module, and fills BASES
+    """Return the preset that the line `base` of a preset file names. Raises ConfigError with the valid names for an
+    unknown name.
+    """
+    importlib.import_module("spigolo.settings.presets")  # `presets` imports this module and fills BASES
     if str(name).upper() not in BASES:
         raise ConfigError(f"unknown preset {str(name)!r} as base: expected one of {', '.join(BASES)}")
     return BASES[str(name).upper()]

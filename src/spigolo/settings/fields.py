@@ -1,4 +1,4 @@
-"""Fields of a preset by dotted name, for flags, sliders and ROS parameters."""
+"""Access to the fields of a preset by dotted name, for command-line flags, sliders and ROS parameters."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ def field_names(config: Config) -> dict[str, str]:
 
 
 def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a model or of a model class. For a stage that is off, yield the fields that it would have."""
+    """Yield the dotted name and help text of each field of a model or model class. The fields of stages that are None
+    are included.
+    """
     kind: type[BaseModel] = model if isinstance(model, type) else type(model)
     for name, field in kind.model_fields.items():
         value = None if isinstance(model, type) else getattr(model, name)
@@ -32,8 +34,8 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def value_at(config: Config, field: str) -> Any:
-    """Return the value at a dotted name. None if the field belongs to a stage that is off or to another cost
-    function.
+    """Return the value of the field with a dotted name. None if the stage of the field is off, or the field belongs to
+    another cost function.
     """
     value: Any = config
     for part in field.split("."):
@@ -42,7 +44,9 @@ def value_at(config: Config, field: str) -> Any:
 
 
 def value_of_text(text: str) -> Any:
-    """Return the value that TOML reads from a text. `1,2` is a list. Text that is not TOML stays text."""
+    """Convert text to a value: a boolean, an integer, a float or a list such as `1,2`. Other text is returned
+    unchanged.
+    """
     if "," in text:
         return [value_of_text(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]
     if text.lower() == "none":

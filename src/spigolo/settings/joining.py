@@ -12,60 +12,76 @@ from spigolo.settings.parameters import Grows, NotNegative, Offset_px, Positive,
 class Vessel(Settings):
     """Conditions to join the wall and the inside of a cup, bowl or pot.
 
-    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of their length.
+    Hollowness is the depth of a region's middle behind its chords along image rows, as a share of the chord length.
     Hollowness is positive for a concave region and negative for a convex one.
     """
 
     min_behind_m: Positive = 0.02
-    """Minimum mean depth step from the wall back to the inside, m."""
+    """Minimum mean depth step from the wall of a vessel back to its inside, m. Larger values join fewer regions."""
     max_hollow_front: float = -0.1
-    """Maximum hollowness of the wall. The wall is convex, so the value is negative."""
+    """Maximum hollowness of the wall of a vessel. Convex surfaces have a negative hollowness. Larger values also accept
+    flatter walls.
+    """
     min_hollow_back: float = -0.11
-    """Minimum hollowness of the inside. The inside looks flat if only its back is seen or depth is missing."""
+    """Minimum hollowness of the inside of a vessel. Negative values also accept an inside that looks flat because depth
+    is missing. Larger values join fewer regions.
+    """
     min_contrast: float = 0.15
-    """Minimum difference between the hollowness of the inside and that of the wall."""
+    """Minimum hollowness of the inside minus hollowness of the wall. Larger values join fewer regions."""
     top_m: NotNegative = 0.008
-    """Maximum height difference between the top of the wall and the top of the inside, m."""
+    """Maximum height difference between the top of the wall and the top of the inside, m. Larger values join more
+    regions.
+    """
     top_share: Share = 0.1
-    """Maximum height difference between both tops, as a share of their height above the support. The larger of this
-    limit and `top_m` applies.
+    """Maximum height difference between the top of the wall and the top of the inside, as a share of their height above
+    the support plane. The limit is max(`top_m`, `top_share` * height). Larger values join more regions.
     """
     min_solidity: Share = 0.87
-    """Minimum solidity of both regions together, which is the share of their convex hull that they fill."""
+    """Minimum share of their common convex hull that the wall and the inside must fill (solidity). Larger values join
+    fewer regions.
+    """
     sure_hollow_back: float = -0.01
-    """Hollowness above which a region is certainly the inside of a vessel."""
+    """Minimum hollowness of a region that is certainly the inside of a vessel. Larger values accept fewer regions."""
     sure_contrast: float = 0.25
-    """Minimum difference in hollowness to the wall for a region that is certainly an inside."""
+    """Minimum hollowness of the inside minus hollowness of the wall for a region that is certainly an inside. Larger
+    values accept fewer regions.
+    """
     sure_solidity: Share = 0.75
-    """Minimum solidity of wall and inside together if the region is certainly an inside."""
+    """Minimum solidity of wall and inside together if one region is certainly the inside of a vessel. Larger values
+    join fewer regions.
+    """
 
 
 class Cap(Settings):
     """Conditions to join the upper face of an object with its side, or the inside of a filled cup with its wall."""
 
     max_gap_m: Positive = 0.025
-    """Maximum mean depth step between both regions, m."""
+    """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
     max_bend_m: float = 0.006
     """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects.
+    two objects. Larger values join more regions.
     """
     top_share: Share = 0.2
-    """Maximum height difference between both tops, as a share of their height above the support."""
+    """Maximum height difference between the tops of the two regions, as a share of their height above the support
+    plane. Larger values join more regions.
+    """
     min_solidity: Share = 0.9
-    """Minimum solidity of both regions together, which is the share of their convex hull that they fill."""
+    """Minimum share of their common convex hull that the two regions must fill (solidity). Larger values join fewer
+    regions.
+    """
 
 
 class Smooth(Settings):
     """Conditions to join two parts of one flat or convex surface that noise separated."""
 
     max_gap_m: Positive = 0.025
-    """Maximum mean depth step across the border, m."""
+    """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
     max_bend_m: float = 0.0015
     """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects.
+    two objects. Larger values join more regions.
     """
     max_boundary: Share = 0.75
-    """Maximum mean boundary value along the border."""
+    """Maximum mean boundary value along the border of the two regions. Larger values join more regions."""
 
 
 class Joining(Settings):
@@ -74,12 +90,13 @@ class Joining(Settings):
     vessel: Vessel | None = None
     """Join the wall of a cup, bowl or pot with its inside."""
     cap: Cap | None = None
-    """Join an upper face with the region below it."""
+    """Join the upper face of an object with the side of the object below."""
     smooth: Smooth | None = None
-    """Join regions whose surface continues across their border."""
+    """Join two parts of one flat or convex surface."""
     enclosed: Share | None = None
-    """Minimum share of a region's surroundings that one object must fill. The region then joins that object although it
-    lies on the support plane. None: off.
+    """Minimum share of the pixels around a region that belong to one object, for the region to be joined with the
+    object. The rule joins regions on the support plane, such as the bottom of a bowl. Larger values join fewer regions.
+    None: off.
     """
     reach_px: Offset_px = 4
     """Distance from a border to the depth samples on both sides, px."""
@@ -88,10 +105,14 @@ class Joining(Settings):
     background.
     """
     min_border_px: Annotated[int, Field(ge=1), Grows()] = 12
-    """Minimum length of a border, px. Shorter borders are not tested."""
+    """Minimum length of a border between two regions, px. Regions with a shorter border are not joined."""
     min_measured: Share = 0.5
-    """Minimum share of a border's pixels, and of a region's pixels, with measured depth."""
+    """Minimum share of pixels with measured depth on a border and in a region. With a smaller share, the rules are not
+    tested.
+    """
     min_above: Share = 0.5
-    """Minimum share of a part's measured pixels above the support. Regions with a smaller share are not joined."""
+    """Minimum share of a region's measured pixels above the support plane. Regions with a smaller share are not
+    joined.
+    """
     max_share: Share = 0.25
-    """Maximum share of the image that a part may cover. Larger regions are not joined."""
+    """Maximum share of the image that a region may cover. Larger regions are not joined."""

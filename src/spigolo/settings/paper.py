@@ -1,9 +1,9 @@
-"""Parameters of the paper, one frozen model for each stage. `settings.additions` has those of our additions.
+"""Parameters of the paper, one frozen model for each stage. `settings.additions` has the parameters of our additions.
 
-Each field states its unit, its range and the origin of its value. "Paper": printed in Toscana & Rosa 2016. "Authors'
-release": taken from the code that they published. "Our choice": the paper does not say, see docs/paper.md. Lengths and
-areas in pixels refer to a 640x480 image. Areas grow with the image. Lengths grow only if `Additions.lengths_grow` is
-set, except those of in-painting, which always grow.
+The text of each field names the origin of its default value. The paper is Toscana & Rosa 2016. The authors' code is the
+code that the authors of the paper published. "Our choice" means that the paper gives no value (docs/paper.md). Lengths
+and areas in pixels refer to a 640x480 image. Areas and the lengths of in-painting are scaled with the image. Other
+lengths are scaled only if `Additions.lengths_grow` is set.
 """
 
 from __future__ import annotations
@@ -27,42 +27,52 @@ from spigolo.settings.parameters import (
 
 
 class Smoothing(Settings):
-    """Depth-dependent smoothing of Holzer et al. 2012 with the paper's mean over valid pixels (eqs. 5-8)."""
+    """Depth-dependent smoothing of Holzer et al. 2012, with the mean over valid pixels of the paper (eqs. 5-8)."""
 
     mean: Literal["valid", "plain", "none"] = "valid"
-    """Mean over the smoothing window. `valid` ignores missing pixels (eq. 8), `plain` counts them as zeros (eq. 5), and
-    `none` does not smooth.
+    """Mean over the smoothing window. `valid` ignores missing pixels (eq. 8), `plain` counts missing pixels as zeros
+    (eq. 5), and `none` does not smooth.
     """
     error_per_m: Positive = 0.0028
-    """Depth error alpha per squared distance, 1/m. Larger values smooth more (authors' release)."""
+    """Depth error alpha per squared distance, 1/m. Larger values smooth more. The default comes from the authors'
+    code.
+    """
     radius_per_error_px_m: Annotated[Positive, Grows()] = 1500.0
-    """Smoothing radius beta per depth error, px/m. Larger values smooth more (authors' release)."""
+    """Smoothing radius beta per depth error, px/m. Larger values smooth more. The default comes from the authors'
+    code.
+    """
     step_factor: Positive = 18.0
-    """Minimum depth difference between neighbours at a depth step, as a multiple of the depth error. No window crosses
-    a step (authors' release).
+    """Minimum depth difference between neighbouring pixels at a depth step, as a multiple of the depth error. No
+    smoothing window crosses a depth step. The default comes from the authors' code.
     """
     max_radius_px: Length_px = 10
-    """Maximum smoothing radius, px. Larger windows round off the creases that eq. 18 measures (our choice)."""
+    """Maximum smoothing radius, px. Larger values round off the creases that eq. 18 measures. The default is our
+    choice.
+    """
     skip_steps: bool = True
-    """Leave pixels on a depth step out of every mean, except if `mean` is `plain` (authors' release)."""
+    """Leave pixels on a depth step out of every mean, except if `mean` is `plain`. The default comes from the authors'
+    code.
+    """
 
 
 class Inpainting(Settings):
     """In-painting of small gaps (paper, section III-E). Large shadows stay missing. The limits are our choice."""
 
     sampling_holes: bool = True
-    """Fill holes of one or two pixels first. A depth map that was warped to a larger colour image has a grid of
-    them.
+    """Fill holes of one or two pixels first. A depth map that was warped to a larger colour image has a grid of such
+    holes.
     """
     max_area_px2: Area_px2 = 400.0
-    """Maximum area of a gap that is filled, px^2 at 640x480."""
+    """Maximum area of a gap that is filled, px^2 at 640x480. Larger values fill larger gaps."""
     max_radius_px: Annotated[Positive, Grows(always=True)] = 6.0
-    """Maximum inscribed radius of a gap that is filled, px at 640x480."""
+    """Maximum inscribed radius of a gap that is filled, px at 640x480. Larger values fill wider gaps."""
     step_m: NotNegative = 0.03
-    """Minimum depth range of a gap's rim, m, at which the gap crosses a depth step. Such a gap gets the far depth."""
+    """Minimum depth range along the rim of a gap, m, at which the gap counts as lying on a depth step. Gaps on a depth
+    step are filled with the far depth.
+    """
     step_share: Share = 0.03
-    """Minimum depth range of a gap's rim at a depth step, as a share of the distance. The larger of this limit and
-    `step_m` applies.
+    """Minimum depth range along the rim of a gap on a depth step, as a share of the distance. The limit is
+    max(`step_m`, `step_share` * distance).
     """
 
 
@@ -70,70 +80,97 @@ class DepthConfig(Settings):
     """Preparation and comparison of depth (eqs. 5-9)."""
 
     smoothing: Smoothing = Smoothing()
-    """Smoothing of the sensor noise (eqs. 5-8)."""
+    """Smoothing of sensor noise (eqs. 5-8)."""
     inpainting: Inpainting | None = None
-    """In-painting of small gaps. None fills no gaps, as the paper does with the first cost function."""
+    """In-painting of small gaps. None fills no gaps, as in the paper with the first cost function."""
     depth_range: Positive | None = None
-    """Depth difference that counts as 1 in eq. 9, m. None: the depth range of each frame (authors' release)."""
+    """Depth difference that counts as 1 in eq. 9, m. None: the depth range of each frame. Larger values reduce the
+    influence of depth. The default comes from the authors' code.
+    """
 
 
 class ColorConfig(Settings):
     """Colour difference (eq. 4)."""
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of RGB, px. 0 does not smooth (authors' release, which smooths after the
-    conversion to HSV).
+    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. The default comes from the authors'
+    code, which smooths the HSV image instead.
     """
     k_dv: Positive = 4.5
-    """Weight of the difference in value (brightness) (paper)."""
+    """Weight of the difference in value, the brightness of HSV. The default comes from the paper."""
     k_ds: NotNegative = 0.1
-    """Weight of the difference in hue and saturation (paper)."""
+    """Weight of the difference in hue and saturation. The default comes from the paper."""
 
 
 class SaliencyConfig(Settings):
     """Centre-surround saliency of Montabone & Soto 2010 and its power law (eq. 10)."""
 
     surrounds_px: Annotated[tuple[Annotated[int, Field(ge=1, le=10_000)], ...], Grows()] = (12, 24, 48, 28, 56, 112)
-    """Half-sizes sigma 2^s of the surrounds, px, for sigma in {3, 7} and s in {2, 3, 4} (Montabone's own code)."""
+    """Half-sizes of the square surrounds, px: sigma 2^s for sigma in {3, 7} and s in {2, 3, 4}. The default comes from
+    Montabone's code.
+    """
     power: Positive = 4.0
-    """Exponent of eq. 10. Larger values keep only the most salient pixels (paper)."""
+    """Exponent of the power law of saliency (eq. 10). Larger values keep only the most salient pixels. The default
+    comes from the paper.
+    """
 
 
 class EdgesConfig(Settings):
-    """Canny on Scharr gradients, and the classification of its pixels as object boundaries (eqs. 12-20)."""
+    """Canny edge detection on Scharr gradients, and classification of the edge pixels as object boundaries (eqs.
+    12-20).
+    """
 
     canny_low: Share = 0.05
-    """Low threshold of Canny as a share of the frame's largest gradient (authors' release)."""
+    """Low threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. The default
+    comes from the authors' code.
+    """
     canny_high: Share = 0.075
-    """High threshold of Canny as a share of the frame's largest gradient (authors' release)."""
+    """High threshold of Canny as a share of the frame's largest gradient. Larger values find fewer edges. The default
+    comes from the authors' code.
+    """
     canny_floor: NotNegative = 60.0
-    """Minimum of the low threshold, in units of the Scharr gradient, so that a plain frame shows no noise (our choice).
-    The high threshold keeps its ratio to the low one.
+    """Minimum of Canny's low threshold, in units of the Scharr gradient. Larger values find fewer edges in the noise of
+    plain frames. The ratio of both thresholds is kept. The default is our choice.
     """
     step_offset_px: Offset_px = 7
-    """Offset epsilon_rho from an edge to the depth samples on both sides, px (authors' release)."""
+    """Offset epsilon_rho from an image edge to the depth samples on both sides, px. The default comes from the authors'
+    code.
+    """
     step_m: Positive = 0.03
-    """Minimum depth difference t_rho at a depth boundary, m. Larger values keep fewer edges (authors' release)."""
+    """Minimum depth difference t_rho at a depth boundary, m. Larger values keep fewer edges. The default comes from the
+    authors' code.
+    """
     signed_step: bool = False
-    """Compare the signed difference, as printed in eq. 13. Edges that are seen from the near side are then missed."""
+    """Compare the signed depth difference, as printed in eq. 13. Edge pixels on the near side of a depth step are then
+    missed.
+    """
     missing_is_boundary: bool = False
-    """Count a missing depth sample as a depth step. By default a missing sample is ignored."""
+    """Count a missing depth sample as a depth step. If False, a missing sample is ignored."""
     contact_offset_px: Offset_px = 5
-    """Offset epsilon_e of the three points of the contact angle, px (authors' release)."""
+    """Offset epsilon_e between the three points that measure the contact angle, px. The default comes from the authors'
+    code.
+    """
     contact_low_deg: Angle_deg = 56.0
-    """Minimum contact angle t_theta_L, degrees (authors' release)."""
+    """Minimum contact angle t_theta_L of a contact boundary, degrees. Larger values find fewer contact boundaries. The
+    default comes from the authors' code.
+    """
     contact_high_deg: Angle_deg = 154.0
-    """Maximum contact angle t_theta_H, degrees (authors' release)."""
+    """Maximum contact angle t_theta_H of a contact boundary, degrees. Larger values find more contact boundaries. The
+    default comes from the authors' code.
+    """
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
-    """Sign of the contact angle. `tangent` takes the cross product along the edge and is right for every direction. `x`
-    takes the x component as printed in eq. 19, which is zero for upright edges. `none` keeps internal boundaries.
+    """Sign of the contact angle. `tangent` uses the cross product along the edge, which is correct for every direction.
+    `x` uses the x component as printed in eq. 19, which is zero for vertical edges. `none` ignores the sign and keeps
+    internal boundaries.
     """
     boundary: Literal["soft", "thin"] = "soft"
-    """Kind of boundary map. `soft` blurs E_F and rescales it to a maximum of 1, which closes gaps (authors' release).
-    `thin` is eq. 20.
+    """Kind of boundary map. `soft` blurs the boundaries E_F and rescales the map to a maximum of 1, which closes gaps.
+    `thin` is eq. 20. The default comes from the authors' code.
     """
     blur_px: Annotated[int, Field(ge=1, le=99), Grows(odd=True)] = 7
-    """Width of the Gaussian that blurs the soft boundary map, px, odd (authors' release)."""
+    """Width of the Gaussian window that blurs the soft boundary map, an odd number of px. Larger values close wider
+    gaps. The default comes from the authors' code.
+    """
 
     @model_validator(mode="after")
     def _ordered(self) -> EdgesConfig:
@@ -153,14 +190,14 @@ class SaliencyCost(Settings):
     kind: Literal["saliency"] = "saliency"
     """Kind of the cost function in preset files."""
     k_x: NotNegative = 1.05
-    """Weight of the depth difference (paper)."""
+    """Weight of the depth difference. The default comes from the paper."""
     k_y: NotNegative = 1.5
-    """Weight of the colour difference (paper)."""
+    """Weight of the colour difference. The default comes from the paper."""
     k_s: NotNegative = 0.5
-    """Weight of the saliency (paper)."""
+    """Weight of the saliency. The default comes from the paper."""
     ends: Ends = "max"
-    """Saliency of a graph edge. `i` takes the value at its first end, as printed. `max` takes the larger of both ends
-    (our choice).
+    """Pixel that gives the saliency of a graph edge. `i` takes the first pixel, as printed in eq. 22. `max` takes the
+    pixel with the larger saliency. The default is our choice.
     """
 
 
@@ -170,12 +207,12 @@ class BoundaryCost(Settings):
     kind: Literal["boundary"] = "boundary"
     """Kind of the cost function in preset files."""
     k_x: NotNegative = 7.5
-    """Weight of the depth and colour term (paper)."""
+    """Weight of the product of depth and colour difference. The default comes from the paper."""
     k_b: NotNegative = 0.66
-    """Weight of the boundary map (paper)."""
+    """Weight of the boundary map. The default comes from the paper."""
     ends: Ends = "max"
-    """Boundary value of a graph edge. `i` takes the value at its first end, as printed. `max` takes the larger of both
-    ends (our choice).
+    """Pixel that gives the boundary value of a graph edge. `i` takes the first pixel, as printed in eq. 23. `max` takes
+    the pixel with the larger value. The default is our choice.
     """
 
     @model_validator(mode="after")
@@ -187,7 +224,7 @@ class BoundaryCost(Settings):
 
 class AutoCost(Settings):
     """Automatic choice between both cost functions by the share of missing depth within the working range. The paper
-    chooses by hand.
+    chooses the cost function by hand.
     """
 
     kind: Literal["auto"] = "auto"
@@ -197,26 +234,30 @@ class AutoCost(Settings):
     shadows: SaliencyCost = SaliencyCost()
     """Cost function for frames with large shadows."""
     max_missing: Share = 0.03
-    """Maximum share of missing depth within the working range at which `full` is used (our choice)."""
+    """Maximum share of missing depth within the working range at which the cost function `full` is used. The default is
+    our choice.
+    """
 
 
 Cost = Annotated[SaliencyCost | BoundaryCost | AutoCost, Field(discriminator="kind")]
 
 
 class Partition(Settings):
-    """Merging by internal difference (eqs. 2, 3)."""
+    """Merging of pixels into regions by internal difference (eqs. 2, 3)."""
 
     gamma: NotNegative = 0.0016
-    """Threshold gamma of eq. 3, weight times pixels. Larger values give larger regions (paper: 5, 0.0016, 0.001)."""
+    """Threshold gamma of eq. 3, in units of edge weight times pixels. Larger values give larger regions. The paper uses
+    5, 0.0016 and 0.001.
+    """
     gamma_shadows: NotNegative | None = None
-    """Threshold gamma of frames with the `shadows` cost of an AutoCost. The weights of that cost function are larger by
-    orders of magnitude.
+    """Threshold gamma of eq. 3 for frames with the cost function `AutoCost.shadows`, whose weights are larger by orders
+    of magnitude. Larger values give larger regions.
     """
     connectivity: Literal[4, 8] = 8
-    """Neighbours of a pixel in the graph (authors' release)."""
+    """Number of neighbours of a pixel in the graph. The default comes from the authors' code."""
     min_size_px2: Area_px2 = 500.0
-    """Minimum area of a region, px^2 at 640x480. A smaller region joins its most similar neighbour (authors'
-    release).
+    """Minimum area of a region, px^2 at 640x480. A smaller region is merged with its most similar neighbour. The
+    default comes from the authors' code.
     """
 
 
@@ -224,16 +265,26 @@ class Rejection(Settings):
     """Rules that reject regions (paper, section III-F). None switches a rule off."""
 
     max_distance_m: Positive | None = None
-    """Reach: maximum distance of a region's centroid from the camera, m (authors' release: 1.8)."""
+    """Maximum distance of a region's centroid from the camera, m. Larger values keep farther regions. None: no limit.
+    The authors' code uses 1.8.
+    """
     max_lambda1_px2: MaxArea_px2 = None
-    """Maximum of the larger eigenvalue of the pixel coordinates' covariance, px^2 (authors' release: 3800)."""
+    """Maximum of the larger eigenvalue of the covariance of a region's pixel coordinates, px^2. Larger values keep
+    longer regions. The authors' code uses 3800.
+    """
     max_lambda2_px2: MaxArea_px2 = None
-    """Maximum of the smaller eigenvalue, px^2 (authors' release: 950)."""
+    """Maximum of the smaller eigenvalue of the covariance of a region's pixel coordinates, px^2. Larger values keep
+    wider regions. The authors' code uses 950.
+    """
     max_eccentricity: Share | None = None
-    """Maximum eccentricity sqrt(1 - lambda2 / lambda1). Larger values keep longer regions (authors' release: 0.978)."""
+    """Maximum eccentricity sqrt(1 - lambda2 / lambda1) of a region. Larger values keep more elongated regions. The
+    authors' code uses 0.978.
+    """
     max_missing: Share | None = None
-    """Maximum share of pixels without depth. Missing depth is counted after in-painting if in-painting is on (paper:
-    0.3, without in-painting).
+    """Maximum share of a region's pixels without depth, counted after in-painting. Larger values keep more regions. The
+    paper uses 0.3 without in-painting.
     """
     max_dark: Share | None = None
-    """Maximum share of pixels in the three darkest of 32 brightness bins, which are 0..23 of 255 (paper: 0.3)."""
+    """Maximum share of a region's pixels with a brightness from 0 to 23 of 255, the three darkest of 32 bins. Larger
+    values keep darker regions. The paper uses 0.3.
+    """

@@ -1,4 +1,6 @@
-"""Base of all parameter models. Models are frozen and validated, with a one-line message for a wrong value."""
+"""Base classes of all parameter models. Models are frozen and validated. A wrong value raises an error with a one-line
+message.
+"""
 
 from __future__ import annotations
 
@@ -22,19 +24,21 @@ else:
     import tomli as tomllib
 
 VGA_PX = 640 * 480
-"""Number of pixels of the image to which all lengths and areas in pixels refer."""
+"""Number of pixels of the 640x480 image to which all lengths and areas in pixels refer."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grows:
-    """Marker of a length in pixels of a 640x480 image. odd: the length stays odd. always: see `Settings.at_size`."""
+    """Marker of a length in pixels of a 640x480 image. odd: True to keep the length odd. always: True to scale the
+    length even if `Additions.lengths_grow` is off.
+    """
 
     odd: bool = False
     always: bool = False
 
     def times(self, length: float, factor: float) -> float:
-        """Return the length in an image `factor` times larger. An integer stays an integer, which is either 0 or at
-        least 1.
+        """Return the length in an image whose sides are `factor` times longer. An integer is rounded to at least 1, and
+        0 stays 0.
         """
         if isinstance(length, float):
             return length * factor
@@ -63,8 +67,8 @@ S = TypeVar("S", bound="Settings")
 
 
 class Settings(BaseModel):
-    """Parameters of one stage. They are frozen, and `replace` returns a changed copy. Raises ConfigError for a wrong
-    value.
+    """Parameters of one stage. Instances are frozen, and `replace` returns a changed copy. Raises ConfigError for a
+    wrong value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
@@ -78,8 +82,8 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
-        """Read the word "none" as None for fields that may be None. Preset files and flags have no other word for
-        None.
+        """Convert the word "none" to None for fields that may be None. Preset files and flags cannot express None
+        otherwise.
         """
         if not isinstance(values, Mapping):
             return values
@@ -92,7 +96,7 @@ class Settings(BaseModel):
     def replace(self: S, **changes: Any) -> S:
         """Return a validated copy. Names may be dotted: `replace(**{"partition.gamma": 0.004})`.
 
-        A mapping changes only the fields it names: `replace(partition={"gamma": 0.004})`.
+        A mapping changes only the fields that it names: `replace(partition={"gamma": 0.004})`.
         """
         values = self.model_dump()
         for key, value in changes.items():
@@ -101,10 +105,11 @@ class Settings(BaseModel):
         return type(self)(**values)
 
     def at_size(self: S, shape: tuple[int, int], lengths: bool = False) -> S:
-        """Return a copy for images of shape (H, W). Call it only once, as lengths and areas would grow again.
+        """Return a copy for images of shape (H, W). Call `at_size` only once, because a second call scales the lengths
+        and areas again.
 
-        Areas grow with the number of pixels. Lengths marked `always` grow with the image too. Other lengths grow only
-        with `lengths`, as all images of the paper have 640x480 pixels.
+        Areas grow with the number of pixels. Lengths marked with `Grows.always` grow with the image. Other lengths grow
+        only if `lengths` is True.
         """
         area = shape[0] * shape[1] / VGA_PX
         return self if area == 1 else self._grown(area, lengths)
@@ -153,8 +158,8 @@ def _nest(dotted: str, value: Any) -> Any:
 
 
 def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Merge `changes` into `values` in place, for nested mappings too. Another `kind` of cost replaces the whole
-    mapping.
+    """Merge `changes` into `values` in place, including nested mappings. If the `kind` of a cost function changes, the
+    whole mapping of the cost function is replaced.
     """
     for key, new in changes.items():
         old = values.get(key)
@@ -169,7 +174,7 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
     inner = first.get("ctx", {}).get("error")
     if isinstance(inner, ConfigError):
         return str(inner)
-    # pydantic puts the kind of a cost into the location as if it were a field
+    # pydantic puts the kind of a cost function into the location as if the kind were a field
     where = ".".join(str(part) for i, part in enumerate(first["loc"]) if i == 0 or str(part) not in _kinds(model))
     if first["type"] == "extra_forbidden":
         wrong = str(first["loc"][-1])
@@ -183,7 +188,7 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Yield the models in an annotation, including those inside unions."""
+    """Yield the models in a type annotation, including the members of unions."""
     for part in (annotation, *getattr(annotation, "__args__", ())):
         if isinstance(part, type) and issubclass(part, BaseModel):
             yield part
@@ -192,13 +197,13 @@ def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _kinds(model: type[BaseModel]) -> set[str]:
-    """Return the values of the field `kind` in a model and its parts."""
+    """Return the values of the field `kind` in a model and in its nested models."""
     kinds = {str(model.model_fields["kind"].default)} if "kind" in model.model_fields else set()
     return kinds.union(*(_kinds(part) for f in model.model_fields.values() for part in _parts(f.annotation)))
 
 
 def _paths(model: type[BaseModel]) -> Iterator[str]:
-    """Yield the dotted names of a model's fields, including the fields of its stages."""
+    """Yield the dotted names of all fields of a model, including the fields of nested models."""
     for name, field in model.model_fields.items():
         yield name
         for part in _parts(field.annotation):

@@ -1,8 +1,8 @@
-"""Presets: the three of the paper, and OBJECTS for all other data.
+"""Presets: SHELF, TABLE and CLUTTER of the paper, and OBJECTS for all other data.
 
-SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that it does not print
-come from the authors' release. OBJECTS adds our additions and is fitted to real frames of several sensors. OBJECTS is
-versioned: OBJECTS_1 never changes, and OBJECTS is the newest version.
+SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that the paper does not
+print come from the code that its authors published. OBJECTS contains our additions and is fitted to real frames of
+several sensors. OBJECTS is the newest of the versions OBJECTS_1, OBJECTS_2 and so on, which never change.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ SHELF = Config(
     partition=Partition(gamma=5.0),
     rejection=_RELEASE.replace(max_missing=0.3, max_dark=0.3),
 )
-"""Rutgers APC: shelves, low light, large shadows (paper, section IV-A)."""
+"""Preset for the data set Rutgers APC: shelves, low light, large shadows (paper, section IV-A)."""
 
 TABLE = Config(
     name="TABLE",
@@ -43,7 +43,7 @@ TABLE = Config(
     partition=Partition(gamma=0.0016),
     rejection=_RELEASE,
 )
-"""RGB-D Scenes: table-tops with nearly full depth (paper, section IV-B)."""
+"""Preset for the data set RGB-D Scenes: table-tops with nearly full depth (paper, section IV-B)."""
 
 CLUTTER = Config(
     name="CLUTTER",
@@ -52,7 +52,7 @@ CLUTTER = Config(
     partition=Partition(gamma=0.001),
     rejection=_RELEASE,
 )
-"""Multiple instances in clutter (paper, section IV-C)."""
+"""Preset for several instances of an object in clutter (paper, section IV-C)."""
 
 OBJECTS_1 = Config(
     name="OBJECTS_1",
@@ -68,7 +68,7 @@ OBJECTS_1 = Config(
         noise_per_m=0.0028,
     ),
 )
-"""Fitted to real frames of several sensors (docs/objects.md)."""
+"""First version of OBJECTS, fitted to real frames of several sensors (docs/objects.md)."""
 
 OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
@@ -101,8 +101,8 @@ OBJECTS_2 = OBJECTS_1.replace(
         "lengths_grow": True,
     },
 )
-"""OBJECTS_1 plus the support plane, joined parts, rules against walls, sizes in metres, outlines refined by colour, and
-lengths that grow with the image.
+"""Second version of OBJECTS. Additions to OBJECTS_1: joining of parts, rules against walls, size limits in metres, and
+outlines refined by colour.
 """
 
 OBJECTS = OBJECTS_2
@@ -128,15 +128,15 @@ SUMMARIES = {
 
 
 WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
-"""Names of the tables in a file that holds a whole preset."""
+"""Names of the TOML tables that a file with a whole preset must contain."""
 
 
 def preset(name: str | Path) -> Config:
-    """Return the preset of a name, in upper or lower case, or the preset in a TOML file.
+    """Return the preset with a name, in upper or lower case, or the preset in a TOML file.
 
-    A line `base = "TABLE"` in the file starts from that preset. The file then holds only the differences, and "none"
-    switches a rule off. Without that line the file holds all fields, as written by `to_toml`. Raises ConfigError for an
-    unknown name or key.
+    A line `base = "TABLE"` in the file starts from that preset. A file with a line `base` contains only the fields that
+    differ from the preset, and "none" switches a rule off. A file without a line `base` contains all fields, as written
+    by `to_toml`. Raises ConfigError for an unknown name or key.
     """
     if str(name).upper() in PRESETS:
         return PRESETS[str(name).upper()]

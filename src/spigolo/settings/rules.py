@@ -1,4 +1,6 @@
-"""Parameters of the rules that reject or keep regions, in addition to those of the paper (`Additions.rules`)."""
+"""Parameters of our rules that reject or keep regions (`Additions.rules`). `settings.paper` has the rules of the
+paper.
+"""
 
 from __future__ import annotations
 
@@ -12,45 +14,54 @@ from spigolo.settings.parameters import Angle_deg, Grows, NotNegative, Positive,
 class Wall(Settings):
     """Rules that reject walls and rims of bins and shelves, which are as tall as objects.
 
-    An object stands free: the depth beyond its own outline is larger by a step. Where the other side is nearer by a
-    step, the outline belongs to the object in front and does not count.
+    Along the outline of a free-standing object, depth increases by a step. Parts of the outline where depth decreases
+    by a step belong to an object in front and are not counted.
     """
 
     min_hides: Share = 0.15
-    """Minimum share of a region's own outline beyond which the depth is larger by a step. The image border does not
-    count as such a step.
+    """Minimum share of a region's outline along which depth increases by a step. Regions with a smaller share are
+    rejected. The image border does not count as a step.
     """
     min_hides_cut: NotNegative = 0.7
-    """Increase of the minimum `min_hides`, per share of the outline that lies on the image border."""
+    """Increase of `min_hides` for regions at the image border, multiplied by the share of the outline on the image
+    border. Larger values reject more regions.
+    """
     slant_deg: Angle_deg = 36.0
-    """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The faces
-    of a whole object look towards the camera on average, in contrast to the side of a compartment.
+    """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The
+    visible faces of a whole object look towards the camera on average. The side wall of a compartment does not. Larger
+    values reject fewer regions.
     """
     hides_per_deg: NotNegative = 0.025
-    """Increase of the minimum `min_hides` for each degree above `slant_deg`."""
+    """Increase of `min_hides` for each degree above `slant_deg`, 1/degree. Larger values reject more slanted
+    regions.
+    """
     min_height_m: Positive = 0.06
-    """Minimum height above the support that 5 % of a region must reach for the test, m. Lower objects hide too little.
-    Without a support, every region is tested.
+    """Minimum height above the support plane that 5 % of a region must reach to be tested as a wall, m. Lower regions
+    are not tested. Without a support plane, every region is tested.
     """
     min_measured: Share = 0.4
-    """Minimum share of a region's outline with depth on both sides. Regions with a smaller share are not tested."""
+    """Minimum share of a region's outline with depth on both sides. Regions with a smaller share are not tested as
+    walls.
+    """
     reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
-    """Distance from the outline to the depth samples on both sides, px. This length always grows with the image."""
+    """Distance from a region's outline to the depth samples on both sides, px. This length always grows with the
+    image.
+    """
     shadow_px: Annotated[int, Field(ge=0, le=1000), Grows(always=True)] = 60
     """Maximum width of missing depth beyond an outline across which depths are compared, px. This length always grows
     with the image.
     """
     step_m: NotNegative = 0.012
-    """Minimum depth step beyond a region's outline, m, in addition to the slope of the region there. The limit is the
-    sum of `step_m` and of `step_share` times the distance.
+    """Minimum depth step across a region's outline, m, in addition to the slope of the region. The limit is `step_m` +
+    `step_share` * distance. Larger values find fewer steps and reject more regions.
     """
     step_share: Share = 0.006
-    """Minimum depth step beyond a region's outline, as a share of the distance. The limit is the sum of `step_m` and of
-    this share times the distance.
+    """Minimum depth step across a region's outline, as a share of the distance. The limit is `step_m` + `step_share` *
+    distance. Larger values find fewer steps and reject more regions.
     """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
-    """Maximum ratio of length to width of a region that the image border cuts off. Longer regions are rails, rims or
-    legs. None: no limit.
+    """Maximum ratio of length to width of a region that the image border cuts off. Longer regions are rejected as
+    rails, rims or legs. None: no limit.
     """
 
 
@@ -58,39 +69,43 @@ class Ledge(Settings):
     """Rule that keeps flat objects, which are too low for a strong boundary."""
 
     min_share: Share = 0.5
-    """Minimum share of a region's outline along which its height above the support changes by a step. Such a region is
-    kept even if its mean boundary value is below `min_contour`.
+    """Minimum share of a region's outline along which the height above the support plane changes by a step. A region
+    with at least this share is kept even if its mean boundary value is below `min_contour`.
     """
     step_m: Positive = 0.006
-    """Minimum step in height at the outline, m."""
+    """Minimum step in height above the support plane along a region's outline, m. Larger values keep fewer regions."""
     step_per_m: NotNegative = 0.0056
-    """Minimum step in height per squared distance, 1/m: twice the depth error. The larger of this limit and `step_m`
-    applies.
+    """Minimum step in height along a region's outline per squared distance, 1/m. The limit is max(`step_m`,
+    `step_per_m` * distance^2). Larger values keep fewer regions.
     """
 
 
 class Rules(Settings):
-    """Rules that reject regions, in addition to those of the paper. None switches a rule off."""
+    """Rules that reject regions, in addition to the rules of the paper. None switches a rule off."""
 
     wall: Wall | None = None
-    """Reject tall regions that hide nothing behind them. Requires a support."""
+    """Reject tall regions without depth steps along their outline, such as the walls of a bin. Requires
+    `additions.support`.
+    """
     ledge: Ledge | None = None
-    """Keep flat regions with a weak boundary if the height changes by a step along their outline. Requires a support
-    and `wall`.
+    """Keep flat regions with a weak boundary if the height changes by a step along their outline. Requires
+    `additions.support` and `wall`.
     """
     min_contour: Share | None = None
-    """Minimum mean boundary value along a region's border. If the cost function reads no boundary map, the edge weights
-    are used.
+    """Minimum mean boundary value along a region's border. Regions with a smaller value are rejected. If the cost
+    function reads no boundary map, the edge weights are used.
     """
     min_contour_holes: Share | None = None
-    """Minimum mean boundary value in frames whose hole outlines are contours (`DepthContours.holes_from`). In these
-    frames almost every region has contours. None: `min_contour` applies there too.
+    """Minimum mean boundary value along a region's border in frames whose hole outlines are contours
+    (`DepthContours.holes_from`). None: `min_contour` applies to all frames.
     """
     metric: bool = False
     """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
     max_length_m: Positive | None = None
-    """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. It differs from
-    the length of the oriented box, which is measured in space between the outermost points. None: no limit.
+    """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. The oriented
+    box of an object may have another length. Larger values keep longer regions. None: no limit.
     """
     max_width_m: Positive | None = None
-    """Maximum width of a region, m, estimated by the same rectangle as its length. None: no limit."""
+    """Maximum width of a region, m, estimated by a rectangle with the region's spread at its distance. Larger values
+    keep wider regions. None: no limit.
+    """

@@ -1,12 +1,11 @@
-"""Sources of frames: folders, published data sets, ROS bags, cameras. Each source yields Frames.
+"""Sources of frames: folders, published data sets, ROS bags, cameras. Each source is an iterable of `Frame` objects.
 
     with sp.open_source("recording.mcap") as source:
         for frame in source:
             result = segmenter(frame)
     print(source.report())
 
-| source | example | needs |
-|---|---|---|
+| source | example | required extra | |---|---|---|
 | image files and folders | `recordings/` | |
 | published data sets and TUM lists | `dataset:rgbd-scenes/` | |
 | ROS 1 and ROS 2 bags (.bag, .db3, .mcap) | `recording.mcap` | `spigolo[bags]` |

@@ -1,6 +1,6 @@
 """Source for recordings of ROS 1 and ROS 2, read by rosbags without ROS.
 
-All stamps are read first. The number of frames is then known, and every image is paired with its nearest partner.
+A first pass over the bag reads all stamps, pairs colour and depth images, and counts the frames.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from spigolo.sources.topics import IMAGE_TYPES, INFO_TYPE, Topics, choose_topics
 
 PIP = 'pip install "spigolo[bags]"'
 REALSENSE = "/device_0/sensor_"
-"""Prefix of the topics in a recording of the RealSense SDK."""
+"""Prefix of the topic names in a recording of the RealSense SDK."""
 
 
 class Stamped(NamedTuple):
-    """One image message: where it is, and the time of its image."""
+    """Position of an image message in a bag, and the stamp of the image."""
 
     stamp_ns: int
-    """Stamp of the image."""
+    """Stamp of the image, ns."""
     number: int
     """Number of the message in its topic, from 0."""
     written_ns: int
-    """Time at which the recorder wrote it, by which a bag is searched."""
+    """Time at which the recorder wrote the message, ns. Messages in a bag are searched by the time of writing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +48,7 @@ class Content:
     topics: Topics
     """Topics of colour, depth and CameraInfo."""
     partner: dict[tuple[str, int], int]
-    """Number of the pair, indexed by topic and message number."""
+    """Number of the pair that a message belongs to, indexed by topic and message number."""
     pairs: tuple[tuple[Stamped, Stamped], ...]
     """Colour and depth message of each pair."""
     headless: frozenset[tuple[str, int]]
@@ -58,11 +58,13 @@ class Content:
     info: Any
     """First readable CameraInfo message, or None."""
     cut: str
-    """Reason why reading stopped before the end of the file. Empty if it did not stop."""
+    """Reason why reading stopped before the end of the file. Empty if the whole file was read."""
 
 
 class BagSource(SizedSource):
-    """Frames of a bag: pairs of colour and depth whose stamps differ by at most the tolerance."""
+    """Source for ROS bags. A frame is a pair of a colour and a depth image whose stamps differ by at most the
+    tolerance.
+    """
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
@@ -93,7 +95,7 @@ class BagSource(SizedSource):
         return tuple(listed(self._path)) if self._path.is_dir() else (self._path,)
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began, with the pairing tolerance."""
+        """Return the counts of frames since the last iteration began, with the pairing tolerance."""
         counts = super().report()
         return replace(counts, tolerance_ms=self.options.tolerance_ms)
 
@@ -118,7 +120,7 @@ class BagSource(SizedSource):
             self._skip(self.name, FileError(f"the recording cannot be read to its end: {content.cut}"))
 
     def _count_single(self, topic: str, number: int, data: bytes) -> None:
-        """Count a message without a partner as unmatched, or as broken if it is unreadable."""
+        """Count a message without a partner as unmatched, or as broken if the message is unreadable."""
         name = f"{topic}, message {number}"
         if (topic, number) in self.content.headless:
             self._skip(name, FrameError(f"too short for a stamp ({len(data)} bytes)"))
@@ -138,7 +140,7 @@ class BagSource(SizedSource):
             return None
 
     def _read(self, pair: int, messages: dict[str, bytes]) -> Frame:
-        """Return the frame of the two messages of a pair. Raises SpigoloError."""
+        """Decode the two messages of a pair to a frame. Raises SpigoloError."""
         topics, own = self.content.topics, self.options
         color = self._decode(topics.color, messages[topics.color])
         depth = self._decode(topics.depth, messages[topics.depth])
@@ -155,7 +157,7 @@ class BagSource(SizedSource):
         return known_camera(given, width, height)
 
     def _decode(self, topic: str, data: bytes) -> Any:
-        """Return the array of an image message. Raises FrameError for any error of the deserialiser."""
+        """Decode an image message to an array. Raises FrameError for a damaged message."""
         message = self._decoder.message(data, self._types[topic])
         read = depth_of if topic == self.content.topics.depth else color_of
         return read(message, self.options.max_pixels)
@@ -165,7 +167,7 @@ class BagSource(SizedSource):
         numbers = {topics.color: 0, topics.depth: 0}
         with closing(_open(self._path)) as reader:
             wanted = [c for c in reader.connections if c.topic in numbers]
-            with suppress(Exception):  # the first pass has recorded why the file ends early
+            with suppress(Exception):  # the first pass has recorded the reason in Content.cut
                 for connection, _, data in reader.messages(connections=wanted):
                     number = numbers[connection.topic]
                     numbers[connection.topic] += 1
@@ -190,29 +192,29 @@ class BagSource(SizedSource):
 
 
 class _Decoder:
-    """Deserialiser of messages. Messages can be read after the file is closed."""
+    """Deserialiser of ROS messages, which also works after the bag is closed."""
 
     def __init__(self, reader: Any) -> None:
         self._reader, store = reader, reader.typestore
         self._deserialize = store.deserialize_cdr if reader.is2 else store.deserialize_ros1
 
     def message(self, data: bytes, kind: str) -> Any:
-        """Return a deserialised message. Raises FrameError for any error of the deserialiser."""
+        """Deserialise a message. Raises FrameError for a damaged message."""
         try:
             return self._deserialize(data, kind)
         except Exception as error:  # damaged bytes may raise any exception
             raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
 
     def first(self, connections: Sequence[Any]) -> Any:
-        """Return the first readable message of some connections, or None."""
-        with suppress(Exception):  # the first pass reports errors in the file
+        """Return the first readable message of the connections, or None."""
+        with suppress(Exception):  # errors in the file are reported by the first pass over all stamps
             for connection, _, data in self._reader.messages(connections=connections) if connections else ():
                 with suppress(FrameError):
                     return self.message(data, connection.msgtype)
         return None
 
     def holds_depth(self, connection: Any) -> bool:
-        """Return True if the first readable image of a topic is depth. If no image is readable, the topic's name
+        """Return True if the first readable image of a topic is depth. If no image is readable, the name of the topic
         decides.
         """
         message = self.first([connection])
@@ -224,7 +226,7 @@ Stamps = dict[str, list[Stamped]]
 
 
 def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[str, int]], str]:
-    """Return the stamps, the messages without a stamp, and the reason if the file is not readable to its end."""
+    """Return the stamps, the messages without a stamp, and the reason if reading stopped before the end of the file."""
     stamps: Stamps = {topics.color: [], topics.depth: []}
     numbers, headless = dict.fromkeys(stamps, 0), set()
     wanted = [c for c in reader.connections if c.topic in stamps]
@@ -243,7 +245,7 @@ def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[s
 
 
 def _find(reader: Any, topic: str, wanted: Stamped) -> bytes:
-    """Return the bytes of one message, found by the time at which it was written. Raises FrameError."""
+    """Search a message in a bag by its time of writing, and return its bytes. Raises FrameError."""
     connections = [c for c in reader.connections if c.topic == topic]
     at = wanted.written_ns
     try:
@@ -256,13 +258,13 @@ def _find(reader: Any, topic: str, wanted: Stamped) -> bytes:
 
 
 def is_of_realsense(path: Path) -> bool:
-    """Return True if a bag was recorded by the RealSense SDK. Depth in such bags is not registered to colour."""
+    """Return True if a bag was recorded by the RealSense SDK, which does not register depth to colour in recordings."""
     with closing(_open(path)) as reader:
         return any(c.topic.startswith(REALSENSE) for c in reader.connections)
 
 
 def _open(path: Path) -> Any:
-    """Return an open reader of a bag. Raises FileError."""
+    """Open a bag and return its reader. Raises FileError."""
     try:
         reading = importlib.import_module("rosbags.highlevel")
         typesys = importlib.import_module("rosbags.typesys")
@@ -289,7 +291,9 @@ def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:
 
 
 def _camera_info(info: Any, topic: str) -> Any:
-    """Return CameraInfo in the form that suits a topic: for rectified images, matrix P without distortion."""
+    """Return the intrinsics in a CameraInfo message. For rectified images, return the matrix P of the message without
+    distortion.
+    """
     projection = getattr(info, "p", None) if hasattr(info, "p") else getattr(info, "P", None)
     if "rect" not in topic.lower() or projection is None or not any(projection):
         return info

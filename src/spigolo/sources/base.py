@@ -1,4 +1,4 @@
-"""Base of all sources: iterables of frames that count unusable images."""
+"""Base classes of all sources. A source is an iterable of frames that counts unusable images."""
 
 from __future__ import annotations
 
@@ -16,30 +16,30 @@ from spigolo.sources.options import Options
 
 Own = TypeVar("Own", bound="Source")
 OnBroken = Callable[[str, SpigoloError], None]
-"""Function that is called with the name of an unreadable frame or message, and the error."""
+"""Function that is called with the name of an unreadable frame or message, and with the error."""
 
 
 def counted(number: int, noun: str) -> str:
-    """Return a number with its noun, which ends in s for all numbers but 1."""
+    """Format a number with its noun, such as "1 frame" or "2 frames"."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Counts of a source since its iteration began."""
+    """Counts of frames and images of a source since the last iteration began."""
 
     frames: int
-    """Number of frames that were returned."""
+    """Number of frames that the source has yielded."""
     unmatched: int = 0
     """Number of colour and depth images without a partner within the tolerance."""
     broken: int = 0
     """Number of unreadable frames or messages."""
     dropped: int = 0
-    """Number of frames of a live source that were replaced by newer ones before use."""
+    """Number of frames of a live source that were replaced by newer frames before use."""
     tolerance_ms: float | None = None
     """Maximum difference between the stamps of a pair, ms. None if images are not paired by stamp."""
     pace: Pace | None = None
-    """Frame rate, and latency from arrival until the next frame is requested. None for a recording."""
+    """Frame rate, and latency from the arrival of a frame until the next frame is requested. None for a recording."""
 
     def __str__(self) -> str:
         within = "" if self.tolerance_ms is None else f" (no partner within {self.tolerance_ms:g} ms)"
@@ -54,13 +54,14 @@ class Report:
 
 
 class Source(ABC):
-    """Frames of one folder, data set, recording or camera. Iterate over it, best inside `with`.
+    """Iterable of the frames of a folder, data set, recording or camera. Use a source inside `with`.
 
-    Unreadable frames are skipped, counted and passed to `on_broken`, which warns by default.
+    Unreadable frames are skipped and counted. The function `on_broken` is called for each unreadable frame, by default
+    to warn.
     """
 
     live = False
-    """True if frames come from a camera and have no end."""
+    """True if the frames come from a camera, so that iteration does not end."""
 
     def __init__(self, name: str, options: Options) -> None:
         self.name = name
@@ -68,18 +69,20 @@ class Source(ABC):
         self.options = options
         """Options of the source."""
         self.intrinsics = ""
-        """Origin of the intrinsics. Empty if they were given or are not known."""
+        """Origin of the intrinsics, such as the device. Empty if the intrinsics were given by the caller or are
+        unknown.
+        """
         self.on_broken: OnBroken = _warn
         self._frames_done = self._unmatched = self._broken = 0
 
     @property
     def count(self) -> int | None:
-        """Return the number of frames. None if it is not known."""
+        """Return the number of frames. None if the number is unknown."""
         return None
 
     @abstractmethod
     def _frames(self) -> Iterator[Frame]:
-        """Yield the frames from the first one on."""
+        """Yield all frames, starting with the first frame."""
 
     def __iter__(self) -> Iterator[Frame]:
         self._frames_done = self._unmatched = self._broken = 0
@@ -88,7 +91,7 @@ class Source(ABC):
             yield frame
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began."""
+        """Return the counts of frames since the last iteration began."""
         return Report(self._frames_done, self._unmatched, self._broken)
 
     def close(self) -> None:  # noqa: B027
@@ -112,7 +115,7 @@ class Source(ABC):
 
 
 class SizedSource(Source):
-    """Source with a known number of frames. Each frame can be read by its number."""
+    """Source with a known number of frames, in which each frame can be read by its number."""
 
     def __init__(self, name: str, options: Options, count: int) -> None:
         super().__init__(name, options)
@@ -120,7 +123,7 @@ class SizedSource(Source):
 
     @property
     def count(self) -> int:
-        """Return the number of frames, including broken ones."""
+        """Return the number of frames, including unreadable frames."""
         return self._count
 
     def __len__(self) -> int:
@@ -128,7 +131,9 @@ class SizedSource(Source):
 
     @abstractmethod
     def __getitem__(self, number: int) -> Frame:
-        """Return one frame by its number, from 0. Raises SpigoloError if it cannot be read, IndexError without it."""
+        """Return a frame by its number, from 0. Raises SpigoloError for an unreadable frame, and IndexError for a
+        number out of range.
+        """
 
     @abstractmethod
     def name_of(self, number: int) -> str:
@@ -136,7 +141,7 @@ class SizedSource(Source):
 
     @abstractmethod
     def files_of(self, number: int) -> tuple[Path, ...]:
-        """Return the files that hold a frame. All frames of a recording share its files."""
+        """Return the files that contain a frame. All frames of a recording have the same files."""
 
 
 def _warn(name: str, error: SpigoloError) -> None:

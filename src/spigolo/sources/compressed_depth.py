@@ -1,4 +1,4 @@
-"""Decoder of compressed_depth_image_transport: PNG or RVL, of millimetres or of quantised inverse metres."""
+"""Decoder of depth images of ROS's compressed_depth_image_transport, in PNG or RVL format."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from spigolo.frames.limits import check_count
 from spigolo.kernels.rvl import unpack_rvl
 
 CONFIG = struct.Struct("<i2f")
-"""Layout of the header: format, and the two parameters of the quantisation."""
+"""Layout of the header of a message: format, and two parameters of the depth quantisation."""
 SIZE = struct.Struct("<2i")
-"""Layout of width and height, between the header and the RVL data."""
+"""Layout of the image width and height, which are stored between the header and the RVL data."""
 
 Bytes = npt.NDArray[np.uint8]
 
 
 def unpacked_rvl(data: Bytes, max_pixels: int) -> npt.NDArray[np.uint16]:
-    """Return the integers (H, W) of an RVL message including its headers. Raises FrameError."""
+    """Decode an RVL message with its headers to integers (H, W). Raises FrameError."""
     start = CONFIG.size + SIZE.size
     if data.size < start:
         raise FrameError(f"expected at least {start} bytes of RVL depth, got {data.size}")
@@ -38,7 +38,7 @@ def unpacked_rvl(data: Bytes, max_pixels: int) -> npt.NDArray[np.uint16]:
 
 
 def metres_of(stored: Image, header: Bytes) -> npt.NDArray[np.float32]:
-    """Return metres from quantised inverse depth (H, W) and its header. 0 is missing."""
+    """Convert quantised inverse depth (H, W) to metres with the parameters in the message header. 0 is missing."""
     _, a, b = CONFIG.unpack(header[: CONFIG.size].tobytes())
     with np.errstate(divide="ignore", invalid="ignore"):
         metres = np.float32(a) / (stored.astype(np.float32) - np.float32(b))

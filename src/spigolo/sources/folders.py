@@ -14,7 +14,7 @@ from spigolo.sources.paths import FramePaths, find_frames
 
 
 class FolderSource(SizedSource):
-    """Frames of image files and folders, in the order in which they are listed."""
+    """Source for image files and folders. The frames keep the order in which the files are listed."""
 
     def __init__(self, words: Sequence[str], options: Options) -> None:
         self.paths = find_frames(words)
@@ -32,7 +32,7 @@ class FolderSource(SizedSource):
         return self.paths[number].name
 
     def files_of(self, number: int) -> tuple[Path, ...]:
-        """Return the images of a frame, and its camera file."""
+        """Return the paths of the images of a frame and of its camera file."""
         paths = self.paths[number]
         return (paths.color, paths.depth) if paths.camera is None else (paths.color, paths.depth, paths.camera)
 

@@ -1,4 +1,4 @@
-"""Live sources: a thread receives frames, and the reader always gets the newest one."""
+"""Sources for live cameras. A separate thread receives frames, and the reader always gets the newest frame."""
 
 from __future__ import annotations
 
@@ -36,13 +36,15 @@ class Mailbox(Generic[T]):
             self._ready.notify()
 
     def end(self, error: BaseException | None = None) -> None:
-        """Signal the end to the reader, with an error if there is one."""
+        """Signal the end of the items to the reader, optionally with an error."""
         with self._ready:
             self._ended = error or True
             self._ready.notify()
 
     def take(self) -> T | None:
-        """Wait for the newest item and return it. None at the end. Raises the error of the sender."""
+        """Wait for the newest item and return the item. None after the end of the items. Raises the error that was
+        passed to `end`.
+        """
         with self._ready:
             self._ready.wait_for(lambda: self._item is not None or self._ended)
             item, self._item = self._item, None
@@ -52,10 +54,9 @@ class Mailbox(Generic[T]):
 
 
 class LiveSource(Source):
-    """Frames of a camera. While a frame is processed, only the newest of the arriving frames is kept.
+    """Source for a live camera. While the caller processes a frame, only the newest arriving frame is kept.
 
-    `report()` includes the latency from the arrival of a frame until the next frame is requested. At that time the
-    frame has been processed.
+    `report()` includes the latency from the arrival of a frame until the caller requests the next frame.
     """
 
     live = True
@@ -68,14 +69,14 @@ class LiveSource(Source):
 
     @abstractmethod
     def _receive(self) -> Iterator[Frame]:
-        """Yield the frames as they arrive, until the source is closed. The method runs on a separate thread."""
+        """Yield the arriving frames until the source is closed. `_receive` runs on a separate thread."""
 
     def close(self) -> None:
         """Stop the camera."""
         self._stopping.set()
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began, with rate and latency."""
+        """Return the counts of frames since the last iteration began, with frame rate and latency."""
         return replace(super().report(), dropped=self._dropped, pace=self._pace)
 
     def _frames(self) -> Iterator[Frame]:
@@ -103,7 +104,7 @@ class LiveSource(Source):
                 box.put((time.perf_counter(), frame))
         except SpigoloError as error:
             box.end(error)
-        except Exception as error:  # raised again on the reader's thread
+        except Exception as error:  # the error is raised again on the reader's thread
             box.end(SpigoloError(f"{self.name}: {' '.join(str(error).split())}"))
         else:
             box.end()

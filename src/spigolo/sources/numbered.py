@@ -1,4 +1,6 @@
-"""Frames of recordings and data sets as jobs of `spigolo.batch`. Any process can read such a frame by its number."""
+"""Frames of recordings and data sets as jobs of `spigolo.batch`. Each process reads the frame of a job by its
+number.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +16,16 @@ from spigolo.sources.opening import open_source
 
 @dataclass(frozen=True, slots=True)
 class NumberedFrame:
-    """One frame of a source whose number of frames is known."""
+    """Job that reads one frame of a recording or data set by its number."""
 
     name: str
     """Name of the frame, unique in its source."""
     source: str
-    """Name of the source, as `open_source` takes it."""
+    """Name of the source in the form that `open_source` accepts."""
     number: int
     """Number of the frame in the source, from 0."""
     camera: str | None = None
-    """Intrinsics that replace those of the source, as `read_frame` takes them."""
+    """Intrinsics in any form that `read_frame` accepts. None: intrinsics of the source."""
     depth_scale: float | None = None
     """Metres per unit of integer depth. None: the unit of the source."""
     max_pixels: int = MAX_PIXELS
@@ -38,7 +40,7 @@ class NumberedFrame:
         return _hash(repr(self).encode(), *(f"{s.st_size} {s.st_mtime_ns}".encode() for s in stats))
 
     def fingerprint(self) -> str:
-        """Return a hash of the images and intrinsics of the frame. Raises SpigoloError if it cannot be read."""
+        """Return a hash of the images and intrinsics of the frame. Raises SpigoloError for an unreadable frame."""
         frame = _read(self)
         return _hash(frame.color.tobytes(), frame.depth.tobytes(), repr(frame.camera).encode())
 
@@ -53,14 +55,14 @@ class NumberedFrame:
 def numbered_frames(
     source: str, camera: str | None = None, depth_scale: float | None = None, max_pixels: int = MAX_PIXELS
 ) -> list[NumberedFrame]:
-    """Return all frames of a bag or data set as jobs. Raises FileError for a source without a number of frames."""
+    """Return all frames of a bag or data set as jobs. Raises FileError for a live camera or a RealSense recording."""
     opened = _open(source, camera, depth_scale, max_pixels)
     return [NumberedFrame(opened.name_of(k), source, k, camera, depth_scale, max_pixels) for k in range(len(opened))]
 
 
 @lru_cache(maxsize=1)
 def _open(source: str, camera: str | None, depth_scale: float | None, max_pixels: int) -> SizedSource:
-    """Return the opened source. Each process opens the source of its jobs once."""
+    """Open a source. The last source is cached, so that each process opens the source of its jobs only once."""
     opened = open_source(source, camera, depth_scale, max_pixels=max_pixels)
     if not isinstance(opened, SizedSource):
         opened.close()
@@ -73,7 +75,9 @@ def _open(source: str, camera: str | None, depth_scale: float | None, max_pixels
 
 @lru_cache(maxsize=1)
 def _read(job: NumberedFrame) -> Frame:
-    """Return the frame of a job. The last frame is kept, as its hash and its segmentation need it one after another."""
+    """Read the frame of a job. The last frame is cached, because the fingerprint and the segmentation of a job both
+    read the frame.
+    """
     return job._opened()[job.number]
 
 

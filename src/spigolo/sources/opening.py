@@ -1,4 +1,4 @@
-"""Opening of a source by its name (`open_source`)."""
+"""Function `open_source`, which opens a source by its name."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ Uri = str | os.PathLike[str]
 def open_source(
     uri: Uri | Sequence[Uri], camera: CameraLike = None, depth_scale: float | None = None, **options: Any
 ) -> Source:
-    """Return the source of a name, which is an iterable of frames. Use it inside `with`.
+    """Open a source of frames by its name. A source is an iterable, and should be used inside `with`.
 
     uri: image files (colour and depth), a folder of frames, a data set (`dataset:FOLDER`), a ROS bag (.bag, .db3,
     .mcap, or its folder), `realsense:`, `realsense:SERIAL`, `realsense:RECORDING`, `openni:` or `openni:ADDRESS`.
     Options may follow after `?`: `recording.mcap?color=/camera/color/image_raw&tolerance_ms=5`. camera: intrinsics in
-    any form that `read_frame` takes, by default those of the source. depth_scale: metres per unit of integer depth.
+    any form that `read_frame` accepts. None: intrinsics of the source. depth_scale: metres per unit of integer depth.
     options: fields of `spigolo.sources.options.Options`. Raises FileError.
     """
     words = [uri] if isinstance(uri, str | os.PathLike) else list(uri)
@@ -37,7 +37,7 @@ def open_source(
 
 
 def is_recording(path: Path) -> bool:
-    """Return True if a path is a ROS bag: a file with such a suffix, or a folder with metadata.yaml and storage
+    """Return True if a path is a ROS bag: a file with the suffix of a bag, or a folder with metadata.yaml and bag
     files.
     """
     if path.is_dir():
@@ -46,7 +46,7 @@ def is_recording(path: Path) -> bool:
 
 
 def _parted(name: str) -> tuple[str, dict[str, str]]:
-    """Return a name without its options, and the options. A path that exists has no options."""
+    """Split a source name at `?` into the name and its options. The name of an existing path is not split."""
     before, mark, after = name.partition("?")
     if not mark or Path(name).exists():
         return name, {}
@@ -72,7 +72,7 @@ def _open(name: str, options: Options) -> Source:
 
 
 def _folder(path: Path, options: Options) -> Source:
-    """Return the source of a folder: its frames, the only bag in it, or a published data set."""
+    """Return the source for a folder, which contains frames, a single bag or a published data set."""
     from spigolo.lab.datasets import Tum
 
     if Tum.matches(path):
@@ -94,11 +94,11 @@ def _published(path: Path, options: Options, error: FileError) -> Source:
     try:
         return PublishedSource(path, options)
     except FileError:
-        raise error from None  # the message describes folders of frames
+        raise error from None  # the first error message describes folders of frames
 
 
 def _bag(path: Path, options: Options) -> Source:
-    """Return the source of a bag. Recordings of the RealSense SDK are opened by the SDK, which aligns depth to
+    """Return the source for a bag. Recordings of the RealSense SDK are opened with the SDK, which aligns depth to
     colour.
     """
     from spigolo.sources.bags import BagSource, is_of_realsense

@@ -26,27 +26,29 @@ from spigolo.sources.pairing import StampMatcher
 PIP = 'pip install "spigolo[openni]"'
 LIBRARY = "install OpenNI2 (apt install libopenni2-0), or set OPENNI2_REDIST64 to the folder of its library"
 MILLIMETRES = 0.001
-"""Unit of depth that is set on the device, metres."""
+"""Unit of depth that the device is set to, m."""
 WAIT_S = 0.5
-"""Interval in seconds at which the thread checks for a stop of the source while no image arrives."""
+"""Interval at which the receiving thread checks if the source was closed while no image arrives, s."""
 PATIENCE_S = 10.0
-"""Time without images after which a camera counts as lost, s."""
+"""Maximum time without images, s. After `PATIENCE_S` without an image, iteration raises an error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Image:
-    """Image that was copied out of the buffers of the device."""
+    """Colour or depth image, copied from the buffers of the device."""
 
     kind: str
     """Kind of image, "color" or "depth"."""
     stamp_ns: int
-    """Time on the clock of the device, nanoseconds."""
+    """Stamp of the image on the clock of the device, ns."""
     pixels: npt.NDArray[Any]
     """Colour (H, W, 3) uint8 RGB, or depth (H, W) uint16 in millimetres."""
 
 
 class OpenNICamera(LiveSource):
-    """Camera with an OpenNI address, or the first connected one. Iteration returns the newest frame."""
+    """Source for an OpenNI2 camera: the camera with an address, or the first connected camera. Iteration returns the
+    newest frame.
+    """
 
     def __init__(self, uri: str, options: Options) -> None:
         super().__init__(f"openni:{uri}", options)
@@ -57,7 +59,7 @@ class OpenNICamera(LiveSource):
             self.intrinsics = "the field of view that the device reports"
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began, with the pairing tolerance."""
+        """Return the counts of frames since the last iteration began, with the pairing tolerance."""
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
     def _receive(self) -> Iterator[Frame]:
@@ -78,17 +80,17 @@ class OpenNICamera(LiveSource):
                     yield frame
 
     def _opened(self) -> Any:
-        """Return the open device. Raises FileError."""
+        """Open the device and return it. Raises FileError."""
         try:
             return self._sdk.Device(self._uri.encode() or None)
-        except Exception as error:  # each module of the binding has its own exception
+        except Exception as error:  # each module of the binding has its own exception class
             found = [one.decode() for one in self._sdk.Device.enumerate_uris()]
             raise FileError(
                 f"{self.name} does not open ({_told(error)}). Connected: {', '.join(found) or 'none'}"
             ) from None
 
     def _stream(self, device: Any, kind: str) -> Any:
-        """Return the stream of "color" or "depth", set to the size and rate of the options. Raises FileError."""
+        """Create the stream "color" or "depth" with the image size and frame rate of the options. Raises FileError."""
         sdk, own = self._sdk, self.options
         sensor = sdk.SENSOR_COLOR if kind == "color" else sdk.SENSOR_DEPTH
         pixels = sdk.PIXEL_FORMAT_RGB888 if kind == "color" else sdk.PIXEL_FORMAT_DEPTH_1_MM
@@ -106,12 +108,14 @@ class OpenNICamera(LiveSource):
         stream = device.create_stream(sensor)
         if _numbers(stream.get_video_mode()) != wanted:
             stream.configure_mode(own.width, own.height, own.fps, pixels)
-        with suppress(self._error):  # not every device can mirror
+        with suppress(self._error):  # some devices cannot mirror images
             stream.set_mirroring_enabled(False)
         return stream
 
     def _register(self, device: Any) -> None:
-        """Let the device register depth to colour, and expose both at the same time if it can."""
+        """Enable registration of depth to colour on the device, and synchronise both streams if the device supports
+        it.
+        """
         mode = self._sdk.IMAGE_REGISTRATION_DEPTH_TO_COLOR
         if device.is_image_registration_mode_supported(mode):
             device.set_image_registration_mode(mode)
@@ -147,7 +151,7 @@ class OpenNICamera(LiveSource):
                 raise FileError(f"{self.name}: no image for {PATIENCE_S:.0f} s: check the cable, or plug it in again")
 
     def _camera(self, stream: Any) -> Camera | None:
-        """Return the given intrinsics, or nominal ones from the field of view of the colour stream."""
+        """Return the given intrinsics, or nominal intrinsics from the field of view of the colour stream."""
         own = self.options
         if own.camera is not None:
             return known_camera(own.camera, own.width, own.height)[0]
@@ -166,19 +170,21 @@ class OpenNICamera(LiveSource):
 
     @property
     def _error(self) -> type[Exception]:
-        """Return the exception class of the binding."""
+        """Return the exception class of the OpenNI binding."""
         kind: type[Exception] = self._sdk.OpenNIError
         return kind
 
 
 def nominal_camera(width: int, height: int, horizontal_rad: float, vertical_rad: float) -> Camera:
-    """Return the pinhole camera of a field of view, with its principal point in the middle."""
+    """Return the pinhole camera with a given image size and field of view, and its principal point in the image
+    centre.
+    """
     angles_deg = math.degrees(horizontal_rad), math.degrees(vertical_rad)
     return Camera.from_fov(width, height, horizontal_deg=angles_deg[0], vertical_deg=angles_deg[1])
 
 
 def _numbers(mode: Any) -> tuple[int, int, int, int]:
-    """Return width, height, rate and pixel format of a video mode."""
+    """Return the width, height, frame rate and pixel format of a video mode."""
     return mode.resolutionX, mode.resolutionY, mode.fps, int(mode.pixelFormat)
 
 
@@ -194,7 +200,7 @@ def _copied(image: Any, kind: str) -> Image:
 
 
 def _initialised() -> Any:
-    """Return the binding after loading the OpenNI2 library. Raises FileError."""
+    """Load the OpenNI2 library and return its Python binding. Raises FileError."""
     try:
         sdk: Any = importlib.import_module("openni.openni2")
         raw: Any = importlib.import_module("openni._openni2")
@@ -206,7 +212,7 @@ def _initialised() -> Any:
             raw.load_dll(name)  # the binding looks for libOpenNI2.so, and Debian installs libOpenNI2.so.0
             sdk.loaded_dll_directory = name
         sdk.initialize()
-    except Exception as error:  # each module of the binding has its own exception
+    except Exception as error:  # each module of the binding has its own exception class
         raise FileError(f"OpenNI2 cannot be loaded ({_told(error)}): {LIBRARY}") from None
     return sdk
 

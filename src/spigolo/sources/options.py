@@ -1,4 +1,4 @@
-"""Options of a source, from keywords or from the part of its name after `?`."""
+"""Options of a source, given as keywords or after `?` in the name of the source."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ NUMBERS: Mapping[str, type[int] | type[float]] = {
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """Options for reading a source. Options that a kind of source does not have are ignored."""
+    """Options for reading a source. Each kind of source ignores the options that do not apply to it."""
 
     camera: CameraLike = None
-    """Intrinsics in any form that `read_frame` takes. None: intrinsics of the source."""
+    """Intrinsics in any form that `read_frame` accepts. None: intrinsics of the source."""
     depth_scale: float | None = None
     """Metres per unit of integer depth. None: the unit of the source."""
     max_pixels: int = MAX_PIXELS
@@ -30,9 +30,9 @@ class Options:
     depth: str | None = None
     """Topic of the depth images of a bag. None: chosen automatically."""
     info: str | None = None
-    """Topic of the CameraInfo of a bag. None: the topic next to the colour topic."""
+    """Topic of the CameraInfo of a bag. None: the CameraInfo topic that belongs to the colour topic."""
     tolerance_ms: float = 20.0
-    """Maximum difference between the stamps of a pair, in milliseconds."""
+    """Maximum difference between the stamps of a colour and a depth image that form a frame, in milliseconds."""
     width: int = 640
     """Width of both streams of a live camera, in pixels."""
     height: int = 480
@@ -40,13 +40,13 @@ class Options:
     fps: int = 30
     """Frames per second of a live camera."""
     filters: tuple[str, ...] = field(default=())
-    """Filters of the RealSense SDK, in this order: decimation, threshold, spatial, temporal, holes."""
+    """Names of RealSense SDK filters, applied in the given order: decimation, threshold, spatial, temporal, holes."""
     device: Any = None
-    """Device of the RealSense SDK, such as a software device. None: a connected camera."""
+    """Device object of the RealSense SDK, such as a software device. None: a connected camera."""
 
 
 def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
-    """Return the options from texts (`words`) and from values (`given`), which take precedence.
+    """Return the options from text values (`words`) and from Python values (`given`), which take precedence.
 
     Raises FileError for an unknown option.
     """

@@ -1,4 +1,4 @@
-"""Pairing of colour and depth images one to one by their stamps, for a recording or during reception."""
+"""Pairing of colour and depth images by their stamps, for a whole recording or for arriving messages."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ from collections.abc import Sequence
 from typing import Any
 
 KEPT = 30
-"""Maximum number of images of one topic that wait for a partner: one second at 30 Hz."""
+"""Maximum number of images of one topic that wait for a partner. 30 images are one second at 30 Hz."""
 RESTART_NS = 1_000_000_000
-"""Minimum backward jump of stamps after which time starts again, ns, as when a recording is played in a loop."""
+"""Minimum backward jump of the stamps that counts as a restart, ns, for example of a recording that is played in a
+loop.
+"""
 
 
 def pair_stamps(colors_ns: Sequence[int], depths_ns: Sequence[int], tolerance_ns: float) -> list[tuple[int, int]]:
-    """Return pairs (index of colour, index of depth) in the order of the colour stamps, each index at most once.
+    """Return pairs (colour index, depth index) in the order of the colour stamps. Each index occurs at most once.
 
-    The nearest stamps are paired first. Stamps need not be sorted. Stamps of a pair differ by at most the tolerance.
+    The nearest stamps are paired first. The stamps of a pair differ by at most the tolerance. The input stamps need not
+    be sorted.
     """
     later = sorted((stamp, k) for k, stamp in enumerate(depths_ns))
     candidates: list[tuple[int, int, int]] = []
@@ -41,8 +44,8 @@ def pair_stamps(colors_ns: Sequence[int], depths_ns: Sequence[int], tolerance_ns
 class StampMatcher:
     """Pairing of messages of two topics by their stamps. Each message belongs to at most one pair.
 
-    A message is paired with the nearest stamp within the tolerance. Messages older than a pair can no longer find a
-    partner. Such messages are dropped and counted in `unmatched`.
+    A message is paired with the message of the other topic that has the nearest stamp within the tolerance. Waiting
+    messages that are older than a new pair are dropped and counted in `unmatched`.
     """
 
     def __init__(self, tolerance_ns: int) -> None:
@@ -52,7 +55,9 @@ class StampMatcher:
         self._last_ns: int | None = None
 
     def add(self, topic: str, stamp_ns: int, message: Any) -> tuple[Any, Any] | None:
-        """Add a message of "color" or "depth". Return colour and depth if the message completes a pair."""
+        """Add a message of the topic "color" or "depth". Return the colour and the depth message if the new message
+        completes a pair.
+        """
         if self._last_ns is not None and stamp_ns < self._last_ns - RESTART_NS:
             self._drop_until(None)
         if self._last_ns is not None and stamp_ns <= self._last_ns - self.tolerance_ns:
@@ -75,7 +80,9 @@ class StampMatcher:
             self.unmatched += 1
 
     def _drop_until(self, stamp_ns: int | None) -> None:
-        """Drop the messages that are not newer than a stamp, or all messages if it is None."""
+        """Drop the waiting messages that are not newer than a stamp. If the stamp is None, drop all waiting
+        messages.
+        """
         self._last_ns = stamp_ns
         for topic, waiting in self._waiting.items():
             newer = deque(one for one in waiting if stamp_ns is not None and one[0] > stamp_ns)

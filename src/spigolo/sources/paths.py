@@ -19,7 +19,7 @@ DEPTHS = (*IMAGES, ".npy", ".npz", ".exr")
 
 @dataclass(frozen=True, slots=True)
 class FramePaths:
-    """Files of a frame. camera: a file found next to the images, or None."""
+    """Paths of the files of a frame. camera: path of a camera file next to the images, or None."""
 
     name: str
     color: Path
@@ -30,9 +30,9 @@ class FramePaths:
 def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     """Return the frames in files and folders.
 
-    Two files are a frame, colour first. More files are pairs, by their names (0001-color.png and 0001-depth.png) or in
-    the order given. A folder is a frame if it holds a colour and a depth image (rgb.png and depth.png). Otherwise its
-    subfolders are frames, or the equally named files of its folders rgb/ and depth/, or its own files in pairs by their
+    Two files form a frame, with the colour image first. More files are paired by their names (0001-color.png and
+    0001-depth.png) or in the given order. A folder with rgb.png and depth.png is one frame. Any other folder contains
+    subfolders with one frame each, folders rgb/ and depth/ with equally named files, or files that are paired by their
     names. Every frame gets a unique name.
     """
     paths = [Path(word) for word in inputs]
@@ -50,7 +50,7 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
 
 
 def _is_frame(path: Path) -> bool:
-    """Return True if a .npz file holds colour and depth."""
+    """Return True if a file is a .npz file with colour and depth."""
     if path.suffix.lower() != ".npz":
         return False
     from spigolo.frames.arrays import names_in
@@ -61,7 +61,9 @@ def _is_frame(path: Path) -> bool:
 
 
 def _whole(path: Path) -> FramePaths:
-    """Return the paths of a frame in one .npz file, which is also the camera file if it holds a matrix."""
+    """Return the paths of a frame that is stored in one .npz file. A .npz file with intrinsics is also the camera
+    file.
+    """
     from spigolo.frames.arrays import names_in
     from spigolo.frames.intrinsics import MATRIX_NAMES
 
@@ -70,7 +72,9 @@ def _whole(path: Path) -> FramePaths:
 
 
 def _pairs(files: Sequence[Path]) -> list[FramePaths]:
-    """Return the frames of files in pairs, colour then depth. Raises FileError for a file without a partner."""
+    """Pair colour and depth files by their names or in the given order. Raises FileError for a file without a
+    partner.
+    """
     recording = next((path for path in files if path.suffix.lower() in RECORDINGS), None)
     if recording is not None:
         from spigolo.frames.images import how_to_extract
@@ -89,20 +93,20 @@ def _pairs(files: Sequence[Path]) -> list[FramePaths]:
 
 
 def _camera_of(color: Path) -> Path | None:
-    """Return the camera file that applies to an image given by name."""
+    """Return the path of the camera file that applies to a colour image, or None."""
     inner = color.parent.name in COLOR_NAMES
     return camera_for(color.parent, color.parent.parent if inner else color.parent)
 
 
 def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
-    """Return the only frame. Raises FileError for no frame or several frames."""
+    """Return the only frame in a list. Raises FileError for no frame or several frames."""
     if len(frames) != 1:
         raise FileError(f"expected one frame, got {len(frames)}: give a colour and a depth image")
     return frames[0]
 
 
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
-    """Make equal frame names unique by the name of the folder, and by a number if that is not enough."""
+    """Make equal frame names unique with the name of the folder, and with a number if needed."""
     count = Counter(frame.name for frame in frames)
     taken, apart = {name for name in count if count[name] == 1}, []
     for frame in frames:
@@ -116,7 +120,7 @@ def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
 
 
 def _around(frame: FramePaths) -> str:
-    """Return the name of the folder of a frame, or of the folder above its folder of colour images."""
+    """Return the name of the folder that contains a frame, or of the parent folder for folders such as rgb/."""
     folder = frame.color.resolve().parent
     return folder.parent.name if folder.name in (frame.name, *COLOR_NAMES) else folder.name
 
@@ -139,7 +143,7 @@ def _frames_in(folder: Path) -> list[FramePaths]:
 
 
 def _what_lies_there(folder: Path) -> str:
-    """Return the text of a message about a folder that does not hold frames."""
+    """Return a hint for the error message about a folder without frames. Empty if the folder contains no recording."""
     found = next((path for path in listed(folder) if path.suffix.lower() in RECORDINGS), None)
     if found is None:
         return ""
@@ -149,7 +153,7 @@ def _what_lies_there(folder: Path) -> str:
 
 
 def _frame_of(folder: Path, top: Path) -> list[FramePaths]:
-    """Return the frame of a folder in a list, or an empty list. top: the folder that was given."""
+    """Return a list with the frame that a folder contains, or an empty list. top: folder that the user gave."""
     files = listed(folder)
     colors = [f for name in COLOR_NAMES for f in files if f.stem == name and f.suffix.lower() in IMAGES]
     depths = [f for f in files if f.stem == "depth" and f.suffix.lower() in DEPTHS]
@@ -176,7 +180,7 @@ def _paired(folder: Path) -> list[FramePaths]:
 
 
 def _matched(files: Sequence[Path], folder: Path) -> list[FramePaths]:
-    """Return the frames of files that are named like 0001-color.png and 0001-depth.png. folder: that of the camera."""
+    """Pair files with names such as 0001-color.png and 0001-depth.png. folder: folder of the camera file."""
     images = list(best_of_each(f for f in files if f.suffix.lower() in DEPTHS)) if files else []
     pairs = match_by_name(images)
     taken = {path for pair in pairs for path in pair}
@@ -187,7 +191,7 @@ def _matched(files: Sequence[Path], folder: Path) -> list[FramePaths]:
 
 
 def _warn_of_single(images: Sequence[Path], lack: str) -> None:
-    """Warn of images that are skipped because their partner is missing."""
+    """Warn of images that are skipped because they have no partner."""
     if images:
         named = ", ".join(str(image) for image in images[:3]) + (", ..." if len(images) > 3 else "")
         warn(f"{len(images)} {lack} of their name: {named}")

@@ -1,4 +1,4 @@
-"""Source for published data sets in their original layout, and for TUM lists."""
+"""Source for published data sets in their original layout, and for folders with the file lists of the TUM data set."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from spigolo.sources.options import Options
 
 
 class PublishedSource(SizedSource):
-    """Frames of a data set in its order. A given camera or depth_scale replaces that of the data set."""
+    """Source for a data set. A camera or depth_scale in the options replaces the camera or depth_scale of the data
+    set.
+    """
 
     def __init__(self, folder: Path, options: Options) -> None:
         self.entries = guess(folder)
@@ -32,7 +34,7 @@ class PublishedSource(SizedSource):
         return self.entries[number].name
 
     def files_of(self, number: int) -> tuple[Path, ...]:
-        """Return the files of a frame."""
+        """Return the paths of the files of a frame."""
         return self.entries[number].files
 
     def _frames(self) -> Iterator[Frame]:
@@ -46,11 +48,11 @@ class PublishedSource(SizedSource):
 
     def _read(self, entry: Entry) -> Frame:
         if isinstance(entry, ImageEntry) and self.options.camera is not None:
-            entry = replace(entry, camera=None)  # that of the set may have another size
+            entry = replace(entry, camera=None)  # the camera of the data set may have another image size
         return self._changed(entry.read())
 
     def _changed(self, frame: Frame) -> Frame:
-        """Return a frame with the camera and the depth scale that were given."""
+        """Return a copy of a frame with the camera and the depth scale of the options."""
         camera, scale = self.options.camera, self.options.depth_scale
         if camera is None and scale is None:
             return frame

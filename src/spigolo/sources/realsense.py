@@ -20,14 +20,14 @@ from spigolo.sources.options import Options
 
 PIP = 'pip install "spigolo[realsense]"'
 WAIT_MS = 500
-"""Interval in milliseconds at which the thread checks for a stop of the source while no frame arrives."""
+"""Interval at which the receiving thread checks if the source was closed while no frame arrives, ms."""
 PATIENCE_S = 10.0
-"""Time without frames after which a camera counts as lost, s."""
+"""Maximum time without frames, s. After `PATIENCE_S` without a frame, iteration raises an error."""
 FILTERS = ("decimation", "threshold", "spatial", "temporal", "holes")
 
 
 class _RealSense(Source):
-    """Base of cameras and recordings, which converts framesets to frames."""
+    """Base class of RealSense cameras and recordings, which converts framesets of the SDK to frames."""
 
     _lost = 0
 
@@ -47,24 +47,28 @@ class _RealSense(Source):
             yield frame
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began, with the pairing tolerance."""
+        """Return the counts of frames since the last iteration began, with the pairing tolerance."""
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
 
 class RealSenseCamera(_RealSense, LiveSource):
-    """Camera with a serial number, or the first connected one. Iteration returns the newest frame."""
+    """Source for a RealSense camera: the camera with a serial number, or the first connected camera. Iteration returns
+    the newest frame.
+    """
 
     def __init__(self, serial: str, options: Options) -> None:
         super().__init__(f"realsense:{serial}", options)
         self._rs, self._serial = _sdk(), serial
-        _filters(self._rs, options.filters)  # reports a wrong name before the camera starts
+        _filters(self._rs, options.filters)  # raises an error for an unknown filter before the camera starts
         if options.device is None:
             self._check_connected()
         if options.camera is None:
             self.intrinsics = "the device"
 
     def report(self) -> Report:
-        """Return the counts since the last iteration began. Pairs that the SDK replaced count as dropped."""
+        """Return the counts of frames since the last iteration began. Image pairs that the SDK replaced count as
+        dropped frames.
+        """
         counts = super().report()
         return replace(counts, dropped=counts.dropped + self._lost)
 
@@ -102,14 +106,14 @@ class RealSenseCamera(_RealSense, LiveSource):
 
 
 class RealSenseRecording(_RealSense):
-    """Recording of the SDK, .db3 or .bag. No frame is dropped."""
+    """Source for a recording of the RealSense SDK, a .db3 or .bag file. No frame is dropped."""
 
     def __init__(self, path: Path, options: Options) -> None:
         super().__init__(str(path), options)
         if not path.is_file():
             raise FileError(f"expected a recording, but there is no {path}")
         self._rs, self._path = _sdk(), path
-        _filters(self._rs, options.filters)  # reports a wrong name before the camera starts
+        _filters(self._rs, options.filters)  # raises an error for an unknown filter before the camera starts
         if options.camera is None:
             self.intrinsics = "the recording"
 
@@ -128,7 +132,8 @@ class RealSenseRecording(_RealSense):
 class _Converter:
     """Converter from framesets of the SDK to frames.
 
-    The SDK repeats an image if its partner is late. A pair counts once, if its stamps are within the tolerance.
+    The SDK repeats an image if the other image of the pair is late. Each image is used in at most one pair. The stamps
+    of a pair differ by at most the tolerance.
     """
 
     def __init__(self, rs: Any, options: Options) -> None:
@@ -139,15 +144,17 @@ class _Converter:
         self._taken: dict[str, int] = {}
         self._images = self._pairs = 0
         self.lost = 0
-        """Number of pairs that the SDK replaced by newer ones, counted from gaps in the numbers of colour images."""
+        """Number of image pairs that the SDK replaced by newer pairs, counted from gaps in the numbers of colour
+        images.
+        """
 
     @property
     def unmatched(self) -> int:
-        """Number of images without a partner."""
+        """Number of colour and depth images without a partner."""
         return max(self._images - 2 * self._pairs, 0)
 
     def take(self, frames: Any) -> bool:
-        """Return True if a frameset is a new pair of images of the same time."""
+        """Return True if a frameset is a new pair of images with equal stamps, within the tolerance."""
         images = {"color": frames.get_color_frame(), "depth": frames.get_depth_frame()}
         numbers = {kind: image.get_frame_number() for kind, image in images.items() if image}
         self._images += sum(self._seen.get(kind) != number for kind, number in numbers.items())
@@ -164,7 +171,7 @@ class _Converter:
         return True
 
     def frame(self, frames: Any, name: str) -> Frame:
-        """Return the frame of a frameset with depth aligned to colour. Raises SpigoloError."""
+        """Convert a frameset to a frame with depth aligned to colour. Raises SpigoloError."""
         for one in self._filters:
             frames = one.process(frames).as_frameset()
         aligned = self._align.process(frames)
@@ -183,7 +190,7 @@ class _Converter:
 
 
 def _rgb(rs: Any, color: Any) -> Any:
-    """Return the pixels of a colour frame as RGB. Raises SpigoloError for another format."""
+    """Convert a colour frame of the SDK to RGB. Raises SpigoloError for an unsupported pixel format."""
     kind, pixels = color.get_profile().format(), np.asanyarray(color.get_data())
     if kind == rs.format.rgb8:
         return pixels
@@ -195,7 +202,7 @@ def _rgb(rs: Any, color: Any) -> Any:
 
 
 def _played(pipeline: Any, playback: Any, rs: Any) -> Iterator[Any]:
-    """Yield the framesets of a recording until it ends."""
+    """Yield the framesets of a recording until its end."""
     while True:
         arrived, frames = pipeline.try_wait_for_frames(WAIT_MS)
         if arrived:
@@ -214,7 +221,7 @@ def _start(pipeline: Any, config: Any, name: str) -> Any:
 
 
 def _filters(rs: Any, names: tuple[str, ...]) -> list[Any]:
-    """Return the SDK's filters. Raises FileError for an unknown name."""
+    """Return the filters of the SDK with the given names. Raises FileError for an unknown name."""
     unknown = next((name for name in names if name not in FILTERS), None)
     if unknown is not None:
         raise FileError(f"there is no filter {unknown}: expected some of {', '.join(FILTERS)}")

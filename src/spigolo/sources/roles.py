@@ -1,4 +1,4 @@
-"""Roles of image files by their names: colour or depth, and the rest of the name, which both files of a frame share."""
+"""Detection of colour and depth files, and of the files of one frame, by the names of files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ WORDS = re.compile(r"[-_. ]+")
 
 
 def role_of(path: Path) -> str | None:
-    """Return "color" or "depth" from the words in the name of a file, or else from its folder. None if unclear."""
+    """Return "color" or "depth" by the words in the name of a file, or else in the name of its folder. Return None if
+    the role is unclear.
+    """
     for name in (path.stem, path.parent.name):
         words = set(WORDS.split(name.lower()))
         is_color, is_depth = bool(words & COLOR_WORDS), bool(words & DEPTH_WORDS)
@@ -23,15 +25,15 @@ def role_of(path: Path) -> str | None:
 
 
 def rest_of(path: Path) -> str:
-    """Return the name of a file without the words for colour and depth: `0001` for `0001-color.png`."""
+    """Return the name of a file without suffix and without words for colour and depth: `0001` for `0001-color.png`."""
     words = WORDS.split(path.stem)
     return "_".join(word for word in words if word.lower() not in COLOR_WORDS | DEPTH_WORDS)
 
 
 def match_by_name(files: Sequence[Path]) -> list[tuple[Path, Path]]:
-    """Return pairs of colour and depth files whose names differ only in the word for colour and depth.
+    """Return pairs of colour and depth files whose names differ only in the word for colour or depth.
 
-    Files without a partner are left out. An empty list if two files of one role have the same rest.
+    Files without a partner are left out. Returns an empty list if the pairs are ambiguous.
     """
     found: dict[str, dict[str, Path]] = {"color": {}, "depth": {}}
     for path in files:

@@ -1,6 +1,6 @@
-"""Conversion of ROS image messages to arrays: sensor_msgs/Image, CompressedImage, and the stamp of their header.
+"""Conversion of the ROS messages sensor_msgs/Image and CompressedImage to arrays.
 
-Any object with the fields of the message is accepted, so neither ROS nor a bag reader is required.
+Any object with the fields of the message is accepted, so ROS is not required.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from spigolo.frames.png import header_of
 from spigolo.sources.compressed_depth import CONFIG, metres_of, unpacked_rvl
 
 MILLIMETRES = 0.001
-"""Unit of integer depth, metres (REP 118)."""
+"""Unit of integer depth in ROS messages, m (REP 118)."""
 DEPTH_ENCODINGS = {"16UC1": np.uint16, "mono16": np.uint16, "32FC1": np.float32, "64FC1": np.float64}
-"""Encodings of depth, and the NumPy type of their values."""
+"""ROS encodings of depth images, with the NumPy type of a pixel."""
 COLOR_ENCODINGS = {
     "rgb8": (3, None),
     "bgr8": (3, cv2.COLOR_BGR2RGB),
@@ -35,7 +35,7 @@ COLOR_ENCODINGS = {
     "yuv422": (2, cv2.COLOR_YUV2RGB_UYVY),
     "uyvy": (2, cv2.COLOR_YUV2RGB_UYVY),
 }
-"""Encodings of colour: bytes per pixel, and the conversion to RGB."""
+"""ROS encodings of colour images, with the bytes per pixel and OpenCV's conversion to RGB."""
 PNG = b"\x89PNG"
 
 
@@ -46,7 +46,7 @@ def stamp_ns(message: Any) -> int:
 
 
 def encoding_of(message: Any) -> str:
-    """Return the encoding of an image's pixels, such as "16UC1" or "rgb8". Empty if not known."""
+    """Return the pixel encoding of an image message, such as "16UC1" or "rgb8". Empty if unknown."""
     if hasattr(message, "encoding"):
         return str(message.encoding)
     first = str(message.format).partition(";")[0].strip()
@@ -54,13 +54,13 @@ def encoding_of(message: Any) -> str:
 
 
 def is_depth(message: Any) -> bool:
-    """Return True if an image message holds depth."""
+    """Return True if an image message contains depth."""
     packed = "compresseddepth" in str(getattr(message, "format", "")).lower()
     return packed or encoding_of(message) in DEPTH_ENCODINGS
 
 
 def color_of(message: Any, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.uint8]:
-    """Return the colour (H, W, 3) RGB of an Image or CompressedImage. Raises FrameError."""
+    """Return the RGB image (H, W, 3) of an Image or CompressedImage message. Raises FrameError."""
     if not hasattr(message, "encoding"):
         stored = _decoded(_bytes(message), cv2.IMREAD_COLOR, str(message.format), max_pixels)
         return np.asarray(cv2.cvtColor(stored, cv2.COLOR_BGR2RGB), np.uint8)
@@ -76,7 +76,7 @@ def color_of(message: Any, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.uint8
 
 
 def depth_of(message: Any, max_pixels: int = MAX_PIXELS) -> Image:
-    """Return the depth (H, W) of a message: integers as stored, or floating-point metres. Raises FrameError."""
+    """Return the depth map (H, W) of a message: integers as stored, or floating-point metres. Raises FrameError."""
     if not hasattr(message, "encoding"):
         return _compressed_depth(message, max_pixels)
     if message.encoding not in DEPTH_ENCODINGS:
@@ -88,7 +88,7 @@ def depth_of(message: Any, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def _rows(message: Any, kind: np.dtype[Any], channels: int) -> Image:
-    """Return the values of an Image (H, W * channels) without row padding."""
+    """Return the pixel values (H, W * channels) of an Image message, without row padding."""
     height, width, data = int(message.height), int(message.width), _bytes(message)
     length = width * channels * kind.itemsize
     step = int(message.step) or length
@@ -105,7 +105,7 @@ def _rows(message: Any, kind: np.dtype[Any], channels: int) -> Image:
 
 
 def _compressed_depth(message: Any, max_pixels: int) -> Image:
-    """Return the depth of a CompressedImage: RVL, or a PNG with or without the header of compressedDepth."""
+    """Decode the depth map of a CompressedImage message: RVL, or PNG with or without the header of compressedDepth."""
     data, told = _bytes(message), str(message.format)
     if "rvl" in told.lower():
         stored: Image = unpacked_rvl(data, max_pixels)

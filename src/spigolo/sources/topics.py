@@ -1,4 +1,4 @@
-"""Choice of a bag's topics for colour, depth and CameraInfo."""
+"""Choice of the topics of colour, depth and CameraInfo in a bag."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ NOT_COLOR = ("depth", "infra", "/ir", "mask", "label", "overlay", "confidence", 
 
 @dataclass(frozen=True, slots=True)
 class Topics:
-    """Topics that frames are read from."""
+    """Topics of a bag from which frames are read."""
 
     color: str
     """Topic of the colour images."""
@@ -29,9 +29,9 @@ class Topics:
 
 
 def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:
-    """Return the given topics, and the best guess for the others.
+    """Choose the topics of a bag. Topics that are not in the options are guessed.
 
-    depth_of: True for each image topic that holds depth, indexed by topic. infos: topics of CameraInfo. Raises
+    depth_of: True for each image topic that contains depth, indexed by topic. infos: topics of CameraInfo. Raises
     FileError.
     """
     colors = sorted((t for t, is_depth in depth_of.items() if not is_depth), key=_color_rank)
@@ -78,7 +78,9 @@ def _depth_rank(topic: str) -> tuple[bool, int, bool, str]:
 
 
 def _info_of(color: str, depth: str, infos: Sequence[str]) -> str | None:
-    """Return the CameraInfo topic with the longest common prefix with the colour topic, else with the depth topic."""
+    """Return the CameraInfo topic whose name has the longest common prefix with the colour topic, or else with the
+    depth topic.
+    """
     for topic in (color, depth):
         best = max(infos, key=lambda info: len(_shared(info, topic)), default=None)
         if best is not None and len(_shared(best, topic)) >= min(2, topic.count("/") - 1):

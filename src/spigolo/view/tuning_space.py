@@ -1,4 +1,6 @@
-"""The tuning page in space: a frame's picture, its cloud with boxes, and where each window looks from."""
+"""3D scene of the tuning page: the picture of a frame, its point cloud with boxes, and the camera of each browser
+window.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +20,13 @@ if TYPE_CHECKING:
 
 
 class Space:
-    """Picture and cloud of the frame that is shown. A click on either selects a pixel."""
+    """3D scene with the picture and the point cloud of the current frame. A click on the picture or the cloud selects a
+    pixel.
+    """
 
     def __init__(self, server: viser.ViserServer, select: Callable[[Pixel | None], None]) -> None:
         self.stand: scene.Stand | None = None
-        """Places of the picture and the cloud. None before the first frame."""
+        """Positions of the picture and the point cloud in the scene. None before the first frame."""
         self._server, self._select = server, select
         self._frame: Frame | None = None
         server.scene.set_up_direction("-y")
@@ -30,12 +34,16 @@ class Space:
         server.on_client_connect(lambda client: self.look(client, "both"))
 
     def show(self, answer: Answer, stage: str, chosen: RegionFacts | None, boxes: Sequence[OrientedBox | None]) -> None:
-        """Show the picture of a stage, and the cloud with the box of each object. `chosen` is highlighted in both."""
+        """Show the picture of a stage, and the point cloud with the box of each object. The region `chosen` is
+        highlighted in the picture and in the cloud.
+        """
         self._show_picture(scene.picture(answer, stage, chosen), answer.run.frame)
         self._show_cloud(answer, chosen, boxes)
 
     def look(self, client: viser.ClientHandle, view: str) -> None:
-        """Point the camera of a window at "picture", "cloud" or "both"."""
+        """Point the camera of a browser window at the picture, the point cloud or both. view: "picture", "cloud" or
+        "both".
+        """
         if self.stand is None:
             return
         position, target = self.stand.look(view, client.camera.aspect)

@@ -45,7 +45,7 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
-    """Return a preset with the field values that were given as flags.
+    """Return a copy of the preset, with the fields replaced that are given as flags.
 
     - preset: name or TOML file.
     - flags: values as text, indexed by field name.

@@ -173,7 +173,7 @@ def trace(
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     stages
-        Write the array of each stage to stages/NAME.npy too.
+        Also write the output array of each stage to stages/NAME.npy.
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory.
     index

@@ -57,12 +57,14 @@ def read_frame(
 ) -> Frame:
     """Read a frame from a colour image, a depth image and a camera file. Depth is a 16-bit PNG or an array file.
 
-    camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
-    string is a file name if the file exists or the string has the suffix of a camera file. Otherwise the string is a
-    camera name. depth_scale: metres per stored unit, 0.001 for millimetres. If depth_scale is None, integer depth uses
-    the depth_scale of the camera file or mapping, and floating-point depth is in metres. One .npz file may contain
-    colour, depth and camera. name: name of the frame. None: name of the colour file. Raises FileError, CameraError or
-    FrameError.
+    - camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
+      string is a file name if the file exists or the string has the suffix of a camera file. Otherwise the string is a
+      camera name.
+    - depth_scale: metres per stored unit, 0.001 for millimetres. If depth_scale is None, integer depth is multiplied by
+      the depth_scale of the camera (file or dictionary), and floating-point depth is in metres.
+    - name: name of the frame. None: name of the colour file.
+
+    One .npz file may contain colour, depth and camera. Raises FileError, CameraError or FrameError.
     """
     try:
         stored = read_depth(depth, max_pixels)

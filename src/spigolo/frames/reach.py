@@ -15,8 +15,9 @@ NEAREST_M, FARTHEST_M = 1e-6, 1e8
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
-LEAST_WITHIN: minimum number of pixels within REACH_M per pixel beyond REACH_M. MOST_EQUAL: minimum share of the most
-frequent value among the pixels beyond REACH_M. Depth in a wrong unit is kept, so that a message can suggest the unit.
+LEAST_WITHIN: number of pixels within REACH_M per pixel beyond REACH_M. With fewer, the unit is wrong. MOST_EQUAL: if a
+larger share of the pixels beyond REACH_M has the same value, the value stands for missing depth and the unit is right.
+Depth in a wrong unit is kept, so that a message can suggest the unit.
 """
 LARGEST_UINT16 = 65535
 """Value that means missing depth in 16-bit files, and in wider integer types that were converted from 16 bits."""

@@ -46,29 +46,31 @@ class AbramovConfig(MethodConfig):
     difference of neighbours. Larger values make larger regions (our choice, the public re-implementation: 1 to 1.35).
     """
     repulsion: NotNegative = 1.0
-    """Maximum repulsion of two neighbours with different colours. Smaller values make larger regions (our choice)."""
+    """Maximum repulsion of two neighbours with different colours. Smaller values make larger regions. The paper gives
+    no value.
+    """
     step_m: Positive | None = 0.02
     """Minimum depth difference in metres at which neighbours repel each other regardless of colour. None ignores depth
     (our choice, the public re-implementation: 0.3).
     """
     step_per_m: NotNegative = 0.0083
     """Minimum depth difference per squared distance at which neighbours repel each other, 1/m. The larger of two limits
-    applies: `step_m`, or `step_per_m` times the squared distance (our choice).
+    applies: `step_m`, or `step_per_m` times the squared distance. The paper gives no value.
     """
     penalty: NotNegative = 20.0
     """Repulsion of two neighbours across a depth step (our choice, the public re-implementation: 250)."""
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
     """Number of different spins (as in the paper)."""
     temperature: Positive = 1.0
-    """Temperature of the first Metropolis sweep (our choice)."""
+    """Temperature of the first Metropolis sweep. The paper gives no value."""
     cooling: Annotated[float, Field(gt=0, le=1)] = 0.9
-    """Factor by which the temperature is multiplied after each Metropolis sweep (our choice)."""
+    """Factor by which the temperature is multiplied after each Metropolis sweep. The paper gives no value."""
     sweeps: Annotated[int, Field(ge=0, le=10_000)] = 60
-    """Number of Metropolis sweeps before domains are joined (our choice)."""
+    """Number of Metropolis sweeps before domains are joined. The paper gives no value."""
     last_sweeps: Annotated[int, Field(ge=0, le=10_000)] = 10
     """Number of Metropolis sweeps after domains are joined (as in the public re-implementation)."""
     last_temperature: Positive = 0.05
-    """Temperature of the Metropolis sweeps after domains are joined (our choice)."""
+    """Temperature of the Metropolis sweeps after domains are joined. The paper gives no value."""
     piece_px2: Area_px2 = 20000.0
     """Maximum area of two small regions that are joined with each other, px^2, such as the pieces of a print. 0
     switches the joining of small regions off (our addition).

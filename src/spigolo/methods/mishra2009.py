@@ -29,7 +29,7 @@ from spigolo.stages.regions import Regions
 Points = npt.NDArray[np.float64]
 
 RAYS = 360
-"""Number of rays of the polar map, one for each degree (as in the released code)."""
+"""Number of rays of the polar map, one for each degree. The value is from the authors' code."""
 LEAST_RADIUS_PX = 4
 """Minimum distance between a contour and the given point inside the contour, px."""
 
@@ -40,11 +40,11 @@ class FixationConfig(BoundaryConfig):
     blur_px: Positive = 1.0
     """Standard deviation of the Gaussian that widens edges before the polar transform, px."""
     frame_edge: Share = 20 / 255
-    """Boundary value at the image border, from 0 to 1 (as in the released code)."""
+    """Boundary value at the image border, from 0 to 1. The value is from the authors' code."""
     weakest: Share = 5 / 255
-    """Minimum boundary value of an edge, from 0 to 1 (as in the released code)."""
+    """Minimum boundary value of an edge, from 0 to 1. The value is from the authors' code."""
     gap_cost: NotNegative = 50.0
-    """Cost of a contour point without an edge (as in the released code)."""
+    """Cost of a contour point without an edge. The value is from the authors' code."""
     sharpness: NotNegative = 5.0
     """Sharpness in the cost exp(-sharpness p) of an edge with the boundary value p. The default is that of a public
     re-implementation (the released code: 20).

@@ -32,9 +32,9 @@ NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) 
 NOMINAL_FOCAL = 0.9
 """Assumed focal length as a share of the image width if the camera is unknown."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels close to an edge, where depth is smeared (as in the released code)."""
+"""Weight of pixels close to an edge, where depth is smeared. The value is from the authors' code."""
 LEAST_WEIGHT = 20.0
-"""Minimum total weight of the measured pixels in a half-disc (our choice)."""
+"""Minimum total weight of the measured pixels in a half-disc. The paper gives no value."""
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
 """Grey levels per pixel of disparity for Canny, response of the Scharr filter to a slope of 1, and ratio of Canny's
 high to low threshold.
@@ -52,27 +52,31 @@ class BoundaryConfig(MethodConfig):
     depth: bool = True
     """Use depth. If false, the boundary value of an edge depends only on colour contrast, and edges have no owner."""
     baseline_m: Positive = 0.075
-    """Baseline of the virtual stereo pair, m. The default value is the baseline of a Kinect (our choice)."""
+    """Baseline of the virtual stereo pair, m. The default value is the baseline of a Kinect. The paper gives no value.
+    """
     half_disc: Positive = 0.015
-    """Radius of the half-discs on both sides of an edge, as a share of the image diagonal (as in the released code)."""
+    """Radius of the half-discs on both sides of an edge, as a share of the image diagonal. The value is from the
+    authors' code.
+    """
     near_line: Share = 0.4
-    """Distance from an edge below which pixels have a small weight, as a share of the radius (as in the released code).
+    """Distance from an edge below which pixels have a small weight, as a share of the radius. The value is from the
+    authors' code.
     """
     steepness: Positive = 10.0
-    """Steepness beta_1 of the logistic function of disparity, 1/px (as in the released code)."""
+    """Steepness beta_1 of the logistic function of disparity, 1/px. The value is from the authors' code."""
     step_px: Positive = 0.3
-    """Disparity step beta_2 at which the border probability is 1/2, px (as in the released code)."""
+    """Disparity step beta_2 in px at which the border probability is 0.5. The value is from the authors' code."""
     valley_px: Positive | None = 0.6
     """Depth of a valley at which the contact probability is 1/2, px of disparity. The depth of a valley is the sum of
     the rises of both lines over the radius. None finds no contact boundaries.
     """
     texture: Share = 50 / 255
-    """Minimum boundary value of every edge, even without a depth difference (as in the released code)."""
+    """Minimum boundary value of every edge, even without a depth difference. The value is from the authors' code."""
     max_shadow_px: Length_px = 60
     """Maximum width of a shadow that gets the depth of its farther side, px."""
     disparity_slope: Positive = 0.08
     """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are
-    added to the image edges (our choice).
+    added to the image edges. The paper does not use such edges.
     """
 
 

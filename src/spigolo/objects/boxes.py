@@ -15,7 +15,7 @@ from spigolo.frames.frame import Camera, DepthMap, Mask
 Vectors = npt.NDArray[np.float64]
 
 TRIM_PERCENT = 1.0
-"""Per cent of the points that are ignored at each end of each axis, to remove flying pixels (our choice)."""
+"""Per cent of the points that are ignored at each end of each axis, to remove flying pixels."""
 LEAST_POINTS = 10
 
 

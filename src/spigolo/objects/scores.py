@@ -11,8 +11,7 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Number of measured pixels of a region, divided by the image size, at which the depth term of the score reaches 63 %
-(our choice).
+"""Number of measured pixels of a region, divided by the image size, at which the depth term of the score reaches 63 %.
 """
 
 

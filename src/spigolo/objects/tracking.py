@@ -11,13 +11,13 @@ from spigolo.objects.facts import Labels
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 KEPT_FRAMES = 15
-"""Number of frames for which the id of a missing object is kept (our choice)."""
+"""Number of frames for which the id of a missing object is kept."""
 REACH_M = 0.05
-"""Distance between two detections at which their closeness falls to 37 %, metres (our choice)."""
+"""Distance between two detections at which their closeness falls to 37 %, metres."""
 MIN_AFFINITY = 0.15
-"""Minimum affinity of two detections that are matched as the same object (our choice)."""
+"""Minimum affinity of two detections that are matched as the same object."""
 MAX_SIZE_RATIO = 4.0
-"""Maximum ratio of the areas of two detections that are matched as the same object (our choice)."""
+"""Maximum ratio of the areas of two detections that are matched as the same object."""
 
 Matrix = npt.NDArray[np.float64]
 

@@ -29,8 +29,8 @@ class Options(Settings):
     method.
     """
     continuous: bool = True
-    """Segment every pair of colour and depth images. If false, segment only on a call of the service `segment` and on
-    clicks.
+    """Segment every pair of colour and depth images. If false, segment only if the service `segment` is
+    called or a point arrives on the topic `click`.
     """
     tolerance_s: NotNegative = 0.015
     """Maximum difference between the time stamps of a colour and a depth image that form a pair, s. Choose less than

@@ -20,7 +20,7 @@ from spigolo.sources.options import Options
 
 PIP = 'pip install "spigolo[realsense]"'
 WAIT_MS = 500
-"""Interval at which the receiving thread checks if the source was closed while no frame arrives, ms."""
+"""Timeout of the wait for a frame, ms. After each timeout, the receiving thread checks if the source was closed."""
 PATIENCE_S = 10.0
 """Maximum time without frames, s. After `PATIENCE_S` without a frame, iteration raises an error."""
 FILTERS = ("decimation", "threshold", "spatial", "temporal", "holes")

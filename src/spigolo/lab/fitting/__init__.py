@@ -1,6 +1,6 @@
 """Fitting of parameters to labelled frames by random search, with cross-validation.
 
-Fit the preset TABLE, and print its overlap F on held-out frames::
+Fit the parameters of the preset `TABLE`, and print the overlap F-measure of the masks on held-out frames::
 
     frames = find_labelled_frames([Path("frames")])
     tried = search(frames, Toscana2016(sp.TABLE), Path("fit/trials.jsonl"))

@@ -12,6 +12,7 @@ import pytest
 
 import spigolo as sp
 from spigolo.additions.contours import add_contours, depth_contours, find_holes, hole_contours, measure_noise, widen
+from spigolo.additions.heights import lower_heights
 from spigolo.additions.support import find_support
 from spigolo.frames.files import read_labels
 from spigolo.settings import Inpainting, Settings
@@ -134,7 +135,9 @@ def test_every_stage_reads_the_lengths_of_this_size() -> None:
     weighing = choose_weighing(depth, sized)
     edges = find_edges(frame.color, depth, frame.camera, sized.edges)
     plane = find_support(frame.depth, frame.camera, ours.support, sized.rejection.max_distance_m)
-    contours = add_contours(edges, depth, frame.camera, plane, ours)
+    lowered = lower_heights(sized, plane, frame.depth, frame.camera).additions
+    assert lowered is not None
+    contours = add_contours(edges, depth, frame.camera, plane, lowered)
     cues = gather_cues(frame.color, depth, contours.lines, weighing, sized)
     assert run.edges is not None and run.contours is not None
     assert np.array_equal(run.edges.final, edges.final)

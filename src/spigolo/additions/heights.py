@@ -8,7 +8,6 @@ from __future__ import annotations
 import numpy as np
 
 from spigolo.additions.plane import Plane, sample_frame
-from spigolo.clock import stage
 from spigolo.frames.frame import Camera, DepthMap
 from spigolo.settings.additions import Support
 from spigolo.settings.config import Config
@@ -17,7 +16,6 @@ SIGMA = 1.4826
 """Standard deviation of normally distributed values, divided by the median of their absolute values."""
 
 
-@stage("heights")
 def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: Camera | None) -> Config:
     """Return the configuration with lower minimum heights if the plane has little noise. Heights are never raised.
 

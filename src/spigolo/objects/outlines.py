@@ -58,8 +58,9 @@ def _enlarged_scene(scene: Scene, frame: Frame, config: Config, roi: Roi | None)
     sized = config.at_size(frame.shape)
     ours = sized.additions
     if ours is not None:
-        rules = ours.rules.model_copy(update={"min_contour": scene.rules.min_contour})
-        ours = ours.model_copy(update={"rules": rules})
+        measured = {"min_contour": scene.rules.min_contour, "ledge": scene.rules.ledge}  # limits set by this frame
+        rules = ours.rules.model_copy(update=measured)
+        ours = ours.model_copy(update={"rules": rules, "support": scene.support})
     return replace(
         scene,
         frame=frame,

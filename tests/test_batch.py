@@ -357,13 +357,33 @@ def test_the_frames_of_a_data_set_keep_their_names(source: Path, tmp_path: Path)
         labels = cv2.imread(str(tmp_path / "out" / "labels" / f"{job.name}.png"), cv2.IMREAD_UNCHANGED)
         assert np.array_equal(labels, sp.segment(jobs_of(source)[k].read()).labels)
     shutil.copy(tmp_path / "tum" / "depth" / "f01.png", tmp_path / "tum" / "depth" / "f02.png")
-    numbered._open.cache_clear()
     assert run_batch(jobs, sp.OBJECTS, tmp_path / "out", local(2)).progress == Progress(3, 2, 1, 0)
+
+
+@pytest.mark.parametrize("bag", [False, True], ids=["data set", "bag"])
+def test_a_frame_that_changed_is_computed_again_in_the_same_process(source: Path, tmp_path: Path, bag: bool) -> None:
+    pytest.importorskip("rosbags")
+    from bags import usual_bag
+
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    flipped = sp.Frame(frame.color[:, ::-1], frame.depth[:, ::-1], frame.camera)
+    path, found = tmp_path / ("ros1.bag" if bag else "tum"), []
+    for k, shown in enumerate((frame, flipped)):
+        path.unlink() if path.is_file() else None
+        if bag:
+            usual_bag("ros1.bag", shown, pairs=1, unmatched=k, corrupt=0).write(tmp_path)
+        else:
+            for name, image in (("rgb", shown.color), ("depth", np.uint16(shown.depth * 5000))):
+                write_png(path / name / "f.png", image)
+                (path / f"{name}.txt").write_text(f"0.0 {name}/f.png\n")
+        summary = run_batch(numbered_frames(str(path)), sp.OBJECTS, tmp_path / "out", here)
+        assert summary.progress == Progress(1, 0, 1, 0), summary.failures
+        found.append((tmp_path / "out" / "objects").glob("*.json").__next__().read_bytes())
+    assert found[0] != found[1]
 
 
 def test_a_source_without_numbered_frames_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numbered, "open_source", lambda *_, **__: Live("camera", Options()))
-    numbered._open.cache_clear()
     with pytest.raises(FileError, match="known number of frames, got camera"):
         numbered_frames("camera")
 

@@ -85,17 +85,18 @@ def _jobs(
     from spigolo.batch import FrameFiles
     from spigolo.sources.bags import BagSource
     from spigolo.sources.folders import FolderSource
-    from spigolo.sources.numbered import numbered_frames
+    from spigolo.sources.numbered import numbered_frames, open_numbered
 
-    with opened(words, camera, depth_scale, max_pixels) as source:
-        if isinstance(source, FolderSource):
-            return [
-                FrameFiles(p.name, p.color, p.depth, p.camera if camera is None else camera, depth_scale, max_pixels)
-                for p in source.paths
-            ]
-        if isinstance(source, BagSource) and source.content.unpaired:
-            single = counted(source.content.unpaired, "image")
-            print(f"{source.name}: {single} without a partner within {source.options.tolerance_ms:g} ms")
+    given = camera, depth_scale, max_pixels
+    source = open_numbered(words[0], *given) if len(words) == 1 else opened(words, *given)
+    if isinstance(source, FolderSource):
+        return [
+            FrameFiles(p.name, p.color, p.depth, p.camera if camera is None else camera, depth_scale, max_pixels)
+            for p in source.paths
+        ]
+    if isinstance(source, BagSource) and source.content.unpaired:
+        single = counted(source.content.unpaired, "image")
+        print(f"{source.name}: {single} without a partner within {source.options.tolerance_ms:g} ms")
     return numbered_frames(words[0], camera, depth_scale, max_pixels)
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 from spigolo.errors import FileError
 from spigolo.frames.frame import MAX_PIXELS, Frame
@@ -41,28 +42,40 @@ class NumberedFrame:
 
     def fingerprint(self) -> str:
         """Return a hash of the images and intrinsics of the frame. Raises SpigoloError for an unreadable frame."""
-        frame = _read(self)
+        frame = self.read()
         return _hash(frame.color.tobytes(), frame.depth.tobytes(), repr(frame.camera).encode())
 
     def read(self) -> Frame:
         """Return the frame. Raises SpigoloError."""
-        return _read(self)
+        return _read(self, self.stamp())
 
     def _opened(self) -> SizedSource:
-        return _open(self.source, self.camera, self.depth_scale, self.max_pixels)
+        return open_numbered(self.source, self.camera, self.depth_scale, self.max_pixels)
 
 
 def numbered_frames(
     source: str, camera: str | None = None, depth_scale: float | None = None, max_pixels: int = MAX_PIXELS
 ) -> list[NumberedFrame]:
     """Return all frames of a bag or data set as jobs. Raises FileError for a live camera or a RealSense recording."""
-    opened = _open(source, camera, depth_scale, max_pixels)
+    opened = open_numbered(source, camera, depth_scale, max_pixels)
     return [NumberedFrame(opened.name_of(k), source, k, camera, depth_scale, max_pixels) for k in range(len(opened))]
 
 
+def open_numbered(source: str, camera: str | None, depth_scale: float | None, max_pixels: int) -> SizedSource:
+    """Open a source whose frames have numbers. Raises FileError for a live camera or a RealSense recording.
+
+    Each process opens the source of its jobs only once, unless the file or folder of the source has changed.
+    """
+    path = Path(source.removeprefix("dataset:").partition("?")[0])
+    state = path.stat() if path.exists() else None
+    return _open(source, camera, depth_scale, max_pixels, state and (state.st_size, state.st_mtime_ns))
+
+
 @lru_cache(maxsize=1)
-def _open(source: str, camera: str | None, depth_scale: float | None, max_pixels: int) -> SizedSource:
-    """Open a source. The last source is cached, so that each process opens the source of its jobs only once."""
+def _open(
+    source: str, camera: str | None, depth_scale: float | None, max_pixels: int, state: tuple[int, int] | None
+) -> SizedSource:
+    """Open a source. The last source is cached. state: size and time of its path, part of the key of the cache."""
     opened = open_source(source, camera, depth_scale, max_pixels=max_pixels)
     if not isinstance(opened, SizedSource):
         opened.close()
@@ -74,9 +87,9 @@ def _open(source: str, camera: str | None, depth_scale: float | None, max_pixels
 
 
 @lru_cache(maxsize=1)
-def _read(job: NumberedFrame) -> Frame:
+def _read(job: NumberedFrame, stamp: str) -> Frame:
     """Read the frame of a job. The last frame is cached, because the fingerprint and the segmentation of a job both
-    read the frame.
+    read the frame. stamp: stamp of the job, so that a changed file is read again.
     """
     return job._opened()[job.number]
 

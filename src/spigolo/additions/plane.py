@@ -134,8 +134,8 @@ def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support)
     Speckles of one or two pixels are removed before.
     """
     above = cv2.medianBlur(above_mask(plane, depth, camera, config).view(np.uint8), SPECKLE_PX)
-    beside = (above == 0).view(np.uint8)
-    return np.asarray((above > 0) & (cv2.dilate(beside, np.ones((3, 3), np.uint8)) > 0))
+    outside = (above == 0).view(np.uint8)
+    return np.asarray((above > 0) & (cv2.dilate(outside, np.ones((3, 3), np.uint8)) > 0))
 
 
 def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:

@@ -62,7 +62,7 @@ class Measured:
     n_frames: int
     tallies: Mapping[str, Mapping[Place, Tally]]
     """Numbers of objects, indexed by method and table cell. The first method uses the paper's preset."""
-    beside: str | None
+    reference: str | None
     """Name of the method whose values are printed in parentheses, or None."""
 
     @property
@@ -125,8 +125,8 @@ def _measure(contenders: Sequence[Contender], printed: Printed, rendered: bool) 
             f" of {', '.join(order)}: `spigolo evaluate FOLDER --presets {printed.preset}` into the same file"
         )
     tallies = {label: _tally(held[label][1], printed) for label in order}
-    beside = next((label for label in order if held[label][0].which[0] == printed.beside), None)
-    return Measured(printed, rendered, len(held[order[0]][1]), tallies, beside)
+    reference = next((label for label in order if held[label][0].which[0] == printed.beside), None)
+    return Measured(printed, rendered, len(held[order[0]][1]), tallies, reference)
 
 
 def _tally(rows: Sequence[Row], printed: Printed) -> dict[Place, Tally]:
@@ -177,8 +177,8 @@ def _wide(measured: Measured) -> Table:
     Each line of the paper's table becomes several rows: printed values, measured values, and numbers of objects.
     """
     printed = measured.printed
-    first, *others = [label for label in measured.tallies if label != measured.beside]
-    name = f"{first} ({measured.beside})" if measured.beside else first
+    first, *others = [label for label in measured.tallies if label != measured.reference]
+    name = f"{first} ({measured.reference})" if measured.reference else first
     rows = []
     for line in printed.lines:
         figures = [printed.figures.get((line, column)) for column in printed.columns]
@@ -197,12 +197,12 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """Yield the cells of one line for the method `label`, with the values of the method `measured.beside` in
+    """Yield the cells of one line for the method `label`, with the values of the method `measured.reference` in
     parentheses.
     """
     tallies = _tallies(measured, line, label)
-    besides = _tallies(measured, line, measured.beside) if measured.beside else [None] * len(tallies)
-    for tally, other in zip(tallies, besides, strict=True):
+    references = _tallies(measured, line, measured.reference) if measured.reference else [None] * len(tallies)
+    for tally, other in zip(tallies, references, strict=True):
         yield Cell(tally.share, other.share if other else "", strong=True) if tally else Cell(NOT_DONE)
 
 

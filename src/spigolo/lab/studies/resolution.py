@@ -1,7 +1,7 @@
-"""Compare half and full resolution on large frames: `python -m spigolo.lab.studies.resolution FOLDER --beside FRAME`.
+"""Compare half and full resolution on large frames: `python -m spigolo.lab.studies.resolution FOLDER --reference FRAME`.
 
 The script prints overlap F, found objects and CPU time for each frame of the data set at both resolutions. CPU times
-are relative to the time for the 640x480 frame in the folder `--beside`.
+are relative to the time for the 640x480 frame in the folder `--reference`.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ HALF = sp.OBJECTS.replace(additions={"resolution": "half"})
 def main() -> None:
     parser = argparse.ArgumentParser(description="Compare half and full resolution on large frames.")
     parser.add_argument("folder", type=Path, help="data set of large frames")
-    parser.add_argument("--beside", type=Path, required=True, help="folder of a 640x480 frame as time reference")
+    parser.add_argument("--reference", type=Path, required=True, help="folder of a 640x480 frame as time reference")
     parser.add_argument("--rounds", type=int, default=7)
     given = parser.parse_args()
-    small = read(given.beside)
+    small = read(given.reference)
     print("| frame | size | F full | F half | found full | found half | time full | time half |")
     print("|---|---|---|---|---|---|---|---|")
     with warnings.catch_warnings(), one_thread():
@@ -39,9 +39,9 @@ def main() -> None:
             scores = [score(frame, config, truth) for config in (sp.OBJECTS, HALF)]
             cells = [f"{one.overlap_f:.3f}" for one in scores]
             cells += [f"{one.true_positives} of {one.n_objects}" for one in scores]
-            runs = {"full": work(sp.OBJECTS, frame), "half": work(HALF, frame), "beside": work(sp.OBJECTS, small)}
+            runs = {"full": work(sp.OBJECTS, frame), "half": work(HALF, frame), "reference": work(sp.OBJECTS, small)}
             samples = run_rounds({name: timed(run) for name, run in runs.items()}, given.rounds)
-            cells += [f"{paired_ratio(samples[name], samples['beside']):.2f}" for name in ("full", "half")]
+            cells += [f"{paired_ratio(samples[name], samples['reference']):.2f}" for name in ("full", "half")]
             height, width = frame.shape
             print(f"| {entry.name} | {width}x{height} | {' | '.join(cells)} |", flush=True)
 

@@ -112,7 +112,7 @@ CHANGES: dict[str, Change] = {
     "depth noise 1.4 mm at 1 m": partial(noise, 0.0014),
     "5 % more of the depth missing": partial(holes, 0.05),
     "turned by 8 degrees": partial(turn, -8.0),
-    "colour 2 px beside depth": partial(move_color, -2),
+    "colour shifted by 2 px against depth": partial(move_color, -2),
     "intrinsics guessed, 60deg": partial(know_camera, "60deg"),
     "no intrinsics": partial(know_camera, None),
 }

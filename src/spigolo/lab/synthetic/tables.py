@@ -234,7 +234,7 @@ def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
 
 
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
-    """Create posters on the back wall, a chair behind the table, and cartons beside the table."""
+    """Create posters on the back wall, a chair behind the table, and cartons next to the table."""
     parts: list[Part] = []
     for _ in range(int(rng.integers(2, 7))):
         parts += furniture.poster((rng.uniform(-1.3, 1.3), wall_y_m - 0.01, rng.uniform(0.1, 0.9)), rng)

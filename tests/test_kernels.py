@@ -21,6 +21,7 @@ from spigolo import Camera, Frame
 from spigolo.additions.plane import Plane
 from spigolo.frames.registration import projection
 from spigolo.kernels import (
+    bands,
     borders,
     choosing,
     color,
@@ -1021,14 +1022,14 @@ def _seeded(rng: np.random.Generator, shape: tuple[int, int] = (14, 17)) -> tupl
 
 def _layers(labels: naive.Array, depth: naive.Array, width: int, hole_width: int) -> tuple[naive.Array, naive.Array]:
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max()) + 1, np.int32)
-    seeding.measure_layers(labels, (depth == 0).astype(np.uint8), width, hole_width, layer, inner)
+    bands.measure_layers(labels, (depth == 0).astype(np.uint8), width, hole_width, layer, inner)
     return layer, inner
 
 
 @pytest.mark.parametrize("reach", [1, 3, 8])
 def test_count_ramps(scene: Frame, blocks: tuple[naive.Array, naive.Array], reach: int) -> None:
     sums, numbers = np.zeros(2, np.int64), (np.float32(0.02), np.float32(0.03))
-    seeding.count_ramps(blocks[0], scene.depth, reach, *numbers, sums)
+    bands.count_ramps(blocks[0], scene.depth, reach, *numbers, sums)
     assert sums.tolist() == naive.count_ramps(blocks[0], scene.depth, reach, 0.02, 0.03)
 
 
@@ -1040,7 +1041,7 @@ def test_a_ramp_is_as_wide_as_what_lies_between_both_depths(ramp: list[float], s
     labels = np.zeros(depth.shape, np.int32)
     labels[:, 12:] = 1
     sums = np.zeros(2, np.int64)
-    seeding.count_ramps(labels, depth, 8, np.float32(0.03), np.float32(0.02), sums)
+    bands.count_ramps(labels, depth, 8, np.float32(0.03), np.float32(0.02), sums)
     assert sums.tolist() == [5, 5 * smeared_px]
 
 
@@ -1058,7 +1059,7 @@ def test_measure_layers(seed: int, widths: tuple[int, int]) -> None:
 def test_open_layers(scene: Frame, blocks: tuple[naive.Array, naive.Array], share: float) -> None:
     layer, inner = _layers(blocks[0], scene.depth, 2, 4)
     opened = np.full(layer.shape, 99, np.uint8)
-    count = seeding.open_layers(blocks[0], layer, inner, np.float32(share), opened)
+    count = bands.open_layers(blocks[0], layer, inner, np.float32(share), opened)
     np.testing.assert_array_equal(opened, naive.open_layers(blocks[0], layer, inner, share))
     assert count == np.count_nonzero(opened)
 
@@ -1066,9 +1067,9 @@ def test_open_layers(scene: Frame, blocks: tuple[naive.Array, naive.Array], shar
 def test_flag_columns(scene: Frame, rng: np.random.Generator) -> None:
     opened = (rng.random(scene.shape) < 0.5).astype(np.uint8)
     twin = naive.flag_columns(opened)
-    seeding.flag_columns(opened)
+    bands.flag_columns(opened)
     np.testing.assert_array_equal(opened, twin)
-    seeding.flag_columns(opened)
+    bands.flag_columns(opened)
     np.testing.assert_array_equal(opened, twin)
 
 
@@ -1078,7 +1079,7 @@ def test_grow_seeds(seed: int, memory: float, carry: float) -> None:
     labels, color, depth = _seeded(np.random.default_rng(seed))
     layer, inner = _layers(labels, depth, 2, 3)
     opened = np.empty(labels.shape, np.uint8)
-    count = seeding.open_layers(labels, layer, inner, np.float32(0.6), opened)
+    count = bands.open_layers(labels, layer, inner, np.float32(0.6), opened)
     out, left, source, step = labels.copy(), opened.copy(), np.empty(labels.size, np.int32), (0.018, 0.0083, 40.0)
     seeding.grow_seeds(color, depth, out, left, count, memory, carry, *map(np.float32, step), source)
     np.testing.assert_array_equal(out, naive.grow_seeds(color, depth, labels, opened, memory, carry, step))

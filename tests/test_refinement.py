@@ -9,7 +9,7 @@ import pytest
 
 import spigolo as sp
 from spigolo.additions.refinement import open_hulls, place_outlines, refine_labels
-from spigolo.kernels import seeding
+from spigolo.kernels import bands
 from spigolo.settings import Refinement
 
 
@@ -79,7 +79,7 @@ def test_a_hull_opens_background_only_and_flags_the_image_border():
     notch = np.zeros(labels.shape, bool)
     notch[20:40, :12] = True
     np.testing.assert_array_equal(opened > 0, notch & (labels == 0))
-    assert (opened[20:40, 0] == seeding.OPEN | seeding.FIRST_COLUMN).all()
+    assert (opened[20:40, 0] == bands.OPEN | bands.FIRST_COLUMN).all()
 
 
 def test_repeated_labels_follow_the_full_image():

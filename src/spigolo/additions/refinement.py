@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.frames.frame import Color, DepthMap, Mask
-from spigolo.kernels import moments
+from spigolo.kernels import bands, moments
 from spigolo.kernels import seeding as kernel
 from spigolo.settings.additions import Refinement
 
@@ -77,10 +77,10 @@ def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: floa
         if not outlines or sum(map(cv2.contourArea, outlines)) < min_solidity * cv2.contourArea(hull):
             continue
         inside = np.zeros(here.shape, np.uint8)
-        cv2.fillConvexPoly(inside, hull, kernel.OPEN)
+        cv2.fillConvexPoly(inside, hull, bands.OPEN)
         inside[here != 0] = 0
         opened[top:bottom, left:right] |= inside
-    kernel.flag_columns(opened)
+    bands.flag_columns(opened)
     return int(np.count_nonzero(opened) - opened_before)
 
 
@@ -104,7 +104,7 @@ def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
     borders.
     """
     sums = np.zeros(2, np.int64)
-    kernel.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
+    bands.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
     if sums[0] < config.min_profiles:
         return config.min_width_px
     ramp_px = float(sums[1] / sums[0])
@@ -122,10 +122,10 @@ def open_band(
     label 0, may be marked entirely.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
-    kernel.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
-    inner[0] = kernel.UNREACHED
+    bands.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
+    inner[0] = bands.UNREACHED
     opened = np.empty(labels.shape, np.uint8)
-    return opened, int(kernel.open_layers(labels, layer, inner, np.float32(max_opened), opened))
+    return opened, int(bands.open_layers(labels, layer, inner, np.float32(max_opened), opened))
 
 
 def claim(

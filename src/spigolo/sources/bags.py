@@ -5,40 +5,24 @@ A first pass over the bag reads all stamps, pairs colour and depth images, and c
 
 from __future__ import annotations
 
-import importlib
-import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import Any
 
 from spigolo.errors import FileError, FrameError, SpigoloError, warn
 from spigolo.frames.camera import Camera
 from spigolo.frames.files import known_camera
 from spigolo.frames.frame import Frame
 from spigolo.frames.listing import listed
+from spigolo.sources.bag_files import Decoder, Stamped, find_message, open_bag, read_stamps
 from spigolo.sources.base import Report, SizedSource
 from spigolo.sources.options import Options
 from spigolo.sources.pairing import pair_stamps
-from spigolo.sources.ros_images import MILLIMETRES, color_of, depth_of, is_depth
+from spigolo.sources.ros_images import MILLIMETRES, color_of, depth_of
 from spigolo.sources.topics import IMAGE_TYPES, INFO_TYPE, Topics, choose_topics
-
-PIP = 'pip install "spigolo[bags]"'
-REALSENSE = "/device_0/sensor_"
-"""Prefix of the topic names in a recording of the RealSense SDK."""
-
-
-class Stamped(NamedTuple):
-    """Position of an image message in a bag, and the stamp of the image."""
-
-    stamp_ns: int
-    """Stamp of the image, ns."""
-    number: int
-    """Number of the message in its topic, from 0."""
-    written_ns: int
-    """Time at which the recorder wrote the message, ns. Messages in a bag are searched by the time of writing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +52,9 @@ class BagSource(SizedSource):
 
     def __init__(self, path: Path, options: Options) -> None:
         self._path = path
-        with closing(_open(path)) as reader:
+        with closing(open_bag(path)) as reader:
             self._types = {c.topic: c.msgtype for c in reader.connections}
-            self._decoder = _Decoder(reader)
+            self._decoder = Decoder(reader)
             self.content = self._survey(reader, options)
         super().__init__(str(path), options, len(self.content.pairs))
         topics = self.content.topics
@@ -82,8 +66,8 @@ class BagSource(SizedSource):
     def __getitem__(self, number: int) -> Frame:
         topics, (color, depth) = self.content.topics, self.content.pairs[number]
         wanted = {topics.color: color, topics.depth: depth}
-        with closing(_open(self._path)) as reader:
-            found = {topic: _find(reader, topic, message) for topic, message in wanted.items()}
+        with closing(open_bag(self._path)) as reader:
+            found = {topic: find_message(reader, topic, message) for topic, message in wanted.items()}
         return self._read(number % self._count, found)
 
     def name_of(self, number: int) -> str:
@@ -165,7 +149,7 @@ class BagSource(SizedSource):
     def _messages(self, topics: Topics) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, number and bytes of the image messages, up to the first unreadable part of the file."""
         numbers = {topics.color: 0, topics.depth: 0}
-        with closing(_open(self._path)) as reader:
+        with closing(open_bag(self._path)) as reader:
             wanted = [c for c in reader.connections if c.topic in numbers]
             with suppress(Exception):  # the first pass has recorded the reason in Content.cut
                 for connection, _, data in reader.messages(connections=wanted):
@@ -179,7 +163,7 @@ class BagSource(SizedSource):
         holds = {c.topic: self._decoder.holds_depth(c) for c in images}
         topics = choose_topics(holds, infos, options, self._path.name)
         info = self._decoder.first([c for c in reader.connections if c.topic == topics.info])
-        stamps, headless, cut = _read_stamps(reader, topics)
+        stamps, headless, cut = read_stamps(reader, topics)
         colors, depths = stamps[topics.color], stamps[topics.depth]
         found = pair_stamps([s.stamp_ns for s in colors], [s.stamp_ns for s in depths], options.tolerance_ms * 1e6)
         pairs = tuple((colors[color], depths[depth]) for color, depth in found)
@@ -189,105 +173,6 @@ class BagSource(SizedSource):
             partner[topics.depth, depth.number] = pair
         unpaired = len(colors) + len(depths) + len(headless) - 2 * len(pairs)
         return Content(topics, partner, pairs, headless, unpaired, info, cut)
-
-
-class _Decoder:
-    """Deserialiser of ROS messages, which also works after the bag is closed."""
-
-    def __init__(self, reader: Any) -> None:
-        self._reader, store = reader, reader.typestore
-        self._deserialize = store.deserialize_cdr if reader.is2 else store.deserialize_ros1
-
-    def message(self, data: bytes, kind: str) -> Any:
-        """Deserialise a message. Raises FrameError for a damaged message."""
-        try:
-            return self._deserialize(data, kind)
-        except Exception as error:  # damaged bytes may raise any exception
-            raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
-
-    def first(self, connections: Sequence[Any]) -> Any:
-        """Return the first readable message of the connections, or None."""
-        with suppress(Exception):  # errors in the file are reported by the first pass over all stamps
-            for connection, _, data in self._reader.messages(connections=connections) if connections else ():
-                with suppress(FrameError):
-                    return self.message(data, connection.msgtype)
-        return None
-
-    def holds_depth(self, connection: Any) -> bool:
-        """Return True if the first readable image of a topic is depth. If no image is readable, the name of the topic
-        decides.
-        """
-        message = self.first([connection])
-        return "depth" in connection.topic if message is None else is_depth(message)
-
-
-Stamps = dict[str, list[Stamped]]
-"""Stamped messages, indexed by topic."""
-
-
-def _read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[str, int]], str]:
-    """Return the stamps, the messages without a stamp, and the reason if reading stopped before the end of the file."""
-    stamps: Stamps = {topics.color: [], topics.depth: []}
-    numbers, headless = dict.fromkeys(stamps, 0), set()
-    wanted = [c for c in reader.connections if c.topic in stamps]
-    try:
-        for connection, written_ns, data in reader.messages(connections=wanted):
-            topic = connection.topic
-            number, numbers[topic] = numbers[topic], numbers[topic] + 1
-            stamp = _stamp_ns(data, reader.is2)
-            if stamp is None:
-                headless.add((topic, number))
-            else:
-                stamps[topic].append(Stamped(stamp, number, written_ns))
-    except Exception as error:  # damaged files may raise any exception
-        return stamps, frozenset(headless), _told(error)
-    return stamps, frozenset(headless), ""
-
-
-def _find(reader: Any, topic: str, wanted: Stamped) -> bytes:
-    """Search a message in a bag by its time of writing, and return its bytes. Raises FrameError."""
-    connections = [c for c in reader.connections if c.topic == topic]
-    at = wanted.written_ns
-    try:
-        for _, _, data in reader.messages(connections=connections, start=at, stop=at + 1):
-            if _stamp_ns(data, reader.is2) == wanted.stamp_ns:
-                return bytes(data)
-    except Exception as error:  # damaged files may raise any exception
-        raise FrameError(f"{topic}, message {wanted.number} cannot be read ({_told(error)})") from None
-    raise FrameError(f"{topic}, message {wanted.number} is no longer in the recording")
-
-
-def is_of_realsense(path: Path) -> bool:
-    """Return True if a bag was recorded by the RealSense SDK, which does not register depth to colour in recordings."""
-    with closing(_open(path)) as reader:
-        return any(c.topic.startswith(REALSENSE) for c in reader.connections)
-
-
-def _open(path: Path) -> Any:
-    """Open a bag and return its reader. Raises FileError."""
-    try:
-        reading = importlib.import_module("rosbags.highlevel")
-        typesys = importlib.import_module("rosbags.typesys")
-    except ImportError:
-        raise FileError(f"reading {path} needs rosbags, which is missing: {PIP}") from None
-    try:
-        usual = typesys.get_typestore(typesys.Stores.ROS2_HUMBLE)
-        reader = reading.AnyReader([path], default_typestore=usual)
-        reader.open()
-    except Exception as error:  # damaged files may raise any exception
-        raise FileError(f"{path}: not a readable ROS bag ({_told(error)})") from None
-    return reader
-
-
-def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:
-    """Return the stamp of a serialised header. None if the message is too short."""
-    if len(data) < 12:
-        return None
-    if not is_ros2:
-        sec, nanosec = struct.unpack_from("<II", data, 4)
-    else:
-        sec, nanosec = struct.unpack_from(">iI" if data[1] == 0 else "<iI", data, 4)
-    return int(sec) * 1_000_000_000 + int(nanosec)
 
 
 def _camera_info(info: Any, topic: str) -> Any:
@@ -302,7 +187,3 @@ def _camera_info(info: Any, topic: str) -> Any:
 
 def _name(pair: int) -> str:
     return f"{pair:06d}"
-
-
-def _told(error: BaseException) -> str:
-    return " ".join(str(error).split())[:200] or type(error).__name__

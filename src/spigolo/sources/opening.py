@@ -101,7 +101,8 @@ def _bag(path: Path, options: Options) -> Source:
     """Return the source for a bag. Recordings of the RealSense SDK are opened with the SDK, which aligns depth to
     colour.
     """
-    from spigolo.sources.bags import BagSource, is_of_realsense
+    from spigolo.sources.bag_files import is_of_realsense
+    from spigolo.sources.bags import BagSource
 
     if not path.exists():
         raise FileError(f"expected a recording, but there is no {path}")

@@ -1,4 +1,4 @@
-"""Compare half and full resolution on large frames: `python -m spigolo.lab.studies.resolution FOLDER --reference FRAME`.
+"""Compare half and full resolution: `python -m spigolo.lab.studies.resolution FOLDER --reference FRAME`.
 
 The script prints overlap F, found objects and CPU time for each frame of the data set at both resolutions. CPU times
 are relative to the time for the 640x480 frame in the folder `--reference`.

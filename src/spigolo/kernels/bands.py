@@ -1,0 +1,185 @@
+"""Kernels that mark the band of pixels along the borders of objects whose label is assigned anew.
+
+The width of the band follows the ramps of the depth map. Pixels in the band are called open.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from spigolo.kernels._jit import inlined, kernel
+
+f32 = np.float32
+LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
+"""Lower and upper limit of depth values on the ramp of a depth step, as a share of the height of the step."""
+UNREACHED = 255
+OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
+"""Bits that mark a pixel as open, as in the first image column, and as in the last image column."""
+WORD = 8
+"""Number of pixel flags that are compared with 0 in one step, for speed."""
+
+
+@inlined
+def outermost(depth, start, step, count):
+    """Return the first valid depth among the `count` pixels start, start + step, ..., or 0 if all are missing."""
+    for k in range(count):
+        z = depth[start + k * step]
+        if z > f32(0.0):
+            return z
+    return f32(0.0)
+
+
+@kernel
+def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
+    """Measure the width in pixels over which depth steps on the borders of objects are smeared (ramps).
+
+    For each pair of neighbours with different labels, a depth profile of reach_px pixels to both sides is read along
+    the image row or column. A profile counts if the depth at its ends differs by more than max(step_m, step_share *
+    nearer depth).
+
+    - labels (H, W) int32, 0 = background.
+    - depth (H, W) float32 metres, 0 = missing.
+    - sums (2,) int64, initially zero: number of profiles, number of pixels between both depths of a step.
+    """
+    height, width = labels.shape
+    flat = depth.reshape(-1)
+    flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
+    words = flags.view(np.uint64)
+    for y in range(height):
+        flag_differences(labels[y], labels[min(y + 1, height - 1)], flags)
+        for word in range(words.size):
+            for x in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
+                if not flags[x]:
+                    continue
+                if x + 1 < width and labels[y, x + 1] != labels[y, x]:
+                    count_profile(flat, y * width + x, 1, x, width, reach_px, step_m, step_share, sums)
+                if y + 1 < height and labels[y + 1, x] != labels[y, x]:
+                    count_profile(flat, y * width + x, width, y, height, reach_px, step_m, step_share, sums)
+
+
+@inlined
+def flag_differences(row, other, flags):
+    """Flag the pixels of an image row whose label differs from the next pixel or from the pixel of the other row."""
+    for x in range(row.size - 1):
+        flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
+    flags[row.size - 1] = row[-1] != other[-1]
+
+
+@inlined
+def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, sums):
+    """Add the depth profile between pixel p and its neighbour p + step to the sums of `count_ramps`.
+
+    flat (H * W,): depth map. place: position of pixel p in its image row or column. length: length of this image row or
+    column.
+    """
+    if place + 1 < reach_px or place + 1 + reach_px > length:
+        return
+    ends, first = max(reach_px // 3, 1), p - (reach_px - 1) * step
+    last = first + (2 * reach_px - 1) * step
+    a, b = outermost(flat, first, step, ends), outermost(flat, last, -step, ends)
+    near, far = min(a, b), max(a, b)
+    if near == f32(0.0) or far - near <= max(step_m, step_share * near):
+        return
+    low, high = near + LOW_PART * (far - near), near + HIGH_PART * (far - near)
+    sums[0] += 1
+    for k in range(ends, 2 * reach_px - ends):
+        z = flat[first + k * step]
+        sums[1] += (z > low) & (z < high)
+
+
+@inlined
+def mark_borders(labels, layer):
+    """Set layer to 1 at the pixels next to another label. Return the indices y * width + x of the pixels in layer 1."""
+    height, width = labels.shape
+    queue, size = np.empty(labels.size, np.int64), 0
+    flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
+    words = flags.view(np.uint64)
+    for y in range(height):
+        row, above, below = labels[y], labels[max(y - 1, 0)], labels[min(y + 1, height - 1)]
+        for x in range(1, width - 1):
+            sideways = (row[x] != row[x - 1]) | (row[x] != row[x + 1])
+            flags[x] = sideways | (row[x] != above[x]) | (row[x] != below[x])
+        for x in (0, width - 1):
+            sideways = (row[x] != row[max(x - 1, 0)]) | (row[x] != row[min(x + 1, width - 1)])
+            flags[x] = sideways | (row[x] != above[x]) | (row[x] != below[x])
+        for word in range(words.size):
+            for x in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
+                if flags[x]:
+                    layer[y, x] = 1
+                    queue[size] = y * width + x
+                    size += 1
+    return queue[:size]
+
+
+@kernel
+def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
+    """Number the pixels near borders in layers: layer 1 touches another label, layer 2 touches layer 1, and so on.
+
+    The maximum layer is width_px, or hole_width_px where near_hole is nonzero.
+
+    - labels (H, W) int32: label of each pixel.
+    - near_hole (H, W) uint8: nonzero near missing depth.
+    - layer (H, W) uint8: 255 in pixels beyond the maximum layer.
+    - inner (N,) int32: number of layers of each label, or 255 if the label has pixels beyond the maximum layer.
+    """
+    height, width = labels.shape
+    layer[:] = UNREACHED
+    inner[:] = 0
+    queue = mark_borders(labels, layer)
+    size, number = queue.size, 1
+    while size > 0:
+        following = np.empty(8 * size, np.int64)
+        found = 0
+        for k in range(size):
+            y = queue[k] // width
+            x = queue[k] - y * width
+            here = labels[y, x]
+            inner[here] = max(inner[here], number)
+            for dy in range(-1, 2):
+                for dx in range(-1, 2):
+                    if number % 2 == 0 and dy != 0 and dx != 0:
+                        continue  # 8-neighbours and 4-neighbours alternate, so that layers are nearly round
+                    v, u = y + dy, x + dx
+                    if v < 0 or u < 0 or v >= height or u >= width or layer[v, u] != UNREACHED:
+                        continue
+                    if number >= (hole_width_px if near_hole[v, u] else width_px):
+                        inner[labels[v, u]] = UNREACHED
+                        continue
+                    layer[v, u] = number + 1
+                    following[found] = v * width + u
+                    found += 1
+        queue, size = following, found
+        number += 1
+
+
+@kernel
+def open_layers(labels, layer, inner, share, opened):
+    """Mark the outer layers of each label as open, up to `share` of its layers. Return the number of open pixels.
+
+    If a label has pixels beyond the maximum layer, all layers of this label become open.
+
+    labels (H, W) int32. layer (H, W) uint8, inner (N,) int32: results of `measure_layers`. opened (H, W) uint8: flags
+    of open pixels, 0 for other pixels.
+    """
+    height, width = labels.shape
+    count = 0
+    for y in range(height):
+        for x in range(width):
+            k = layer[y, x]
+            limit = inner[labels[y, x]]
+            is_open = k != UNREACHED and (limit == UNREACHED or k <= share * limit)
+            sides = (FIRST_COLUMN if x == 0 else 0) | (LAST_COLUMN if x == width - 1 else 0)
+            opened[y, x] = (OPEN | sides) if is_open else 0
+            count += is_open
+    return count
+
+
+@kernel
+def flag_columns(opened):
+    """Set the column flags of the open pixels in the first and last image column. opened (H, W) uint8."""
+    last = opened.shape[1] - 1
+    for y in range(opened.shape[0]):
+        if opened[y, 0]:
+            opened[y, 0] |= FIRST_COLUMN
+        if opened[y, last]:
+            opened[y, last] |= LAST_COLUMN

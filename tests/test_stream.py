@@ -8,12 +8,15 @@ import platform
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.errors import FileError, FrameError
 from test_objects import scene
 
 
@@ -109,6 +112,64 @@ def test_eight_at_once_answer_as_one_after_the_other() -> None:
     with ThreadPoolExecutor(8) as pool:
         for ours, theirs in zip(pool.map(run, frames), serial, strict=True):
             assert np.array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_a_map_on_threads_answers_as_a_loop_does(threads: int) -> None:
+    """Same order, labels and ids, twice with one segmenter."""
+    frames = [variant(k) for k in (0, 1, 0, 2, 4, 1, 0)]
+    loop, mapped = sp.Segmenter(ids=True), sp.Segmenter(ids=True)
+    for _ in range(2):
+        results = list(mapped.map(iter(frames), threads=threads))
+        assert [r.frame for r in results] == frames
+        for ours, theirs in zip(results, map(loop, frames), strict=True):
+            assert np.array_equal(ours.labels, theirs.labels)
+            assert [o.id for o in ours] == [o.id for o in theirs]
+    assert len(mapped.pace) == len(loop.pace) == 2 * len(frames)
+    assert list(mapped.map([], threads=threads)) == []
+
+
+def test_a_map_takes_no_frame_before_a_thread_is_free() -> None:
+    taken = []
+
+    def frames() -> Iterator[sp.Frame]:
+        for k in range(8):
+            taken.append(k)
+            yield variant(0)
+
+    for k, _ in enumerate(sp.Segmenter(sp.TABLE).map(frames(), threads=2)):
+        time.sleep(0.05)
+        assert len(taken) <= k + 3  # this one was answered, its workspace serves the next, and one is being segmented
+
+
+def test_a_map_gives_the_frames_before_a_failure_and_then_fails() -> None:
+    def frames() -> Iterator[sp.Frame]:
+        yield from (variant(0), variant(1))
+        raise FileError("the cable is out")
+
+    segmenter = sp.Segmenter(sp.TABLE)
+    results = segmenter.map(frames())
+    next(results)
+    next(results)
+    with pytest.raises(FileError, match="the cable is out"):
+        next(results)
+    with pytest.raises(FrameError):
+        list(segmenter.map([variant(0), "no frame", variant(1)]))  # type: ignore[list-item]
+    with pytest.raises(sp.SpigoloError, match="expected at least one thread, got threads=0"):
+        segmenter.map([variant(0)], threads=0)
+    assert len(list(segmenter.map([variant(0)]))) == 1
+
+
+def test_a_map_that_is_left_early_frees_its_segmenter() -> None:
+    segmenter = sp.Segmenter(sp.TABLE)
+    before = threading.active_count()
+    results = segmenter.map(variant(0) for _ in range(1000))
+    next(results)
+    with pytest.raises(sp.SpigoloError, match="one thread at a time"):
+        segmenter(variant(0))
+    results.close()
+    segmenter(variant(0))
+    assert threading.active_count() == before
 
 
 def test_two_threads_in_one_segmenter_are_told_so() -> None:

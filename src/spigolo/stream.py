@@ -5,6 +5,10 @@ from __future__ import annotations
 import threading
 import time
 import warnings
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from queue import SimpleQueue
 
 import numpy as np
 
@@ -20,12 +24,15 @@ from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS, SHELF, TABLE
 from spigolo.stages.costs import possible_costs
 
+Timed = tuple[Segmentation, float, Workspace]
+"""Result of a frame, its time in seconds, and the workspace that was used."""
+
 
 class Segmenter:
     """Callable object that segments frames like `segment`, and reuses memory from frame to frame.
 
-    Create one Segmenter for each thread. Segmenters on several threads run in parallel, because the kernels release
-    Python's global interpreter lock.
+    `map` segments several frames at the same time, because the kernels release Python's global interpreter lock. If
+    your own threads segment frames, create one Segmenter for each thread.
 
     - config: parameters of the segmentation.
     - ids: True to give objects ids that stay the same while the objects are in view (`ObjectMask.id`).
@@ -51,15 +58,73 @@ class Segmenter:
 
         roi: region of interest, as for `segment`.
         """
+        with self._alone():
+            return self._finish(*self._segment(frame, roi, self.workspace))
+
+    def map(self, frames: Iterable[Frame], roi: Roi | None = None, threads: int = 2) -> Iterator[Segmentation]:
+        """Segment frames on several threads, and yield the results in the order of the frames.
+
+        Each thread segments one frame at a time. The next frame is requested when a thread is free, so that a live
+        camera gives its newest frame and no queue of frames grows. `Segmentation.frame` is the frame of a result.
+
+        - frames: a source or any other iterable. It is read on a thread of its own.
+        - roi: region of interest in all frames, as for `segment`.
+        - threads: number of frames that are segmented at the same time.
+
+        Raises SpigoloError if `threads` is below 1.
+        """
+        if threads < 1:
+            raise SpigoloError(f"expected at least one thread, got threads={threads}")
+        return self._map(frames, roi, threads)
+
+    def _map(self, frames: Iterable[Frame], roi: Roi | None, threads: int) -> Iterator[Segmentation]:
+        free: SimpleQueue[Workspace | None] = SimpleQueue()  # None ends the reading of frames
+        results: SimpleQueue[Future[Timed] | None] = SimpleQueue()  # None after the last frame
+        free.put(self.workspace)
+        for _ in range(threads - 1):
+            free.put(Workspace())
+
+        def read(pool: ThreadPoolExecutor) -> None:
+            try:
+                iterator = iter(frames)
+                while (space := free.get()) is not None and (frame := next(iterator, None)) is not None:
+                    results.put(pool.submit(self._segment, frame, roi, space))
+            except BaseException as error:  # raised again on the thread of the caller
+                failed: Future[Timed] = Future()
+                failed.set_exception(error)
+                results.put(failed)
+            results.put(None)
+
+        with self._alone(), ThreadPoolExecutor(threads + 1, thread_name_prefix="spigolo segmenter") as pool:
+            pool.submit(read, pool)
+            try:
+                while (result := results.get()) is not None:
+                    segmentation, seconds, space = result.result()
+                    free.put(space)
+                    yield self._finish(segmentation, seconds, space)
+            finally:
+                free.put(None)
+
+    def _segment(self, frame: Frame, roi: Roi | None, workspace: Workspace) -> Timed:
+        """Segment a frame. Return the result, the time in seconds, and the workspace."""
+        start = time.perf_counter()
+        return trace(frame, self.config, roi, workspace).segmentation, time.perf_counter() - start, workspace
+
+    def _finish(self, result: Segmentation, seconds: float, _: Workspace) -> Segmentation:
+        """Give ids to the objects of a result, and record the time of the frame."""
+        start = time.perf_counter()
+        if self._tracker is not None:
+            result = self._tracker.follow(result)
+        self.pace.add(seconds + time.perf_counter() - start)
+        return result
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """Reserve the segmenter for one caller. Raises SpigoloError if it is in use."""
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
-        start = time.perf_counter()
         try:
-            result = trace(frame, self.config, roi, self.workspace).segmentation
-            if self._tracker is not None:
-                result = self._tracker.follow(result)
-            self.pace.add(time.perf_counter() - start)
-            return result
+            yield
         finally:
             self._busy.release()
 

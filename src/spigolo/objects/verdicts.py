@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from enum import Enum
 
+from spigolo.additions.rims import surrounded_support
 from spigolo.frames.roi import LEAST_INSIDE
 from spigolo.objects.facts import RegionFacts
 from spigolo.settings.additions import Support
 from spigolo.settings.paper import Rejection
-from spigolo.settings.rules import Ledge, Rules, Wall
+from spigolo.settings.rules import Ledge, Rim, Rules, Wall
 
 
 class Reason(str, Enum):
@@ -21,7 +22,7 @@ class Reason(str, Enum):
     SUPPORT = "support"
     """The region lies on the support plane (`Support.min_above`)."""
     WALL = "wall"
-    """The region hides too little behind it (`Wall`)."""
+    """The region hides too little behind it (`Wall`), or surrounds the support plane (`Rim`)."""
     WEAK_CONTOUR = "weak contour"
     """The border of the region has no clear boundary (`Rules.min_contour`)."""
     OUT_OF_REACH = "out of reach"
@@ -62,6 +63,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
         or _above(Reason.OUT_OF_REACH, facts.distance_m, paper.max_distance_m, REACH)
         or _judge_shape(facts, paper, ours)
         or _judge_pixels(facts, paper)
+        or _judge_rim(facts, ours.rim, support)
     )
 
 
@@ -134,6 +136,19 @@ def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
     if missing is None and rules.max_dark is not None and facts.dark >= rules.max_dark:
         return Reason.DARK, f"dark: {facts.dark:.0%} of it in the three darkest bins (maximum {rules.max_dark:.0%})"
     return missing
+
+
+def _judge_rim(facts: RegionFacts, rule: Rim | None, support: Support | None) -> Verdict | None:
+    """Check that a long region does not surround the support plane (our rule). This check reads pixels and is last."""
+    plane, camera, size_m = facts.plane, facts.frame.camera, facts.size_m
+    if rule is None or support is None or plane is None or camera is None or size_m is None:
+        return None
+    if size_m[0] < rule.min_length_m:
+        return None
+    share = surrounded_support(facts.mask, plane, facts.frame.depth, camera, support)
+    if share <= rule.max_support:
+        return None
+    return Reason.WALL, f"rim: it surrounds {share:.0%} of its own area of the plane (maximum {rule.max_support:.0%})"
 
 
 def _above(reason: Reason, value: float | None, limit: float | None, form: str) -> Verdict | None:

@@ -19,7 +19,7 @@ from spigolo.settings.paper import (
     Smoothing,
 )
 from spigolo.settings.parameters import Parameters, Settings
-from spigolo.settings.rules import Ledge, Rules, Wall
+from spigolo.settings.rules import Ledge, Rim, Rules, Wall
 
 __all__ = [
     "Additions",
@@ -41,6 +41,7 @@ __all__ = [
     "Partition",
     "Refinement",
     "Rejection",
+    "Rim",
     "Rules",
     "SaliencyConfig",
     "SaliencyCost",

@@ -24,7 +24,7 @@ from spigolo.settings.paper import (
     Smoothing,
 )
 from spigolo.settings.parameters import parse_toml
-from spigolo.settings.rules import Ledge, Rules, Wall
+from spigolo.settings.rules import Ledge, Rim, Rules, Wall
 
 _RELEASE = Rejection(max_distance_m=1.8, max_lambda1_px2=3800.0, max_lambda2_px2=950.0, max_eccentricity=0.978)
 
@@ -91,6 +91,7 @@ OBJECTS_2 = OBJECTS_1.replace(
         "rules": Rules(
             wall=Wall(),
             ledge=Ledge(),
+            rim=Rim(),
             min_contour=0.6,
             min_contour_holes=0.75,
             metric=True,

@@ -80,6 +80,21 @@ class Ledge(Settings):
     """
 
 
+class Rim(Settings):
+    """Rule that rejects rims of bins and trays, which surround the support plane. An object fills most of its convex
+    hull, or is small.
+    """
+
+    max_support: NotNegative = 0.3
+    """Maximum area of the support plane inside the convex hull of a long region, divided by the area of the region.
+    Larger values reject fewer regions.
+    """
+    min_length_m: Positive = 0.35
+    """Minimum length of a region for this rule, m, estimated as for `Rules.max_length_m`. Shorter regions, such as
+    tools and cables, are not tested.
+    """
+
+
 class Rules(Settings):
     """Rules that reject regions, in addition to the rules of the paper. None switches a rule off."""
 
@@ -91,6 +106,8 @@ class Rules(Settings):
     """Keep flat regions with a weak boundary if the height changes by a step along their outline. Requires
     `additions.support` and `wall`.
     """
+    rim: Rim | None = None
+    """Reject long regions that surround the support plane, such as the rim of a tray. Requires `additions.support`."""
     min_contour: Share | None = None
     """Minimum mean boundary value along a region's border. Regions with a smaller value are rejected. If the cost
     function reads no boundary map, the edge weights are used.

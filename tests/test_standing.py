@@ -7,6 +7,7 @@ import pytest
 
 import spigolo as sp
 from spigolo.additions.plane import Plane
+from spigolo.additions.rims import surrounded_support
 from spigolo.additions.stance import measure_stance
 from spigolo.additions.support import faces_up, find_support
 from spigolo.objects.facts import measure_regions
@@ -80,6 +81,61 @@ def test_the_floor_of_a_bin_comes_before_its_larger_wall(min_things: float | Non
     found = find_support(depth.astype(np.float32), CAMERA, sp.settings.Support(min_things=min_things))
     assert found is not None
     assert found.offset_m == pytest.approx(0.75 if min_things is None else 1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("max_below", "offset_m"), [(None, 0.975), (0.1, 1.0)])
+def test_the_floor_under_a_heap_is_found_between_its_objects(max_below: float | None, offset_m: float) -> None:
+    """Blocks of 25 mm cover three fifths of a floor at 1 m, so that most points lie on their upper sides."""
+    depth = np.full(SHAPE, 0.975, np.float32)
+    depth[:, np.arange(SHAPE[1]) % 10 < 4] = 1.0
+    plane = find_support(depth, CAMERA, sp.settings.Support(max_below=max_below))
+    assert plane is not None
+    assert plane.offset_m == pytest.approx(offset_m, abs=0.002)
+    assert plane.normal == pytest.approx([0, 0, -1], abs=0.01)
+
+
+def test_a_plane_is_not_lowered_to_what_lies_in_a_hole_of_the_table() -> None:
+    """A fifth of what the table surrounds is a hole, through which one sees the floor, half a metre below."""
+    depth = np.full(SHAPE, 1.0, np.float32)
+    depth[40:80, 50:110] = 1.5
+    plane = find_support(depth, CAMERA, sp.settings.Support(max_below=0.1))
+    assert plane is not None and plane.offset_m == pytest.approx(1.0, abs=0.002)
+
+
+def bin_seen_from_above(rim_m: float) -> tuple[np.ndarray, np.ndarray]:
+    """Depth and labels of a floor at 1 m with a rim around it, 8 px wide and 5 cm high: 1 = rim, 2 = a box inside."""
+    depth, labels = np.full(SHAPE, 1.0, np.float32), np.zeros(SHAPE, np.int32)
+    height, width = round(rim_m * CAMERA.fy / 0.95 / 2), round(rim_m * CAMERA.fx / 0.95 * 0.75)
+    y, x = 60 - height // 2, 80 - width // 2
+    labels[y : y + height, x : x + width] = 1
+    labels[y + 8 : y + height - 8, x + 8 : x + width - 8] = 0
+    labels[56:64, 76:88] = 2
+    depth[labels > 0] = 0.95
+    return depth, labels
+
+
+@pytest.mark.parametrize("rim_m", [0.2, 0.6])
+def test_a_rim_is_no_object_as_it_surrounds_the_floor(rim_m: float) -> None:
+    depth, labels = bin_seen_from_above(rim_m)
+    support, plane = sp.settings.Support(), Plane(np.array([0.0, 0.0, -1.0]), 1.0)
+    rim, box = labels == 1, labels == 2
+    y, x = np.nonzero(rim)
+    inner = np.zeros(SHAPE, bool)
+    inner[y.min() : y.max() + 1, x.min() : x.max() + 1] = True
+    expected = np.count_nonzero(inner & ~rim & ~box) / np.count_nonzero(rim)
+    assert surrounded_support(rim, plane, depth, CAMERA, support) == pytest.approx(expected)
+    assert surrounded_support(box, plane, depth, CAMERA, support) == 0
+    frame = sp.Frame(np.zeros((*SHAPE, 3), np.uint8), depth, CAMERA)
+    facts = measure_regions(Regions(labels, 3), depth, frame, np.ones(SHAPE, np.float32), plane=plane)
+    rules = sp.settings.Rules(rim=sp.settings.Rim(max_support=0.3, min_length_m=0.35))
+    verdicts = [judge(one, sp.settings.Rejection(max_dark=None), rules, support) for one in facts[1:]]
+    assert verdicts[1] is None
+    if rim_m == 0.2:  # a ring of this size is a thing to grasp
+        assert verdicts[0] is None
+    else:
+        assert verdicts[0] is not None and verdicts[0][0] is sp.Reason.WALL
+        assert verdicts[0][1].startswith(f"rim: it surrounds {expected:.0%} of its own area")
+    assert judge(facts[1], sp.settings.Rejection(max_dark=None), sp.settings.Rules(), support) is None
 
 
 @pytest.mark.parametrize(("before_m", "hides"), [(0.4, 1.0), (1.0, 0.0)])

@@ -31,6 +31,8 @@ by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
 """Maximum share of points below an opaque plane, among the points on or below the plane that the plane surrounds."""
+LOWER_SHARE = 0.5
+"""Minimum number of points on a lower plane, relative to the number of points on the plane that it replaces."""
 SPARSE = 0.6
 """Share of measured depth in a frame below which a stricter test applies. An opaque plane then has no more points below
 the plane than on the plane.
@@ -100,7 +102,8 @@ def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | Non
     y, x = np.divmod(valid[rng.integers(valid.size, size=min(SAMPLES, valid.size))], depth.shape[1])
     sample = Sample.at(y, x, depth, camera)
     planes = _largest_planes(sample, rng, config)
-    return _choose(planes, sample, sparse=valid.size < SPARSE * depth.size, config=config)
+    plane = _choose(planes, sample, sparse=valid.size < SPARSE * depth.size, config=config)
+    return plane if plane is None or config.max_below is None else _lowered(plane, config.max_below, sample, rng, config)
 
 
 def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Support) -> Plane | None:
@@ -128,12 +131,46 @@ def _is_opaque(plane: Plane, sample: Sample, sparse: bool, config: Support) -> b
     A table is opaque, because it hides the floor. The plane through the front edges of a shelf is not opaque, because
     points behind the plane are visible.
     """
-    on = sample.on(plane, config)
-    below = plane.height_m(sample.points) < -tolerance_m(sample.points[:, 2], config)
-    if sparse and np.count_nonzero(below) > np.count_nonzero(on):
+    if sparse and np.count_nonzero(_below(plane, sample, config)) > np.count_nonzero(sample.on(plane, config)):
         return False
+    return _visible_below(plane, sample, config)[1] <= MOST_BELOW
+
+
+def _below(plane: Plane, sample: Sample, config: Support) -> Mask:
+    """Return a mask (N,) of the sampled points that lie below a plane by more than the tolerance."""
+    return np.asarray(plane.height_m(sample.points) < -tolerance_m(sample.points[:, 2], config))
+
+
+def _visible_below(plane: Plane, sample: Sample, config: Support) -> tuple[Mask, float]:
+    """Return a mask (N,) of the points below a plane that the plane surrounds, and their share of all points on or
+    below the plane that the plane surrounds.
+    """
+    on = sample.on(plane, config)
     surrounded = sample.surrounded(on)
-    return bool(np.count_nonzero(below & surrounded) <= MOST_BELOW * np.count_nonzero((below | on) & surrounded))
+    below = _below(plane, sample, config) & surrounded
+    return below, float(np.count_nonzero(below) / max(np.count_nonzero(below | (on & surrounded)), 1))
+
+
+def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Generator, config: Support) -> Plane:
+    """Return a plane parallel to the given plane and below it, as long as too many points are visible below the plane.
+
+    A plane through the upper side of a heap has many points below it, between the objects. The lower plane must have a
+    smaller share of points below it, and at least `LOWER_SHARE` as many points on it.
+    """
+    below, share = _visible_below(plane, sample, config)
+    while share > max_below:
+        hypotheses = _hypotheses(sample.points[below], rng, config)
+        found = next((p for p in hypotheses if p.normal @ plane.normal > STACKED_COSINE), None)
+        lower = None if found is None else _refine(found, sample, config)
+        if lower is None or lower.normal @ plane.normal < STACKED_COSINE:
+            break
+        if sample.share_on(lower, config) < LOWER_SHARE * sample.share_on(plane, config):
+            break
+        below, share_below = _visible_below(lower, sample, config)
+        if share_below >= share:
+            break
+        plane, share = lower, share_below
+    return plane
 
 
 def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sample: Sample, config: Support) -> Plane:

@@ -92,6 +92,11 @@ class Support(Settings):
     """Minimum share of the measured pixels that stand on the support plane. If fewer pixels stand on the largest plane,
     such as the wall of a bin, the next plane with this share is used. None: use the largest plane.
     """
+    max_below: Share | None = None
+    """Maximum share of points below the support plane, among the points on or below it that the plane surrounds. If the
+    share is larger, as for the upper side of a heap of objects, a parallel plane below is used. None: the plane is
+    never lowered.
+    """
     near_roi: NotNegative | None = None
     """Margin around the region of interest, as a share of its height and width. The support plane is searched only in
     the region of interest and this margin. None: search the whole frame.

@@ -79,6 +79,7 @@ OBJECTS_2 = OBJECTS_1.replace(
             noise_factor=3.5,
             stacked_share=0.5,
             opaque=True,
+            max_below=0.1,
             facing=Facing(),
             min_things=0.02,
             near_roi=0.5,

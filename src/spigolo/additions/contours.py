@@ -96,8 +96,7 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
 
 
 def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
-    """Return the mask (H, W) of pixels without depth, or None if their share of the frame is smaller than `holes_from`.
-    """
+    """Return the mask (H, W) of pixels without depth, or None if their share is smaller than `holes_from`."""
     if config.holes_from is None or np.count_nonzero(depth) > (1 - config.holes_from) * depth.size:
         return None
     return np.asarray(depth == 0)

@@ -201,8 +201,8 @@ class _Parts:
         )
 
     def enclosed(self, root: Counts) -> Iterator[tuple[int, int]]:
-        """Yield pairs of region numbers: a region on the support plane or without depth, and the root (in the
-        union-find forest) of the object that surrounds this region.
+        """Yield pairs of region numbers. The first region lies on the support plane or has no depth. The second region
+        is the root, in the union-find forest, of the object that surrounds the first region.
         """
         least = self.config.enclosed
         if least is None:

@@ -1,7 +1,7 @@
 """Merging of neighbouring regions by the boundary values along their common border (`settings.Merging`).
 
-Equation 3 compares two regions by the lightest edge between the two regions, so that noise at a short part of the
-border can split a surface. In this module, two regions merge if the mean boundary value along their whole common border
+Equation 3 compares two regions by the lightest edge between these regions. Noise at a short part of the border can
+therefore split a surface. In this module, two regions merge if the mean boundary value along their whole common border
 is small. The weakest borders merge first. Regions above the support plane do not merge with the support plane.
 """
 

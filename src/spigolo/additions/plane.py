@@ -90,8 +90,8 @@ class Sample:
     def share_standing_on(self, plane: Plane, config: Support) -> float:
         """Return the share of the sampled points that stand on a plane.
 
-        A point stands on a plane if the plane surrounds the point on at least three sides, and if the height of the
-        point is above the tolerance and below `TALLEST_M`.
+        A point stands on a plane if the plane surrounds the point on at least three sides. The height of the point must
+        also be above the tolerance and below `TALLEST_M`.
         """
         height = plane.height_m(self.points)
         above = (height > tolerance_m(self.points[:, 2], config)) & (height < TALLEST_M)

@@ -92,9 +92,9 @@ class Support(Settings):
     facing: Facing | None = None
     """Skip planes on which nothing can stand, such as ceilings and side walls. None accepts every direction."""
     min_things: Share | None = None
-    """Minimum share of the frame's measured pixels that stand on the support plane. A pixel stands on the plane if it
-    lies above the plane by less than 0.3 m and the plane surrounds it on at least three sides. If the largest plane has
-    a smaller share, such as the wall of a bin, the next plane with this share is used. None: use the largest plane.
+    """Minimum share of the frame's measured pixels that stand on the support plane. Such a pixel lies above the plane
+    by less than 0.3 m, and the plane surrounds it on at least three sides. If the largest plane has a smaller share,
+    such as the wall of a bin, the next plane with this share is used. None: use the largest plane.
     """
     near_roi: NotNegative | None = None
     """Margin around the region of interest, as a share of its height and width. The support plane is searched only in
@@ -220,7 +220,7 @@ class Refinement(Settings):
     """
     step_per_m: NotNegative = 0.0083
     """Depth difference per squared distance that counts as a full depth step, 1/m. The limit is max(`step_m`,
-    `step_per_m` * distance^2).
+    `step_per_m` * distance^2). Larger values give depth less influence at long range.
     """
     step_weight: NotNegative = 40.0
     """Weight of a full depth step between measured pixels, in grey levels of colour difference. Larger values keep

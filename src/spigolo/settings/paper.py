@@ -96,8 +96,8 @@ class ColorConfig(Settings):
     """Colour difference (eq. 4)."""
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. The default comes from the authors'
-    code, which smooths the HSV image instead.
+    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. Larger values suppress more noise. The
+    default comes from the authors' code, which smooths the HSV image instead.
     """
     k_dv: Positive = 4.5
     """Weight of the difference in value, the brightness of HSV. The default comes from the paper."""

@@ -148,8 +148,8 @@ def range_of(leaf: Leaf, value: float) -> Range:
     """Return the range of a slider, within the limits of the parameter.
 
     The maximum of a number with an upper limit of at most 180 is this limit. The maximum of any other parameter is four
-    times the largest value, rounded up to 1, 2 or 5 times a power of ten, but not above the limit. The largest value is
-    the maximum of `value` and of the preset values up to 10 * `value`.
+    times the largest value, rounded up to 1, 2 or 5 times a power of ten. This maximum never exceeds the limit. The
+    largest value is the maximum of `value` and of the preset values up to 10 * `value`.
 
     value: current value of the parameter.
     """

@@ -1,6 +1,7 @@
 """Minimum heights of objects, lowered where the support plane has little noise (`settings.Support.noise_factor`).
 
-A fixed minimum height must suit the noisiest camera. Above a plane with less noise, lower objects can be measured.
+A fixed minimum height of objects must be large enough for the noisiest camera. On a support plane with less noise, a
+lower minimum height still separates objects from the plane.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ SIGMA = 1.4826
 
 
 def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: Camera | None) -> Config:
-    """Return the configuration with lower minimum heights if the plane has little noise. Heights are never raised.
+    """Return the configuration with a lower `Support.min_height_m` if the plane has little noise, or else unchanged.
 
-    The minimum step in height of `Ledge` is lowered by the same ratio. depth: (H, W) in metres.
+    `Ledge.step_m` is multiplied by the same factor as `Support.min_height_m`. depth: depth map (H, W) in metres.
     """
     ours = config.additions
     if ours is None or ours.support is None or ours.support.noise_factor is None or plane is None or camera is None:
@@ -37,9 +38,10 @@ def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: 
 
 
 def plane_noise_m(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
-    """Return the standard deviation of the plane's own pixels from the plane in metres, from a grid of pixels.
+    """Return the standard deviation of the heights above the plane, in metres, of the pixels that lie on the plane.
 
-    The value is estimated from the median absolute height, which few low objects do not change.
+    The standard deviation is estimated from the median absolute height of a grid of pixels. A few low objects hardly
+    change this median.
     """
     sample = sample_frame(depth, camera)
     heights = np.abs(plane.height_m(sample.points[sample.on(plane, config)]))

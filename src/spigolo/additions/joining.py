@@ -5,10 +5,11 @@ noise. Four rules join regions above the support plane by comparing both sides o
 `Joining` holds the parameters of these rules.
 
 - vessel: the wall and the inside of a cup. The front region is convex, the region behind is hollow, and both regions
-have the same top height.
-- cap: a lid and its box, or a filled cup. The border has almost no depth gap and no valley. One region lies above the
-other, both regions have the same top height, and both regions together are nearly convex.
-- smooth: two parts of one surface that noise separated. The border has almost no depth gap and is not a valley.
+  have the same top height.
+- cap: a lid and its box, or a filled cup. The depth step across the border is small, and the border is not a valley.
+  One region lies above the other, both regions have the same top height, and both regions together are nearly convex.
+- smooth: two parts of one surface that noise separated. The depth step across the border is small, and the border is
+  not a valley.
 - enclosed: a region on the support plane, or without depth, that an object surrounds, such as the bottom of a bowl.
 """
 
@@ -39,7 +40,7 @@ are compared.
 """
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
-"""Minimum overlap of two regions in image columns, as a share of the columns of one region.
+"""Minimum overlap in image columns of two regions that are joined, as a share of the columns of one region.
 
 For a vessel, the overlap is divided by the number of columns of the inside of the vessel. For a cap, the overlap is
 divided by the number of columns of the narrower region.
@@ -50,11 +51,13 @@ Counts = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Border:
-    """Measurements of the border between region a and region b behind it.
+    """Measurements of the border between region a and region b behind it, from depth samples on both sides of the
+    border.
 
     - gap_m: mean absolute depth difference across the border, metres.
     - behind_m: mean signed depth difference across the border, metres, positive if region b is behind region a.
-    - bend_m: mean depth of the border behind the straight line between its two sides, metres, positive in a valley.
+    - bend_m: mean depth of the border behind the straight line between both depth samples, metres, positive in a
+      valley.
     - boundary: mean value of the boundary map along the border.
     """
 
@@ -115,8 +118,8 @@ class _Parts:
         self._tops: dict[int, float] = {}
 
     def borders(self) -> Iterator[Border]:
-        """Yield the measured borders between regions above the support. Short borders and borders with little depth are
-        skipped.
+        """Yield the measured borders between regions above the support. Short borders and borders with few measured
+        pixels are skipped.
         """
         count = self.ids.size
         sums = np.zeros((count, count, borders.SUMS))
@@ -168,7 +171,7 @@ class _Parts:
         return shared >= LEAST_ABOVE * own and border.behind_m <= width_m
 
     def _columns(self, border: Border) -> tuple[int, int, int]:
-        """Return three numbers of image columns: common to regions a and b, covered by region a, and covered by region
+        """Return three counts of image columns: shared by regions a and b, covered by region a, and covered by region
         b.
         """
         (left, right), (start, end) = self.boxes[border.a, 1::2].tolist(), self.boxes[border.b, 1::2].tolist()
@@ -198,8 +201,8 @@ class _Parts:
         )
 
     def enclosed(self, root: Counts) -> Iterator[tuple[int, int]]:
-        """Yield pairs of a region on the support plane or without depth, and the root of the object that surrounds this
-        region.
+        """Yield pairs of region numbers. The first region lies on the support plane or has no depth. The second region
+        is the root, in the union-find forest, of the object that surrounds the first region.
         """
         least = self.config.enclosed
         if least is None:
@@ -222,8 +225,8 @@ class _Parts:
         return self.labels[top:bottom, left:right]
 
     def _hollowness(self) -> npt.NDArray[np.float64]:
-        """Return the hollowness (R,) of each region: the mean depth of the region behind its chords, divided by the
-        chord length.
+        """Return the hollowness (R,) of each region: the mean depth of the region behind its chords along image rows,
+        divided by the chord length.
         """
         sums = np.zeros((self.ids.size, 2))
         borders.sum_hollows(self.labels, self.number, self.cues.depth, self.focal_px, self.config.margin_px, sums)

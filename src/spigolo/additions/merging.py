@@ -1,8 +1,8 @@
-"""Merging of regions over their whole common border (`settings.Merging`).
+"""Merging of neighbouring regions by the boundary values along their common border (`settings.Merging`).
 
-Equation 3 compares two regions by the lightest edge between them, so that noise at a short part of the border can split
-a surface. In this module, regions merge in the order of the mean boundary value along their whole common border.
-Regions above the support plane do not merge with the support plane.
+Equation 3 compares two regions by the lightest edge between these regions. Noise at a short part of the border can
+therefore split a surface. In this module, two regions merge if the mean boundary value along their whole common border
+is small. The weakest borders merge first. Regions above the support plane do not merge with the support plane.
 """
 
 from __future__ import annotations
@@ -101,8 +101,8 @@ class _Borders:
                 heapq.heappush(heap, (t_c / n_c, min(a, c), max(a, c)))
 
     def _join(self, a: int, b: int) -> Iterator[tuple[int, tuple[float, float]]]:
-        """Merge region b into region a. Yield each former neighbour of b with its new border to a: length and summed
-        boundary.
+        """Merge region b into region a. Yield each former neighbour of b with its new border to a: length in pixel
+        pairs, and sum of boundary values.
         """
         self.root[b] = a
         for counts in (self.open_px, self.measured, self.above):

@@ -12,9 +12,13 @@ from spigolo.settings.additions import Additions, Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""Image width divided by the side of the square within which a pixel counts as close to an image edge."""
+"""Image width divided by the side of a square. A pixel counts as close to an image edge if the square around the pixel
+contains an edge pixel.
+"""
 OUTLINE_PX = 9
-"""Side in pixels of the square that erodes the mask of the support plane, so that its own outline is not counted."""
+"""Side in pixels of the square that erodes the mask of the support plane. Image edges at the outline of the mask are
+then not counted.
+"""
 
 
 def warn_of_packing(

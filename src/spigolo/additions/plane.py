@@ -1,7 +1,8 @@
-"""Planes of a frame: heights of pixels above a plane, and masks of pixels on or above a plane (ours, not in the paper).
+"""Planes of a frame: heights of pixels above a plane, and masks of pixels on or above a plane (our addition, not in the
+paper).
 
-The masks of pixels on and above a plane are exact. The share of pixels that stand on a plane is estimated from a sample
-of pixels.
+The masks of pixels on and above a plane are exact. The share of points that stand on a plane
+(`Sample.share_standing_on`) is estimated from a sample of pixels.
 """
 
 from __future__ import annotations
@@ -53,8 +54,8 @@ class Plane:
     def slopes(
         self, shape: tuple[int, ...], camera: Camera
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], np.float32]:
-        """Return arrays s_x (W,) and s_y (H,) and a number s. The height of pixel (y, x) is (s_x[x] + s_y[y] + s) *
-        depth + offset_m.
+        """Return the slopes of the plane in the image: arrays s_x (W,) and s_y (H,), and a number s. The height of
+        pixel (y, x) is (s_x[x] + s_y[y] + s) * depth + offset_m.
         """
         a, b, c = (float(v) for v in self.normal)
         slope_x = (np.arange(shape[1], dtype=np.float32) - np.float32(camera.cx)) * np.float32(a / camera.fx)
@@ -89,18 +90,19 @@ class Sample:
     def share_standing_on(self, plane: Plane, config: Support) -> float:
         """Return the share of the sampled points that stand on a plane.
 
-        A point stands on a plane if the point is less than `TALLEST_M` above the plane and the plane surrounds the
-        point on three sides.
+        A point stands on a plane if the plane surrounds the point on at least three sides. The height of the point must
+        also be above the tolerance and below `TALLEST_M`.
         """
         height = plane.height_m(self.points)
         above = (height > tolerance_m(self.points[:, 2], config)) & (height < TALLEST_M)
         return float((above & self.surrounded(self.on(plane, config))).mean())
 
     def surrounded(self, on: Mask) -> Mask:
-        """Return a mask (N,) of the points that a plane surrounds on at least three of four sides. on (N,): points on
-        the plane.
+        """Return a mask (N,) of the points that a plane surrounds on at least three of four sides. on: mask (N,) of the
+        points on the plane.
 
-        The test uses grid cells. A cell belongs to the plane if most points of the cell are on the plane.
+        A cell of the grid belongs to the plane if most points of the cell are on the plane. The plane surrounds a point
+        on a side if any cell on this side, in the same grid row or column, belongs to the plane.
         """
         rows, columns = self.cells.T
         votes = np.zeros(self.cells.max(axis=0) + 1, np.int64)
@@ -111,8 +113,8 @@ class Sample:
 
 
 def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray[np.float32]:
-    """Return the maximum distance of a pixel on a plane from the plane, m: max(`min_height_m`, `noise_per_m` *
-    depth^2).
+    """Return the maximum distance between a plane and a pixel that counts as on the plane, m: max(`min_height_m`,
+    `noise_per_m` * depth^2).
     """
     return np.maximum(np.float32(config.min_height_m), np.float32(config.noise_per_m) * depth * depth)
 
@@ -131,7 +133,7 @@ def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support)
     """Return the mask (H, W) of outlines of objects: pixels above the plane with a neighbour that is not above the
     plane.
 
-    Speckles of one or two pixels are removed before.
+    A median filter first removes small speckles above the plane.
     """
     above = cv2.medianBlur(above_mask(plane, depth, camera, config).view(np.uint8), SPECKLE_PX)
     outside = (above == 0).view(np.uint8)
@@ -139,7 +141,9 @@ def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support)
 
 
 def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
-    """Return the share of the measured pixels that stand on a plane, estimated on a grid of pixels."""
+    """Return the share of the measured points that stand on a plane (`Sample.share_standing_on`), from a grid of
+    pixels.
+    """
     sample = sample_frame(depth, camera)
     return sample.share_standing_on(plane, config) if len(sample.points) else 0.0
 

@@ -18,15 +18,21 @@ Labels = npt.NDArray[np.int32]
 
 RAMP_STEP_M = 0.03
 RAMP_STEP_SHARE = 0.02
-"""Minimum height of a depth step at which ramps are measured: `RAMP_STEP_M` in metres, `RAMP_STEP_SHARE` per
-distance.
+"""Minimum depth difference at a depth step whose ramp is measured: max(`RAMP_STEP_M`, `RAMP_STEP_SHARE` * distance), m.
+A ramp is a depth step that is smeared over several pixels.
 """
 MEMORY = 0.5
-"""Weight of the earlier pixels in the running mean colour of a tree, from 0 to 1."""
+"""Weight from 0 to 1 of the previous mean colour of a tree, when a new pixel updates the mean. The trees of the
+spanning forest grow from seed pixels.
+"""
 CARRY = 0.9
-"""Factor by which the cost of a path is multiplied before the weight of the next edge is added."""
+"""Share of an edge's weight that is added to the weight of the next edge of the tree. A blurred image edge is then as
+heavy as a sharp one.
+"""
 HALVED_BAND_PX = 3
-"""Width in pixels of the reassigned band on each side of a border, for labels from the image at half resolution."""
+"""Width in pixels, on each side of a border, of the band whose pixels get new labels. Used for labels from the image at
+half resolution.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,8 +106,8 @@ def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refine
 
 
 def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
-    """Return the width in pixels of the reassigned band, from the mean width of smeared depth steps along the
-    borders.
+    """Return the width in pixels, on each side of a border, of the band whose pixels get new labels. The width depends
+    on the mean width of smeared depth steps along the borders.
     """
     sums = np.zeros(2, np.int64)
     bands.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
@@ -118,8 +124,8 @@ def open_band(
     marked pixels.
 
     near_hole: (H, W) uint8, nonzero near missing depth, where the width of the band is hole_width_px instead of
-    width_px. At most the share `max_opened` of the pixel layers of an object is marked, from outside. The background,
-    label 0, may be marked entirely.
+    width_px. The pixels of an object form layers, counted from the object's border inwards. At most the share
+    `max_opened` of the layers is marked, outermost layers first. The background, label 0, may be marked entirely.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     bands.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
@@ -136,7 +142,8 @@ def claim(
     depth: DepthMap,
     config: Refinement,
 ) -> Claimed:
-    """Give each marked pixel of `opened` the label of the seed pixel whose tree reaches the marked pixel first.
+    """Give each marked pixel of `opened` the label of a seed pixel. Seeds are the unmarked pixels next to marked
+    pixels. A spanning tree grows from each seed, and the first tree that reaches a marked pixel determines the label.
 
     Marked pixels that no tree reaches keep their label.
     """

@@ -15,9 +15,13 @@ from spigolo.settings.rules import Ledge, Wall
 from spigolo.stages.regions import Regions
 
 TALL_SHARE = 0.05
-"""Minimum share of a region's measured pixels above the height limit, for the region to be tested for a wall."""
+"""Minimum share of a region's measured pixels above `Wall.min_height_m`. Regions with a smaller share are not tested as
+walls.
+"""
 SLOPES_SHARE = 0.1
-"""Minimum share of a region's measured pixels with a surface normal, for a valid mean normal of the region."""
+"""Minimum share of a region's measured pixels with a surface normal. With a smaller share, the mean normal of the
+region is unknown.
+"""
 REACH_INSIDE = 2.5
 """Distance from the outline at which a region's slope is measured, as a multiple of `Wall.reach_px`."""
 FLAT = Plane(np.zeros(3), 0.0)

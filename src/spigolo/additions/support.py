@@ -1,4 +1,4 @@
-"""Search of the support plane, on which objects stand (ours, not in the paper).
+"""Search for the support plane, on which objects stand (our addition, not in the paper).
 
 RANSAC proposes the largest planes in a sample of pixels, and least squares refines these planes. The rules in
 `settings.Support` then choose one plane. For example, the support plane must face up and hide the points below the
@@ -24,18 +24,19 @@ REFINEMENTS = 3
 STACKED_M = 0.1
 STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
-"""Minimum cosine of the angle between the normals of two planes that count as parallel, i.e. at most 14 degrees.
+"""Minimum cosine of the angle between the normals of two planes that count as parallel. The maximum angle is 14
+degrees.
 
-A parallel plane must be at least `STACKED_M` above the largest plane. The points of the parallel plane differ in height
-by at most `STACKED_SLACK_M`.
+A parallel plane must be at least `STACKED_M` above the largest plane. The parallel plane is fitted to points whose
+heights above the largest plane differ by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
 """Maximum share of points below an opaque plane, among the points on or below the plane that the plane surrounds."""
 LOWER_SHARE = 0.5
 """Minimum number of points on a lower plane, relative to the number of points on the plane that it replaces."""
 SPARSE = 0.6
-"""Share of measured depth in a frame below which a stricter test applies. An opaque plane then has no more points below
-the plane than on the plane.
+"""Share of measured depth in a frame below which the test for opaque planes is stricter. In such a frame, a plane with
+more points below the plane than on the plane is not opaque.
 """
 MOST_PLANES = 6
 SEED = 7
@@ -174,8 +175,8 @@ def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Gene
 
 
 def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sample: Sample, config: Support) -> Plane:
-    """Return the plane if enough points stand on it, or else the first of the other planes on which enough points
-    stand.
+    """Return the plane if at least the share `min_things` of the points stands on it. Otherwise return the first of the
+    other planes with this share, or the original plane if no other plane has this share.
     """
     if sample.share_standing_on(plane, config) >= min_things:
         return plane

@@ -15,7 +15,7 @@ from spigolo.frames.frame import Camera, DepthMap, Mask
 Vectors = npt.NDArray[np.float64]
 
 TRIM_PERCENT = 1.0
-"""Per cent of the points that are ignored at each end of each axis, to remove flying pixels."""
+"""Percentage of the points that are ignored at each end of each box axis, to remove flying pixels."""
 LEAST_POINTS = 10
 
 
@@ -35,7 +35,9 @@ class OrientedBox:
         return {name: getattr(self, name).tolist() for name in ("center_m", "size_m", "R_camera_box")}
 
     def contains(self, points_m: npt.NDArray[np.floating], margin_m: float = 0.0) -> Mask:
-        """Return True (N,) for points (N, 3) in metres inside the box, or outside by at most a margin."""
+        """Return the mask (N,) of the points (N, 3), in metres, that lie inside the box or at most `margin_m`
+        outside.
+        """
         inside = np.abs((points_m - self.center_m) @ self.R_camera_box) <= self.size_m / 2 + margin_m
         return np.asarray(inside.all(axis=1))
 
@@ -49,12 +51,12 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
     """Fit an oriented box to the measured depth inside a mask.
 
     The box covers only the visible surface. Pixels at the outline of the mask and the outermost points along each axis
-    are ignored. Depth at outlines often mixes object and background (flying pixels).
+    are ignored. Depth at the outline often mixes object and background (flying pixels).
 
     - mask: mask (H, W) of the pixels of the object.
     - depth: depth map (H, W) in metres.
-    - up: unit vector (3,) that one axis of the box follows, such as the normal of the support plane. If `up` is None,
-    one axis of the box is the direction in which the points vary least.
+    - up: unit vector (3,) parallel to one axis of the box, such as the normal of the support plane. If `up` is None,
+      one axis of the box is the direction in which the points vary least.
 
     Returns None if fewer than 10 pixels have depth.
     """

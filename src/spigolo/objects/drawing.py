@@ -19,7 +19,9 @@ Tint = npt.NDArray[np.uint8]
 
 
 def palette(count: int) -> npt.NDArray[np.uint8]:
-    """Return RGB colours (count, 3) uint8 for the numbers 1..count. Colours of consecutive numbers differ clearly."""
+    """Return RGB colours (count, 3) uint8 for the object numbers 1..count. Objects with consecutive numbers have
+    clearly different colours.
+    """
     return np.array([tint_of(number) for number in range(1, count + 1)], np.uint8).reshape(-1, 3)
 
 
@@ -31,7 +33,7 @@ def tint_of(number: int) -> Tint:
 
 
 def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
-    """Draw the masks of objects over an image (H, W, 3): dimmed background, tinted and outlined objects.
+    """Draw the masks of objects over an image (H, W, 3). The background is dimmed, and objects are tinted and outlined.
 
     masks: masks (H, W), indexed by the object number that determines the colour.
     """
@@ -45,7 +47,7 @@ def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
 
 
 def draw_numbers(picture: Color, masks: Mapping[int, Mask]) -> None:
-    """Draw the number of each object into a picture (H, W, 3), which is changed in place.
+    """Draw the number of each object into an image (H, W, 3), which is changed in place.
 
     masks: masks (H, W), indexed by object number.
     """

@@ -55,27 +55,32 @@ class RegionFacts:
     above: float | None
     """Share of the region's measured pixels above the support plane. None if the frame has no support plane."""
     inside: float | None
-    """Share of the region's pixels inside the region of interest. None if no region of interest is given."""
+    """Share of the region's pixels inside the region of interest. If the region of interest is a box in metres, only
+    pixels with depth count. None if no region of interest is given.
+    """
     contour: float
     """Mean boundary value along the region's border, from 0 to 1."""
     cut: float | None
-    """Share of the region's outline that lies on the image border. None if walls are not checked or the region is
-    low.
+    """Share of the region's outline that lies on the image border.
+
+    None if `Rules.wall` is off, intrinsics are missing, or the region is lower than `Wall.min_height_m`.
     """
     hides: float | None
     """Share of the region's outline beyond which the depth is larger by a step. Parts of the outline next to a nearer
     object do not count.
 
-    None if walls are not checked, the region is low, or too little of its outline has depth.
+    None if `Rules.wall` is off, intrinsics are missing, the region is lower than `Wall.min_height_m`, or too little of
+    its outline has depth.
     """
     ledge: float | None
-    """Share of the region's outline along which the height above the support plane changes by a step. None if the
-    support plane or enough depth is missing.
+    """Share of the region's outline along which the height above the support plane changes by a step. None if
+    `Rules.wall` is off, if intrinsics or the support plane are missing, or if too little of the outline has depth.
     """
     lean_deg: float | None
     """Angle between the region's mean surface normal and the line of sight, degrees.
 
-    None if walls are not checked, the region is low, or too little of its outline has depth.
+    None if `Rules.wall` is off, intrinsics are missing, the region is lower than `Wall.min_height_m`, or too few of its
+    pixels have a surface normal.
     """
     regions: Labels
     """Region numbers (H, W) of the whole frame."""
@@ -106,7 +111,8 @@ class RegionFacts:
     def size_m(self) -> tuple[float, float] | None:
         """Approximate length and width of the region in metres. None if depth or intrinsics are missing.
 
-        Length and width are the sides of a rectangle at the centroid, facing the camera, with the spread of the region.
+        Length and width are the sides of a rectangle that faces the camera at the region's centroid. The rectangle has
+        the same `spread_px2` as the region.
         """
         camera, center = self.frame.camera, self.centroid_m
         if camera is None or center is None:
@@ -125,8 +131,8 @@ class RegionFacts:
 
         In-painted depth is not included. Raises CameraError for a frame without intrinsics.
 
-        trim_m: maximum distance of a point outside the oriented box, in metres. Points farther outside are flying
-        pixels, whose depth mixes object and background, and are left out. None: all points are returned.
+        trim_m: maximum distance of a point outside the oriented box, in metres. Points farther outside are left out as
+        flying pixels, whose depth mixes object and background. If `trim_m` is None, all points are returned.
         """
         if self.frame.camera is None:
             raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
@@ -138,7 +144,7 @@ class RegionFacts:
         """Return the oriented box around the region's measured surface. One axis of the box is the normal of the
         support plane.
 
-        The result is None if fewer than 10 pixels have depth, or without intrinsics.
+        Returns None if fewer than 10 pixels have depth or if intrinsics are missing.
         """
         camera = self.frame.camera
         if camera is None:
@@ -160,13 +166,14 @@ def measure_regions(
     stance: Stance | None = None,
     plane: Plane | None = None,
 ) -> list[RegionFacts]:
-    """Measure every region. The result is indexed by region number.
+    """Return the measurements of every region, indexed by region number.
 
     - depth: in-painted depth map (H, W) in metres.
     - contour: boundary map (H, W) of `contour_cue`.
     - above: mask (H, W) of the measured pixels above the support plane.
-    - inside: the two masks (H, W) of `roi_mask`.
-    - stance: measurements of walls and ledges.
+    - inside: mask (H, W) of the pixels inside the region of interest, and mask (H, W) of the pixels that count (see
+      `roi_mask`).
+    - stance: measurements of each region for the rules `Wall` and `Ledge`.
     - plane: support plane.
     """
     points = _sum_points(regions, frame)
@@ -197,8 +204,8 @@ def measure_regions(
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
     """Measure regions again after their outlines have changed.
 
-    Measurements of the mask are updated. Measurements by which the region was accepted or rejected are kept: score,
-    above, inside, contour, cut, hides, ledge and lean_deg.
+    The measurements score, above, inside, contour, cut, hides, ledge and lean_deg are kept, because the region was
+    accepted or rejected by these measurements. All other measurements are updated.
 
     facts: earlier measurements, indexed by new region number. depth: in-painted depth map (H, W) in metres.
     """

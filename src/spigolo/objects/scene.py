@@ -1,4 +1,4 @@
-"""Input of the rejection rules: depth, support plane, boundary map and limits of a frame."""
+"""Input of the rejection rules for a frame: depth map, support plane, boundary map and parameters of the rules."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class Scene:
     above: Mask | None = None
     """Mask (H, W) of the measured pixels above the support plane. None if the frame has no support plane."""
     inside: tuple[Mask, Mask] | None = None
-    """Mask (H, W) of the pixels inside the region of interest, and mask (H, W) of the pixels that can be judged. None
-    if no region of interest is given.
+    """Mask (H, W) of the pixels inside the region of interest, and mask (H, W) of the pixels that count. For a box in
+    metres, only pixels with depth count. None if no region of interest is given.
     """
 
     @property
@@ -54,7 +54,7 @@ class Scene:
 
     @property
     def rules(self) -> Rules:
-        """Our rejection rules. Without additions, all rules are switched off."""
+        """Our rejection rules. If the preset has no additions, all of our rules are switched off."""
         return Rules() if self.additions is None else self.additions.rules
 
     def measure(self, regions: Regions) -> list[RegionFacts]:
@@ -100,5 +100,5 @@ def find_above(frame: Frame, plane: Plane | None, additions: Additions | None) -
 
 
 def find_inside(frame: Frame, roi: Roi | None) -> tuple[Mask, Mask] | None:
-    """Return the two masks (H, W) of `roi_mask` for a region of interest, or None if no region of interest is given."""
+    """Return the field `Scene.inside` for a region of interest, or None if no region of interest is given."""
     return None if roi is None else roi_mask(roi, frame)

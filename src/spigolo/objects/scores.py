@@ -16,8 +16,8 @@ SUPPORTED_SHARE = 3000 / (640 * 480)
 
 
 def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
-    """Return a map (H, W) of boundary values from 0 to 1: the boundary map, or a map of edge weights if there is no
-    boundary map.
+    """Return a map (H, W) of boundary values from 0 to 1. If the cost function reads no boundary map, the values are
+    computed from the edge weights.
     """
     return weight_contour(graph) if cues.boundary is None else cues.boundary
 

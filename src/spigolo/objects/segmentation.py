@@ -24,7 +24,7 @@ from spigolo.stages.regions import Regions
 
 FACTS = tuple(f.name for f in dataclasses.fields(RegionFacts))
 CROP_MARGIN = 0.15
-"""Margin around an object in its PNG picture, as a share of the size of its bounding box."""
+"""Margin around an object in its PNG image, as a share of the size of its bounding box."""
 _facts = attrgetter(*FACTS)
 
 
@@ -39,14 +39,14 @@ class ObjectMask(RegionFacts):
 
     @property
     def number(self) -> int:
-        """Number of the object in pictures and messages: the id or, without ids, the label."""
+        """Number of the object in images and messages: the id or, without ids, the label."""
         return self.label if self.id is None else self.id
 
     def _summary(self) -> str:
         return f"{self.label}: {RegionFacts._summary(self)}"
 
     def _repr_png_(self) -> bytes:
-        """Return a PNG picture of the object, which notebooks display."""
+        """Return a PNG image of the object for display in notebooks."""
         picture = draw_objects(self.frame.color, {self.number: self.mask})
         y0, x0, y1, x1 = self.box_px
         dy, dx = round(CROP_MARGIN * (y1 - y0)) + 1, round(CROP_MARGIN * (x1 - x0)) + 1
@@ -86,9 +86,9 @@ class Segmentation:
     digest: str
     """Hash of the parameter values, eight hexadecimal digits."""
     regions: Regions
-    """Regions of the whole frame, of the background and of objects."""
+    """All regions of the frame: objects and rejected regions."""
     scene: Scene
-    """Input of the rejection rules: frame, depth map, support plane and limits."""
+    """Input of the rejection rules: frame, depth map, support plane and parameters of the rules."""
 
     def __repr__(self) -> str:
         height, width = self.labels.shape
@@ -96,7 +96,7 @@ class Segmentation:
         return f"Segmentation({found}, {width}x{height}, {self.preset} {self.digest})"
 
     def _repr_png_(self) -> bytes:
-        """Return the overlay as a PNG picture, which notebooks display."""
+        """Return the overlay as a PNG image for display in notebooks."""
         return _png(self.overlay())
 
     @property

@@ -25,8 +25,8 @@ from spigolo.stages.regions import Regions
 NEAREST_M, FARTHEST_M = 0.03, 50.0
 """Depth range that contains the range of every RGB-D camera, m."""
 CLOSE_M, FAR_M = 0.15, 3.0
-"""Range of plausible median depths, m. A warning is given if no object is found and the median depth is outside this
-range.
+"""Range of plausible median depths, m. If no object is found, a median depth below `CLOSE_M`, or above both `FAR_M` and
+`max_distance_m`, gives a warning.
 """
 SAMPLED = 8
 
@@ -65,8 +65,8 @@ def set_scene(
 def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArray[np.float32]:
     """Return the map (H, W) of boundary values, from which the border strength of regions is computed.
 
-    In a frame at half resolution, borders and boundaries may differ by one pixel. Each pixel of the map then gets the
-    maximum of the 3x3 pixels around it.
+    In a frame at half resolution, region borders and boundaries may lie one pixel apart. In such a frame, each pixel of
+    the map gets the maximum of the 3x3 pixels around it.
     """
     contour = contour_cue(cues, graph)
     if additions is None or additions.resolution == "full":
@@ -84,8 +84,8 @@ def _for_holes(additions: Additions | None, contours: Contours | None) -> Additi
 
 @stage("objects")
 def select_objects(regions: Regions, scene: Scene) -> Segmentation:
-    """Measure all regions. Return each region as an object, or as rejected with a reason. regions: result of any
-    segmentation method.
+    """Measure all regions, and return the segmentation result with accepted regions (objects) and rejected regions.
+    regions: regions from any segmentation method.
     """
     warn_of_depth(scene.frame)
     facts = scene.measure(regions)

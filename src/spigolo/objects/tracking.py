@@ -13,9 +13,9 @@ from spigolo.objects.segmentation import ObjectMask, Segmentation
 KEPT_FRAMES = 15
 """Number of frames for which the id of a missing object is kept."""
 REACH_M = 0.05
-"""Distance between two detections at which their closeness falls to 37 %, metres."""
+"""Distance between two detections at which the closeness exp(-distance / `REACH_M`) is 37 %, metres."""
 MIN_AFFINITY = 0.15
-"""Minimum affinity of two detections that are matched as the same object."""
+"""Minimum affinity (mask overlap plus closeness) of two detections that are matched as the same object."""
 MAX_SIZE_RATIO = 4.0
 """Maximum ratio of the areas of two detections that are matched as the same object."""
 
@@ -58,8 +58,8 @@ class Tracker:
         return self._next - 1
 
     def _affinity(self, result: Segmentation) -> Matrix:
-        """Return the affinity (objects, tracks): overlap of masks plus closeness in space, or 0 for pairs that cannot
-        match.
+        """Return the matrix (objects, tracks) of affinities: mask overlap plus closeness in space. The affinity is 0
+        for pairs that cannot match.
         """
         assert self._image is not None
         overlap = _overlaps(result, self._image, [t.area_px for t in self._tracks])
@@ -104,7 +104,7 @@ class Tracker:
 def match(affinity: Matrix) -> dict[int, int]:
     """Match the rows of an affinity matrix with its columns, one to one, largest affinity first.
 
-    Pairs of affinity 0 are not matched. Returns a dict of columns, indexed by row.
+    Pairs of affinity 0 are not matched. Returns a dict that contains the matched column of each matched row.
     """
     pairs: dict[int, int] = {}
     taken: set[int] = set()
@@ -119,7 +119,9 @@ def match(affinity: Matrix) -> dict[int, int]:
 
 
 def _overlaps(result: Segmentation, image: Labels, areas: list[int]) -> Matrix:
-    """Return the intersection over union (objects, tracks) of the masks of objects and of tracked objects."""
+    """Return the matrix (objects, tracks) of intersection over union between the masks of objects and tracked
+    objects.
+    """
     rows, columns = len(result) + 1, len(areas) + 1
     joint = np.bincount((result.labels * columns + image).ravel(), minlength=rows * columns).reshape(rows, columns)
     labels = [o.label for o in result]

@@ -22,11 +22,13 @@ class Reason(str, Enum):
     SUPPORT = "support"
     """The region lies on the support plane (`Support.min_above`)."""
     WALL = "wall"
-    """The region hides too little behind it (`Wall`), or surrounds the support plane (`Rim`)."""
+    """Depth increases by a step along too little of the region's outline, the image border cuts off a long region
+    (`Wall`), or the region surrounds the support plane (`Rim`).
+    """
     WEAK_CONTOUR = "weak contour"
     """The border of the region has no clear boundary (`Rules.min_contour`)."""
     OUT_OF_REACH = "out of reach"
-    """The centroid of the region is too far away (`Rejection.max_distance_m`)."""
+    """The centroid of the region is too far from the camera (`Rejection.max_distance_m`)."""
     TOO_LONG = "too long"
     """The region is too long (`Rules.max_length_m`, `Rejection.max_lambda1_px2`)."""
     TOO_WIDE = "too wide"
@@ -53,7 +55,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
     Lengths and areas in the limits must be scaled to the image size.
 
     - facts: measurements of the region.
-    - paper: limits of the paper, section III-F.
+    - paper: limits of the paper's rules (section III-F).
     - ours: limits of our rules.
     - support: parameters of the support plane, with the minimum share of a region above the plane.
     """
@@ -91,8 +93,8 @@ def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     """Return the reason why a region is a wall, or None if the region is not a wall.
 
-    A region is a wall if depth steps back along too little of its outline. A long region that the image border cuts off
-    is a wall too.
+    A region is a wall if depth increases by a step along too little of its outline. A long region that the image border
+    cuts off is a wall too.
     """
     lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)
@@ -114,8 +116,8 @@ def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
 def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
     """Check the size and the eccentricity of a region.
 
-    Sizes are compared with the limits in metres if intrinsics are known. The limits in pixels apply unless
-    `ours.metric` is set and intrinsics are known.
+    The limits in metres apply if intrinsics are known. The limits in pixels apply too, except if `ours.metric` is set
+    and intrinsics are known.
     """
     large, small = facts.spread_px2
     length, width = facts.size_m or (None, None)

@@ -1,4 +1,6 @@
-"""Parameters of the method: one frozen model for each stage, with units, ranges and origins, and the presets."""
+"""Parameters of the method. Each stage has one frozen model, which states the unit, range and origin of each
+parameter.
+"""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Parameters of our additions to the paper. `Config.additions` is None in the paper's presets.
 
-`settings.joining` has the rules that join regions. `settings.rules` has the rules that reject or keep regions.
+`settings.joining` contains the parameters of the rules that join regions. `settings.rules` contains the parameters of
+the rules that reject or keep regions.
 
 Lengths in pixels refer to a 640x480 image, and grow with the image if `Additions.lengths_grow` is set.
 """
@@ -36,16 +37,16 @@ class Facing(Settings):
     max_tilt_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
     """Maximum angle between the plane's normal and `up`, degrees. Larger values accept steeper planes."""
     max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
-    """Maximum angle between the plane's normal and the image's vertical plane, degrees. Planes with a larger angle face
-    sideways and must reach `min_share_sideways`. Used only if `up` is None.
+    """Maximum angle between the plane's normal and the Y-Z plane of the camera's frame, degrees. Planes with a larger
+    angle face sideways and must reach `min_share_sideways`. Used only if `up` is None.
     """
     max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
-    """Maximum angle by which the plane's normal may point down in the image, degrees. Planes with a larger angle are
-    ceilings and are skipped. Used only if `up` is None.
+    """Maximum angle of the plane's normal below the X-Z plane of the camera's frame, degrees. Planes with a larger
+    angle face down, such as ceilings, and are skipped. Used only if `up` is None.
     """
     min_share_sideways: Share = 0.5
-    """Minimum share of the measured pixels on a plane that faces sideways. A plane that faces sideways is accepted with
-    at least this share, because the camera is then probably mounted on its side.
+    """Minimum share of the frame's measured pixels that lie on a plane that faces sideways. With at least this share,
+    the plane is accepted, because the camera is probably mounted on its side. Used only if `up` is None.
     """
 
     @model_validator(mode="after")
@@ -56,7 +57,9 @@ class Facing(Settings):
 
 
 class Support(Settings):
-    """Detection of the support plane of a frame, by default the largest plane, and of the pixels above this plane."""
+    """Detection of the support plane of a frame, and of the pixels above this plane. By default, the support plane is
+    the largest plane.
+    """
 
     min_height_m: Positive = 0.008
     """Minimum height of an object pixel above the support plane, m. Lower pixels belong to the plane."""
@@ -66,7 +69,7 @@ class Support(Settings):
     `min_height_m`, and `Ledge.step_m` is lowered by the same ratio. None: the height is always `min_height_m`.
     """
     lowest_m: Positive = 0.004
-    """Lower limit of the height that `noise_factor` gives, m."""
+    """Minimum of the height that is computed from `noise_factor`, m."""
     noise_per_m: NotNegative = 0.0056
     """Minimum height of an object pixel above the support plane per squared distance, 1/m. The limit is
     max(`min_height_m`, `noise_per_m` * distance^2). The default is twice `Smoothing.error_per_m`.
@@ -89,7 +92,8 @@ class Support(Settings):
     facing: Facing | None = None
     """Skip planes on which nothing can stand, such as ceilings and side walls. None accepts every direction."""
     min_things: Share | None = None
-    """Minimum share of the measured pixels that stand on the support plane. If fewer pixels stand on the largest plane,
+    """Minimum share of the frame's measured pixels that stand on the support plane. Such a pixel lies above the plane
+    by less than 0.3 m, and the plane surrounds it on at least three sides. If the largest plane has a smaller share,
     such as the wall of a bin, the next plane with this share is used. None: use the largest plane.
     """
     max_below: Share | None = None
@@ -119,8 +123,8 @@ class Packing(Settings):
     given.
     """
     max_things: Share = 0.02
-    """Maximum share of the frame's measured pixels that stand on the support plane. With a larger share, no warning is
-    given.
+    """Maximum share of the frame's measured pixels that stand on the support plane, as defined in `Support.min_things`.
+    With a larger share, no warning is given.
     """
 
 
@@ -134,8 +138,8 @@ class DepthContours(Settings):
     max_shadow_px: Length_px = 60
     """Maximum width of a shadow that is filled with the depth of its farther side, px. Wider shadows stay missing."""
     step_offset_px: Offset_px = 2
-    """Distance from a pixel to the depth samples on both sides that measure a depth step, px. Larger values bridge
-    wider depth ramps.
+    """Distance between a pixel and two depth samples on opposite sides of the pixel, px. A depth step is measured from
+    the pixel and the samples. Larger values bridge wider depth ramps.
     """
     step_m: NotNegative = 0.015
     """Minimum second difference of depth at a depth step, m. Larger values give fewer contours."""
@@ -152,17 +156,17 @@ class DepthContours(Settings):
     creases.
     """
     crease_noise: NotNegative | None = None
-    """Minimum depth of a crease behind the line between its two sides, as a multiple of the frame's depth noise. Larger
-    values find fewer creases in noise. None: no minimum.
+    """Minimum depth of a crease behind the straight line between the depth samples on its two sides, as a multiple of
+    the frame's depth noise. Larger values find fewer creases in noise. None: no minimum.
     """
     holes_from: Share | None = None
-    """Minimum share of missing depth in a frame at which hole outlines become contours. Image edges inside holes then
-    become contours too, so that the holes do not connect regions. None: off.
+    """Minimum share of missing depth in a frame at which hole outlines and the image edges inside holes become
+    contours. These contours keep holes from connecting regions. None: off.
     """
 
 
 class Merging(Settings):
-    """Merging of regions over their whole common border."""
+    """Merging of neighbouring regions by the mean boundary value along their common border."""
 
     max_mean: Share = 0.4
     """Maximum mean boundary value along the common border of two regions that are merged. Larger values merge more."""
@@ -182,19 +186,21 @@ class Refinement(Settings):
     """
 
     ramp_factor: NotNegative = 5.0
-    """Width of the band of refined pixels, as a multiple of the ramp width. A ramp is a depth step that is spread over
-    several pixels, as in stereo depth. Larger values refine more pixels.
+    """Width of the band of refined pixels on each side of a border, as a multiple of the ramp width. A ramp is a depth
+    step that is spread over several pixels, as in stereo depth. Larger values refine more pixels.
     """
     min_width_px: Length_px = 2
     """Minimum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
     max_width_px: Length_px = 10
     """Maximum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
-    """Maximum width of the band of refined pixels next to missing depth, such as shadows, px. Larger values refine more
-    pixels.
+    """Width of the band of refined pixels on missing depth, such as shadows, px, if larger than the width elsewhere.
+    Larger values refine more pixels.
     """
     near_hole_px: Length_px = 1
-    """Distance to missing depth up to which the band of refined pixels has `hole_width_px` as its maximum, px."""
+    """Maximum distance to missing depth of the pixels to which `hole_width_px` applies, px. Larger values refine more
+    pixels.
+    """
     reach_px: Offset_px = 8
     """Distance from a border up to which ramp widths are measured, px."""
     min_profiles: Annotated[int, Field(ge=1)] = 40
@@ -219,7 +225,7 @@ class Refinement(Settings):
     """
     step_per_m: NotNegative = 0.0083
     """Depth difference per squared distance that counts as a full depth step, 1/m. The limit is max(`step_m`,
-    `step_per_m` * distance^2).
+    `step_per_m` * distance^2). Larger values give depth less influence at long range.
     """
     step_weight: NotNegative = 40.0
     """Weight of a full depth step between measured pixels, in grey levels of colour difference. Larger values keep
@@ -237,11 +243,13 @@ class Additions(Settings):
     contours: DepthContours | None = None
     """Add depth steps and creases to the boundary map. Effective only if the cost function reads the boundary map."""
     merging: Merging | None = None
-    """Merge regions over their whole common border. Effective only if the cost function reads the boundary map."""
+    """Merge neighbouring regions if the mean boundary value along their common border is small. Effective only if the
+    cost function reads the boundary map.
+    """
     joining: Joining | None = None
     """Join the parts of an object that the partition separated. Requires `support`."""
     rules: Rules = Rules()
-    """Reject more regions than the rules of the paper do."""
+    """Reject regions by our rules, in addition to the rules of the paper."""
     refinement: Refinement | None = None
     """Refine the outlines of objects by colour where depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0
@@ -249,9 +257,7 @@ class Additions(Settings):
     that the steps of quantised depth leave inside large regions.
     """
     line_px: Offset_px = 1
-    """Width of the boundary lines E_F before blurring, px. The value 1 is eq. 20. Larger values close gaps in the
-    lines.
-    """
+    """Width of the boundary lines E_F before blurring, px. 1: as in eq. 20. Larger values close gaps in the lines."""
     lengths_grow: bool = False
     """Scale lengths in pixels with the image. All lengths are stated for a 640x480 image."""
     resolution: Literal["full", "half"] = "full"

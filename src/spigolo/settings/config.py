@@ -53,13 +53,13 @@ class Config(Parameters):
         return self
 
     def at_size(self, shape: tuple[int, int], lengths: bool = False) -> Config:
-        """Return a copy for images of shape (H, W). Lengths in pixels grow with the image if `additions.lengths_grow`
-        is set.
+        """Return a copy with lengths and areas in pixels scaled to images of shape (H, W). Lengths that are not marked
+        with `Grows.always` are scaled only if `additions.lengths_grow` is set.
         """
         return super().at_size(shape, lengths or (self.additions is not None and self.additions.lengths_grow))
 
     def to_toml(self, base: str | None = None) -> str:
-        """Return the values as TOML text that `from_toml` reads.
+        """Return the parameter values as TOML text that `from_toml` reads.
 
         base: name of a preset. With `base`, the text has a line `base` and only the values that differ from that
         preset.
@@ -87,7 +87,7 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from the values in `old`, as nested mappings. The word "none" stands for
+    """Return the values of `new` that differ from the values in `old`, as nested dicts. The string "none" stands for
     None.
     """
     changes: dict[str, Any] = {}
@@ -105,8 +105,8 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _written(stage: Settings) -> dict[str, Any]:
-    """Return the values of a stage, indexed by field name. TOML has no null, so None becomes the word "none". None is
-    left out if None is the default.
+    """Return the values of a stage, indexed by field name. TOML has no null, so None becomes the string "none". A field
+    is left out if both its value and its default are None.
     """
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():
@@ -119,7 +119,7 @@ def _written(stage: Settings) -> dict[str, Any]:
 
 
 BASES: dict[str, Config] = {}
-"""Presets, indexed by name, which the line `base` of a preset file can name. The module `presets` fills the mapping."""
+"""Presets, indexed by name, which the line `base` of a preset file can name. The module `presets` fills this dict."""
 
 
 def base_preset(name: object) -> Config:

@@ -34,8 +34,8 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def value_at(config: Config, field: str) -> Any:
-    """Return the value of the field with a dotted name. None if the stage of the field is off, or the field belongs to
-    another cost function.
+    """Return the value of the field with a dotted name. Return None if the stage of the field is off, or if the field
+    belongs to another cost function.
     """
     value: Any = config
     for part in field.split("."):

@@ -27,7 +27,7 @@ class Vessel(Settings):
     is missing. Larger values join fewer regions.
     """
     min_contrast: float = 0.15
-    """Minimum hollowness of the inside minus hollowness of the wall. Larger values join fewer regions."""
+    """Minimum difference in hollowness, inside minus wall. Larger values join fewer regions."""
     top_m: NotNegative = 0.008
     """Maximum height difference between the top of the wall and the top of the inside, m. Larger values join more
     regions.
@@ -41,14 +41,16 @@ class Vessel(Settings):
     fewer regions.
     """
     sure_hollow_back: float = -0.01
-    """Minimum hollowness of a region that is certainly the inside of a vessel. Larger values accept fewer regions."""
+    """Minimum hollowness of a region that is certainly the inside of a vessel, so that `sure_solidity` applies. Larger
+    values apply `sure_solidity` to fewer regions.
+    """
     sure_contrast: float = 0.25
-    """Minimum hollowness of the inside minus hollowness of the wall for a region that is certainly an inside. Larger
-    values accept fewer regions.
+    """Minimum difference in hollowness, inside minus wall, for a region that is certainly the inside of a vessel, so
+    that `sure_solidity` applies. Larger values apply `sure_solidity` to fewer regions.
     """
     sure_solidity: Share = 0.75
-    """Minimum solidity of wall and inside together if one region is certainly the inside of a vessel. Larger values
-    join fewer regions.
+    """Minimum solidity of the wall and the inside together if the inside is certain (`sure_hollow_back`,
+    `sure_contrast`). Replaces `min_solidity`. Larger values join fewer regions.
     """
 
 
@@ -58,8 +60,8 @@ class Cap(Settings):
     max_gap_m: Positive = 0.025
     """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
     max_bend_m: float = 0.006
-    """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects. Larger values join more regions.
+    """Maximum mean depth of the border behind the straight line between the depth samples on both sides, m. A deeper
+    border is a valley between two objects. Larger values join more regions.
     """
     top_share: Share = 0.2
     """Maximum height difference between the tops of the two regions, as a share of their height above the support
@@ -77,8 +79,8 @@ class Smooth(Settings):
     max_gap_m: Positive = 0.025
     """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
     max_bend_m: float = 0.0015
-    """Maximum mean depth of the border behind the line between its two sides, m. A deeper border is a valley between
-    two objects. Larger values join more regions.
+    """Maximum mean depth of the border behind the straight line between the depth samples on both sides, m. A deeper
+    border is a valley between two objects. Larger values join more regions.
     """
     max_boundary: Share = 0.75
     """Maximum mean boundary value along the border of the two regions. Larger values join more regions."""
@@ -94,21 +96,21 @@ class Joining(Settings):
     smooth: Smooth | None = None
     """Join two parts of one flat or convex surface."""
     enclosed: Share | None = None
-    """Minimum share of the pixels around a region that belong to one object, for the region to be joined with the
-    object. The rule joins regions on the support plane, such as the bottom of a bowl. Larger values join fewer regions.
-    None: off.
+    """Minimum share of the pixels around a region that must belong to one object, so that the region is joined with the
+    object. The rule joins regions on the support plane or without depth, such as the bottom of a bowl. Larger values
+    join fewer regions. None: off.
     """
     reach_px: Offset_px = 4
-    """Distance from a border to the depth samples on both sides, px."""
+    """Distance from a border to the depth samples on both sides that measure the depth step, px."""
     margin_px: Annotated[int, Field(ge=0, le=100), Grows()] = 3
-    """Distance between the ends of a chord and the region's outline, px. Depth near the outline mixes object and
-    background.
+    """Distance from a region's outline to the ends of the chords that measure hollowness, px. Depth near the outline
+    mixes object and background.
     """
     min_border_px: Annotated[int, Field(ge=1), Grows()] = 12
     """Minimum length of a border between two regions, px. Regions with a shorter border are not joined."""
     min_measured: Share = 0.5
-    """Minimum share of pixels with measured depth on a border and in a region. With a smaller share, the rules are not
-    tested.
+    """Minimum share of pixels with measured depth, both on a border and in a region. Regions or borders with a smaller
+    share are not joined.
     """
     min_above: Share = 0.5
     """Minimum share of a region's measured pixels above the support plane. Regions with a smaller share are not

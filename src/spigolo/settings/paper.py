@@ -1,4 +1,5 @@
-"""Parameters of the paper, one frozen model for each stage. `settings.additions` has the parameters of our additions.
+"""Parameters of the paper, one frozen model for each stage. `settings.additions` contains the parameters of our
+additions.
 
 The text of each field names the origin of its default value. The paper is Toscana & Rosa 2016. The authors' code is the
 code that the authors of the paper published. "Our choice" means that the paper gives no value (docs/paper.md). Lengths
@@ -27,7 +28,9 @@ from spigolo.settings.parameters import (
 
 
 class Smoothing(Settings):
-    """Depth-dependent smoothing of Holzer et al. 2012, with the mean over valid pixels of the paper (eqs. 5-8)."""
+    """Smoothing of Holzer et al. 2012 with a radius that depends on depth (eqs. 5-8). The mean over valid pixels comes
+    from the paper.
+    """
 
     mean: Literal["valid", "plain", "none"] = "valid"
     """Mean over the smoothing window. `valid` ignores missing pixels (eq. 8), `plain` counts missing pixels as zeros
@@ -68,7 +71,7 @@ class Inpainting(Settings):
     """Maximum inscribed radius of a gap that is filled, px at 640x480. Larger values fill wider gaps."""
     step_m: NotNegative = 0.03
     """Minimum depth range along the rim of a gap, m, at which the gap counts as lying on a depth step. Gaps on a depth
-    step are filled with the far depth.
+    step are filled with the largest depth along the rim.
     """
     step_share: Share = 0.03
     """Minimum depth range along the rim of a gap on a depth step, as a share of the distance. The limit is
@@ -93,8 +96,8 @@ class ColorConfig(Settings):
     """Colour difference (eq. 4)."""
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. The default comes from the authors'
-    code, which smooths the HSV image instead.
+    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. Larger values suppress more noise. The
+    default comes from the authors' code, which smooths the HSV image instead.
     """
     k_dv: Positive = 4.5
     """Weight of the difference in value, the brightness of HSV. The default comes from the paper."""
@@ -106,8 +109,8 @@ class SaliencyConfig(Settings):
     """Centre-surround saliency of Montabone & Soto 2010 and its power law (eq. 10)."""
 
     surrounds_px: Annotated[tuple[Annotated[int, Field(ge=1, le=10_000)], ...], Grows()] = (12, 24, 48, 28, 56, 112)
-    """Half-sizes of the square surrounds, px: sigma 2^s for sigma in {3, 7} and s in {2, 3, 4}. The default comes from
-    Montabone's code.
+    """Half-sizes of the squares with whose mean a pixel is compared (surrounds), px: sigma 2^s for sigma in {3, 7} and
+    s in {2, 3, 4}. The default comes from Montabone's code.
     """
     power: Positive = 4.0
     """Exponent of the power law of saliency (eq. 10). Larger values keep only the most salient pixels. The default
@@ -130,7 +133,7 @@ class EdgesConfig(Settings):
     """
     canny_floor: NotNegative = 60.0
     """Minimum of Canny's low threshold, in units of the Scharr gradient. Larger values find fewer edges in the noise of
-    plain frames. The ratio of both thresholds is kept. The default is our choice.
+    frames without strong image edges. The high threshold grows by the same factor. The default is our choice.
     """
     step_offset_px: Offset_px = 7
     """Offset epsilon_rho from an image edge to the depth samples on both sides, px. The default comes from the authors'
@@ -141,8 +144,8 @@ class EdgesConfig(Settings):
     authors' code.
     """
     signed_step: bool = False
-    """Compare the signed depth difference, as printed in eq. 13. Edge pixels on the near side of a depth step are then
-    missed.
+    """Compare the signed depth difference with `step_m`, as printed in eq. 13, instead of its absolute value. Edge
+    pixels on the near side of a depth step are then missed.
     """
     missing_is_boundary: bool = False
     """Count a missing depth sample as a depth step. If False, a missing sample is ignored."""
@@ -159,9 +162,9 @@ class EdgesConfig(Settings):
     default comes from the authors' code.
     """
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
-    """Sign of the contact angle. `tangent` uses the cross product along the edge, which is correct for every direction.
-    `x` uses the x component as printed in eq. 19, which is zero for vertical edges. `none` ignores the sign and keeps
-    internal boundaries.
+    """Sign of the contact angle. `tangent` uses the component of the cross product along the edge, which has the
+    correct sign for every edge direction. `x` uses the x component, as printed in eq. 19. The x component is zero for
+    vertical edges. `none` ignores the sign, so that convex edges inside an object also become boundaries.
     """
     boundary: Literal["soft", "thin"] = "soft"
     """Kind of boundary map. `soft` blurs the boundaries E_F and rescales the map to a maximum of 1, which closes gaps.
@@ -202,17 +205,19 @@ class SaliencyCost(Settings):
 
 
 class BoundaryCost(Settings):
-    """Second cost function (eq. 23): depth times colour, plus the boundary map, for frames with full depth."""
+    """Second cost function (eq. 23): depth times colour, plus the boundary map, for frames with little missing
+    depth.
+    """
 
     kind: Literal["boundary"] = "boundary"
     """Kind of the cost function in preset files."""
     k_x: NotNegative = 7.5
-    """Weight of the product of depth and colour difference. The default comes from the paper."""
+    """Weight of the product of depth difference and colour difference. The default comes from the paper."""
     k_b: NotNegative = 0.66
     """Weight of the boundary map. The default comes from the paper."""
     ends: Ends = "max"
     """Pixel that gives the boundary value of a graph edge. `i` takes the first pixel, as printed in eq. 23. `max` takes
-    the pixel with the larger value. The default is our choice.
+    the pixel with the larger boundary value. The default is our choice.
     """
 
     @model_validator(mode="after")
@@ -223,19 +228,19 @@ class BoundaryCost(Settings):
 
 
 class AutoCost(Settings):
-    """Automatic choice between both cost functions by the share of missing depth within the working range. The paper
-    chooses the cost function by hand.
+    """Automatic choice between the two cost functions for each frame, by the share of missing depth (`max_missing`).
+    The paper chooses the cost function by hand.
     """
 
     kind: Literal["auto"] = "auto"
     """Kind of the cost function in preset files."""
     full: BoundaryCost = BoundaryCost()
-    """Cost function for frames with complete depth."""
+    """Cost function for frames with little missing depth."""
     shadows: SaliencyCost = SaliencyCost()
     """Cost function for frames with large shadows."""
     max_missing: Share = 0.03
-    """Maximum share of missing depth within the working range at which the cost function `full` is used. The default is
-    our choice.
+    """Maximum share of missing depth in a frame at which the cost function `full` is used. Missing depth at the image
+    border or beyond `Rejection.max_distance_m` does not count. The default is our choice.
     """
 
 
@@ -247,7 +252,7 @@ class Partition(Settings):
 
     gamma: NotNegative = 0.0016
     """Threshold gamma of eq. 3, in units of edge weight times pixels. Larger values give larger regions. The paper uses
-    5, 0.0016 and 0.001.
+    5 (preset SHELF), 0.0016 (TABLE) and 0.001 (CLUTTER).
     """
     gamma_shadows: NotNegative | None = None
     """Threshold gamma of eq. 3 for frames with the cost function `AutoCost.shadows`, whose weights are larger by orders
@@ -285,6 +290,6 @@ class Rejection(Settings):
     paper uses 0.3 without in-painting.
     """
     max_dark: Share | None = None
-    """Maximum share of a region's pixels with a brightness from 0 to 23 of 255, the three darkest of 32 bins. Larger
-    values keep darker regions. The paper uses 0.3.
+    """Maximum share of a region's pixels with a brightness from 0 to 23 of 255, the three darkest of 32 bins. Regions
+    with exactly this share are rejected too. Larger values keep darker regions. The paper uses 0.3.
     """

@@ -1,5 +1,5 @@
-"""Base classes of all parameter models. Models are frozen and validated. A wrong value raises an error with a one-line
-message.
+"""Base classes of all parameter models. Models are frozen and validated. An invalid value raises an error with a
+one-line message.
 """
 
 from __future__ import annotations
@@ -67,8 +67,8 @@ S = TypeVar("S", bound="Settings")
 
 
 class Settings(BaseModel):
-    """Parameters of one stage. Instances are frozen, and `replace` returns a changed copy. Raises ConfigError for a
-    wrong value.
+    """Parameters of one stage. Instances are frozen, and `replace` returns a changed copy. Raises ConfigError for an
+    invalid value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
@@ -82,7 +82,7 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
-        """Convert the word "none" to None for fields that may be None. Preset files and flags cannot express None
+        """Convert the string "none" to None for fields that may be None. Preset files and flags cannot express None
         otherwise.
         """
         if not isinstance(values, Mapping):
@@ -94,9 +94,10 @@ class Settings(BaseModel):
         }
 
     def replace(self: S, **changes: Any) -> S:
-        """Return a validated copy. Names may be dotted: `replace(**{"partition.gamma": 0.004})`.
+        """Return a validated copy with changed values.
 
-        A mapping changes only the fields that it names: `replace(partition={"gamma": 0.004})`.
+        Field names may be dotted: `replace(**{"partition.gamma": 0.004})`. A dict as value changes only the fields that
+        the dict contains: `replace(partition={"gamma": 0.004})`.
         """
         values = self.model_dump()
         for key, value in changes.items():
@@ -105,11 +106,11 @@ class Settings(BaseModel):
         return type(self)(**values)
 
     def at_size(self: S, shape: tuple[int, int], lengths: bool = False) -> S:
-        """Return a copy for images of shape (H, W). Call `at_size` only once, because a second call scales the lengths
-        and areas again.
+        """Return a copy with lengths and areas in pixels scaled to images of shape (H, W). Call `at_size` only once,
+        because a second call scales the lengths and areas again.
 
-        Areas grow with the number of pixels. Lengths marked with `Grows.always` grow with the image. Other lengths grow
-        only if `lengths` is True.
+        Areas grow in proportion to the number of pixels. Lengths marked with `Grows.always` grow in proportion to the
+        square root of this number. Other lengths grow in this way only if `lengths` is True.
         """
         area = shape[0] * shape[1] / VGA_PX
         return self if area == 1 else self._grown(area, lengths)
@@ -140,7 +141,7 @@ class Parameters(Settings):
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text. Raises ConfigError with the line of the mistake."""
+    """Return the tables of a TOML text. Raises ConfigError with the line number of a syntax error."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -158,8 +159,8 @@ def _nest(dotted: str, value: Any) -> Any:
 
 
 def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Merge `changes` into `values` in place, including nested mappings. If the `kind` of a cost function changes, the
-    whole mapping of the cost function is replaced.
+    """Merge `changes` into `values` in place, including nested dicts. If the `kind` of a cost function changes, the
+    whole dict of the cost function is replaced.
     """
     for key, new in changes.items():
         old = values.get(key)

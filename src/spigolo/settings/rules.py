@@ -1,5 +1,5 @@
-"""Parameters of our rules that reject or keep regions (`Additions.rules`). `settings.paper` has the rules of the
-paper.
+"""Parameters of our rules that reject or keep regions (`Additions.rules`). `settings.paper` contains the parameters of
+the paper's rules.
 """
 
 from __future__ import annotations
@@ -23,25 +23,25 @@ class Wall(Settings):
     rejected. The image border does not count as a step.
     """
     min_hides_cut: NotNegative = 0.7
-    """Increase of `min_hides` for regions at the image border, multiplied by the share of the outline on the image
-    border. Larger values reject more regions.
+    """Increase of `min_hides` for a region whose whole outline lies on the image border. For other regions, the
+    increase is multiplied by the share of the outline on the image border. Larger values reject more regions.
     """
     slant_deg: Angle_deg = 36.0
     """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The
-    visible faces of a whole object look towards the camera on average. The side wall of a compartment does not. Larger
-    values reject fewer regions.
+    visible faces of a whole object point towards the camera on average, but the side wall of a compartment points
+    sideways. Larger values reject fewer regions.
     """
     hides_per_deg: NotNegative = 0.025
     """Increase of `min_hides` for each degree above `slant_deg`, 1/degree. Larger values reject more slanted
     regions.
     """
     min_height_m: Positive = 0.06
-    """Minimum height above the support plane that 5 % of a region must reach to be tested as a wall, m. Lower regions
-    are not tested. Without a support plane, every region is tested.
+    """Minimum height above the support plane that 5 % of a region's measured pixels must reach, so that the region is
+    tested as a wall, m. Lower regions are not tested. Without a support plane, every region is tested.
     """
     min_measured: Share = 0.4
-    """Minimum share of a region's outline with depth on both sides. Regions with a smaller share are not tested as
-    walls.
+    """Minimum share of a region's outline with depth on both sides. For regions with a smaller share, `min_hides` is
+    not tested.
     """
     reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
     """Distance from a region's outline to the depth samples on both sides, px. This length always grows with the
@@ -52,16 +52,16 @@ class Wall(Settings):
     with the image.
     """
     step_m: NotNegative = 0.012
-    """Minimum depth step across a region's outline, m, in addition to the slope of the region. The limit is `step_m` +
-    `step_share` * distance. Larger values find fewer steps and reject more regions.
+    """Minimum depth step across a region's outline, m. The limit is `step_m` + `step_share` * distance + the depth
+    change due to the region's slope. Larger values find fewer steps and reject more regions.
     """
     step_share: Share = 0.006
     """Minimum depth step across a region's outline, as a share of the distance. The limit is `step_m` + `step_share` *
-    distance. Larger values find fewer steps and reject more regions.
+    distance + the depth change due to the region's slope. Larger values find fewer steps and reject more regions.
     """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
-    """Maximum ratio of length to width of a region that the image border cuts off. Longer regions are rejected as
-    rails, rims or legs. None: no limit.
+    """Maximum ratio of length to width of a region that the image border cuts off. Regions with a larger ratio are
+    rejected as rails, rims or legs. None: no limit.
     """
 
 
@@ -119,10 +119,11 @@ class Rules(Settings):
     metric: bool = False
     """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
     max_length_m: Positive | None = None
-    """Maximum length of a region, m, estimated by a rectangle with the region's spread at its distance. The oriented
-    box of an object may have another length. Larger values keep longer regions. None: no limit.
+    """Maximum length of a region, m. The length is estimated as the longer side of a rectangle that faces the camera
+    and has the spread and the distance of the region. The oriented box of an object may have another length. Larger
+    values keep longer regions. None: no limit.
     """
     max_width_m: Positive | None = None
-    """Maximum width of a region, m, estimated by a rectangle with the region's spread at its distance. Larger values
-    keep wider regions. None: no limit.
+    """Maximum width of a region, m. The width is estimated as the shorter side of a rectangle that faces the camera and
+    has the spread and the distance of the region. Larger values keep wider regions. None: no limit.
     """

@@ -1,1 +1,1 @@
-"""Pictures, charts and interactive views of segmentation results."""
+"""Images, charts and interactive views of segmentation results."""

@@ -14,8 +14,8 @@ from spigolo.frames.frame import Color
 from spigolo.objects.drawing import FONT, INK
 
 WIDTH, HEIGHT, FINER = 1120, 720, 3
-"""Width and height of the chart in pixels, and the factor by which the chart is first drawn larger, for smooth
-lines.
+"""Width and height of the chart in pixels, and the factor by which the chart is first drawn larger. Downsampling then
+gives smooth lines.
 """
 LEFT, RIGHT, TOP, BOTTOM = 90, 300, 80, 110
 """Margins of the chart in pixels. The right margin has room for the names of the curves."""
@@ -83,7 +83,7 @@ def log_log(curves: Sequence[Curve], title: str, x_label: str, y_label: str, not
 
 
 def _axis(values: list[float], start: float, end: float) -> Axis:
-    """Return an axis that covers all values with some margin."""
+    """Return an axis that covers all values, with a margin at both ends."""
     low, high = min(values), max(values)
     room = max((high / low) ** 0.06, 1.15)
     return Axis(low / room, high * room, start, end)

@@ -1,4 +1,4 @@
-"""Picture that compares several segmentation methods on one frame, as in the paper's last figure."""
+"""Image that compares several segmentation methods on one frame, as in the paper's last figure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from spigolo.view.overlay import region_picture, tile
 
 
 def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], ours: str) -> Color:
-    """Draw a frame, the regions of each method with number of objects and time, and the objects of one method.
+    """Draw a colour image, the regions of each method, and the objects of one method. Titles state the number of
+    objects and the time of each method.
 
     answers: segmentation result and time in seconds of each method, indexed by method name. ours: name of the method
     whose objects are drawn.

@@ -51,7 +51,7 @@ def weight_picture(weights: npt.NDArray[np.float32]) -> Color:
 
 
 def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
-    """Draw the pixels of all objects on a white background, with an outline around each object."""
+    """Draw the pixels of all objects on a white background, and the outline of each object."""
     picture = np.where((labels > 0)[..., None], color, np.uint8(255)).astype(np.uint8)
     for k, tint in enumerate(palette(int(labels.max(initial=0))), start=1):
         outlines, _ = cv2.findContours((labels == k).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

@@ -25,9 +25,9 @@ Window = tuple[int, int, int, int]
 
 MISSING_BLUE = (0, 0, 110)
 DETAIL_SHARE = 5
-"""Width and height of the image, divided by the width and height of a detail."""
+"""Width and height of the image, divided by the width and height of an enlarged detail."""
 TURN_DEG = 55.0
-"""Angle between the camera's view and the view in the picture of a point cloud, degrees."""
+"""Angle between the viewing directions of the camera and of the side view of a point cloud, degrees."""
 CURVED = 2
 """Number of enlarged objects in Figure 4."""
 
@@ -68,10 +68,11 @@ def figure3(frame: Frame, config: Config = SHELF) -> Color:
 
 
 def figure4(frame: Frame, config: Config = TABLE) -> Color:
-    """Draw the boundaries of objects with and without internal boundaries, and enlarged Canny edges and boundaries of
-    two objects.
+    """Draw the boundaries of objects with and without internal boundaries (convex edges inside objects), and enlarged
+    Canny edges and boundaries of two objects.
 
-    The two objects have the most Canny edges that are not boundaries, for example at prints and curved surfaces.
+    The two objects have the most Canny edges that are not boundaries, for example at printed patterns and curved
+    surfaces.
     """
     config = config.at_size(frame.shape)
     with_internal = config.edges.replace(sign_rule="none")
@@ -89,9 +90,9 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
-    """Draw the segmented objects of each frame. All pictures have the size of the first frame.
+    """Draw the segmented objects of each frame. All images have the size of the first frame.
 
-    results: frame and segmentation result, indexed by the title of the picture.
+    results: frame and segmentation result, indexed by the title of the image.
     """
     shape = next(iter(results.values()))[0].shape
     pictures = {
@@ -101,7 +102,7 @@ def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
 
 
 def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> Color:
-    """Draw the points of a window of a depth map as seen from the side, on white."""
+    """Draw the points of a window of a depth map as seen from the side, on a white background."""
     y0, x0, y1, x1 = window
     inside = np.zeros(depth.shape, bool)
     inside[y0:y1, x0:x1] = True
@@ -159,7 +160,7 @@ def _cut(image: npt.NDArray[Any], window: Window) -> npt.NDArray[Any]:
 
 
 def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
-    """Scale a picture to the largest size that fits into (H, W), and fill the rest with white."""
+    """Scale an image to the largest size that fits into (H, W), and fill the rest with white."""
     scale = min(shape[0] / picture.shape[0], shape[1] / picture.shape[1])
     height, width = max(int(scale * picture.shape[0]), 1), max(int(scale * picture.shape[1]), 1)
     out = np.full((*shape, 3), 255, np.uint8)
@@ -179,7 +180,7 @@ def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
 
 
 def _blue_where_missing(depth: DepthMap) -> Color:
-    """Return a depth map as a colour picture, with missing depth in dark blue."""
+    """Return a depth map as a colour image, with missing depth in dark blue."""
     picture = depth_picture(depth)
     picture[missing_mask(depth)] = MISSING_BLUE
     return picture
@@ -190,5 +191,5 @@ def _grey(values: npt.NDArray[np.float32]) -> Color:
 
 
 def _lines(mask: npt.NDArray[np.generic]) -> Color:
-    """Return a mask (H, W) as a picture, white on black."""
+    """Return a mask (H, W) as an image (H, W, 3), white on black."""
     return np.repeat((np.asarray(mask) > 0).astype(np.uint8)[..., None] * np.uint8(255), 3, axis=2)

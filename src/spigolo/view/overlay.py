@@ -1,4 +1,4 @@
-"""Pictures of objects over the colour image, of depth maps, of boundaries and of regions."""
+"""Images of objects over the colour image, of depth maps, of boundaries and of regions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BOX_EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4,
 
 
 def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> Color:
-    """Return a copy of a picture with the edges of the oriented boxes of all objects. Without intrinsics, no boxes are
+    """Return a copy of an image with the edges of the oriented boxes of all objects. Without intrinsics, no boxes are
     drawn.
     """
     drawn = picture.copy()
@@ -38,7 +38,7 @@ def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> C
 
 
 def depth_picture(depth: DepthMap) -> Color:
-    """Return a depth map (H, W) as a colour picture: near is red, far is blue, and missing is black.
+    """Return a depth map (H, W) as a colour image: near pixels are red, far pixels blue, and missing pixels black.
 
     The colour scale is linear in 1 / depth between the 1st and the 99th percentile.
     """
@@ -71,14 +71,14 @@ def boundary_picture(trace: Trace) -> Color:
 
 
 def region_picture(labels: npt.NDArray[np.int32]) -> Color:
-    """Return a label image (H, W) as a picture with one colour for each label."""
+    """Return a label image (H, W) as a colour image with one colour for each label."""
     return np.asarray(palette(int(labels.max(initial=0)) + 1)[labels])
 
 
 def tile(pictures: dict[str, Color], columns: int) -> Color:
-    """Return a grid of pictures with titles. All pictures are scaled to the size of the first picture.
+    """Return a grid of images with titles. All images are scaled to the size of the first image.
 
-    pictures: pictures (H, W, 3), indexed by title.
+    pictures: images (H, W, 3), indexed by title.
     """
     shape = next(iter(pictures.values())).shape[:2]
     titled = [_titled(fitted(picture, shape), title) for title, picture in pictures.items()]
@@ -88,7 +88,7 @@ def tile(pictures: dict[str, Color], columns: int) -> Color:
 
 
 def fitted(picture: Color, shape: tuple[int, ...]) -> Color:
-    """Scale a picture to the size (H, W) without interpolation."""
+    """Scale an image to the size (H, W) without interpolation."""
     if picture.shape[:2] == shape:
         return picture
     return np.asarray(cv2.resize(picture, shape[::-1], interpolation=cv2.INTER_NEAREST), np.uint8)

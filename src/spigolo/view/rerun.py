@@ -16,7 +16,7 @@ from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 PIP = 'pip install "spigolo[view]"'
 CLASSES = 256
-"""Number of classes in the recording: the background, and object numbers that have their own colour."""
+"""Number of classes in the recording: one class for the background, and one for each colour of objects."""
 CAMERA = "world/camera"
 Quaternion = npt.NDArray[np.float64]
 

@@ -52,7 +52,7 @@ def tune(
     - frames: a frame, a list of frames, a source, or an iterator of frames.
     - config: configuration to start from.
     - port: port of the web server.
-    - host: network address of the web server, by default only this machine.
+    - host: network address of the web server. By default, the page can be opened only on this machine.
     - open_browser: open the page in a browser.
     - folder: folder for saved presets.
     - block: wait until the page is closed or Ctrl-C is pressed.
@@ -78,7 +78,7 @@ class TuningPage:
         self.url = f"http://{host}:{self.server.get_port()}"
         """URL of the page."""
         self.drawn = 0
-        """Number of pictures that were drawn so far."""
+        """Number of times that a result was drawn."""
         self._folder, self._saved = folder, set[Path]()
         self._stage, self._merging = scene.STAGES[0], False
         self._place: viser.GuiSliderHandle[int] | None = None

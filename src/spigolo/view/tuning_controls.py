@@ -25,7 +25,7 @@ class Controls:
     def __init__(self, gui: viser.GuiApi, values: Values, changed: Callable[[str, Any], None]) -> None:
         self._gui, self._values, self._changed = gui, values, changed
         self.handles: dict[str, list[Any]] = defaultdict(list)
-        """Controls of each parameter and of each choice between several models, indexed by key."""
+        """Controls of each parameter, and of each choice between alternative models, indexed by key."""
         self.switches: dict[str, list[Any]] = defaultdict(list)
         """Checkboxes that switch optional parameters and stages on or off, indexed by key."""
         self._folders: dict[str, Any] = {}
@@ -155,7 +155,7 @@ def _within(value: float, span: Range) -> float:
 
 
 def _assign(handle: Any, name: str, value: Any) -> None:
-    """Set a property of a control if its value differs, so that nothing is sent to the browser without need."""
+    """Set a property of a control if the value differs, so that only changes are sent to the browser."""
     if getattr(handle, name) != value:
         setattr(handle, name, value)
 

@@ -121,7 +121,7 @@ def controls_of(model: type[BaseModel] = Config) -> Stage:
 
 
 def leaves(part: Part) -> Iterator[Leaf]:
-    """Yield the descriptions of all single parameters in a part."""
+    """Yield the descriptions of all parameters inside a part (a parameter, a stage or alternative models)."""
     if isinstance(part, Leaf):
         yield part
         return
@@ -130,7 +130,7 @@ def leaves(part: Part) -> Iterator[Leaf]:
 
 
 def walk(part: Part) -> Iterator[Part]:
-    """Yield a part, and all stages and parameters inside it."""
+    """Yield a part (a parameter, a stage or alternative models), and all parts inside this part."""
     yield part
     if not isinstance(part, Leaf):
         for inner in part.stages.values() if isinstance(part, Variants) else part.parts:
@@ -138,16 +138,20 @@ def walk(part: Part) -> Iterator[Part]:
 
 
 def value_at(values: Any, path: str) -> Any:
-    """Return the value at a dotted path in nested mappings or models, or None inside a stage that is switched off."""
+    """Return the value with a dotted name in nested dicts or models, or None inside a stage that is switched off."""
     for name in path.split(".") if path else ():
         values = values.get(name) if isinstance(values, Mapping) else getattr(values, name, None)
     return values
 
 
 def range_of(leaf: Leaf, value: float) -> Range:
-    """Return the range of a slider: the limits of the parameter, or up to four times the largest value in use.
+    """Return the range of a slider, within the limits of the parameter.
 
-    value: current value of the parameter, which together with similar values of the presets sets the maximum.
+    The maximum of a number with an upper limit of at most 180 is this limit. The maximum of any other parameter is four
+    times the largest value, rounded up to 1, 2 or 5 times a power of ten. This maximum never exceeds the limit. The
+    largest value is the maximum of `value` and of the preset values up to 10 * `value`.
+
+    value: current value of the parameter.
     """
     low, high = leaf.limits
     near = [abs(value), *(v for v in _presets(leaf.path) if v <= 10 * abs(value) or value == 0)]
@@ -288,7 +292,7 @@ def _round_down(value: float) -> float:
 
 
 def _finest(value: float, step: float) -> float:
-    """Divide a step by up to 100, so that the value is a multiple of the step."""
+    """Divide the step of a slider by up to 100, so that the value of the parameter is a multiple of the step."""
     for divisor in (1, 2, 5, 10, 20, 50, 100):
         count = value / step * divisor
         if abs(count - round(count)) < 1e-6:

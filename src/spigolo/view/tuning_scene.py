@@ -1,4 +1,6 @@
-"""Pictures and 3-D scene of the tuning page. The scene shows a picture above the point cloud of the frame."""
+"""Images and 3-D scene of the tuning page. The scene shows one of the images, called the picture, above the point cloud
+of the frame.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ from spigolo.view.tuning_session import Answer, Pixel
 Vectors = npt.NDArray[np.float64]
 
 STAGES = ("objects", "objects and boxes", "rejected regions", "boundary map", "weights", "regions", "depth", "colour")
-"""Names of the pictures that the page can show."""
+"""Names of the images that the page can show as the picture."""
 CHOSEN, REFUSED = (255, 214, 10), (235, 64, 52)
 """RGB colours of the selected object or region, and of rejected regions."""
 FAR = 1.6
@@ -46,7 +48,9 @@ CLICK = 0.012
 
 
 def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
-    """Draw one of STAGES for a segmentation result, with an outline around the selected object or region."""
+    """Draw the image named `stage` (one of `STAGES`) for a segmentation result. The selected object or region is
+    outlined.
+    """
     drawn = fitted(_stage(answer, stage), answer.run.frame.shape).copy()
     if chosen is not None:
         _outline(drawn, chosen, CHOSEN)
@@ -70,7 +74,7 @@ def _stage(answer: Answer, stage: str) -> Color:
 
 
 def _objects(result: Segmentation) -> Color:
-    """Draw the overlay of a result, with a less dimmed background."""
+    """Draw `Segmentation.overlay` of a result, but with a brighter background."""
     drawn, behind = result.overlay(), result.labels == 0
     near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # outlines and numbers are near
     plain = (0.7 * result.frame.color).astype(np.uint8)
@@ -86,7 +90,7 @@ def _rejected(result: Segmentation) -> Color:
 
 
 def _outline(drawn: Color, region: RegionFacts, color: tuple[int, int, int]) -> None:
-    """Draw the outline of an object or region into a picture, which is changed in place. Fill a rejected region with
+    """Draw the outline of an object or region into an image, which is changed in place. Fill a rejected region with
     red.
     """
     mask, width = region.mask, max(2, round(drawn.shape[0] / 160))
@@ -162,8 +166,8 @@ class Stand:
 
 
 def distance(width: float, height: float, aspect: float) -> float:
-    """Return the distance at which a rectangle of width x height metres fills a window. aspect: width / height of the
-    window.
+    """Return the distance from the camera, in metres, at which a rectangle of width x height metres fills a window.
+    aspect: width / height of the window.
     """
     return float(1.04 * max(height, width / aspect) / 2 / np.tan(FOV / 2))
 

@@ -86,7 +86,7 @@ class Reel:
         return moved
 
     def _numbered(self, frames: Numbered) -> Frame:
-        """Return the frame at the current position, which is read only once."""
+        """Return the frame at the current position. While the position stays the same, the frame is read only once."""
         position = self.position
         if self._read is None or self._read[0] != position:
             self._read = position, frames[position]
@@ -252,8 +252,8 @@ class Session:
         return config.to_toml(self.presets[self.preset].name if self.preset in SHOWN else nearest_preset(config))
 
     def save(self, path: Path) -> None:
-        """Write the parameter values to a TOML file for `--preset`. Raises FileError if the name does not end in
-        .toml.
+        """Write the parameter values to a TOML file that the option `--preset` reads. Raises FileError if the name does
+        not end in .toml.
         """
         if path.suffix.lower() != ".toml" or not path.stem:
             raise FileError(f"expected a name that ends in .toml, got {path.name!r}")

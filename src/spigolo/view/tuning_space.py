@@ -1,4 +1,4 @@
-"""3D scene of the tuning page: the picture of a frame, its point cloud with boxes, and the camera of each browser
+"""3-D scene of the tuning page: the picture of a frame, its point cloud with boxes, and the camera of each browser
 window.
 """
 
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 class Space:
-    """3D scene with the picture and the point cloud of the current frame. A click on the picture or the cloud selects a
-    pixel.
+    """3-D scene with the picture and the point cloud of the current frame. A click on the picture or the cloud selects
+    a pixel.
     """
 
     def __init__(self, server: viser.ViserServer, select: Callable[[Pixel | None], None]) -> None:

@@ -66,5 +66,5 @@ def times(answer: Answer) -> str:
 
 
 def count(number: int, name: str) -> str:
-    """Return a number with a noun in singular or plural."""
+    """Return a number and its noun, in singular or plural."""
     return f"{number} {name}{'' if number == 1 else 's'}"

@@ -20,9 +20,11 @@ class Values:
         self.tree = controls_of()
         self.parts: dict[str, Part] = {part.key: part for part in walk(self.tree)}
         self.of: dict[str, Any] = {}
-        """Value of each parameter, and name of the chosen model of each stage with several models, indexed by key."""
+        """Value of each parameter, and kind of the chosen model of each stage with alternative models, indexed by
+        key.
+        """
         self.on: dict[str, bool] = {}
-        """True or False for each optional parameter and stage that is switched on or off, indexed by key."""
+        """True for each parameter and stage that is switched on, False if it is switched off, indexed by key."""
         self.load(config)
 
     def load(self, config: Config) -> None:
@@ -95,8 +97,8 @@ class Values:
         return nested
 
     def _is_of(self, part: Leaf, config: Config) -> bool:
-        """Return True if a parameter belongs to the model that the configuration uses, for stages with several
-        models.
+        """Return True if a parameter belongs to the model that the configuration uses. A parameter of a stage without
+        alternative models always belongs to this model.
         """
         if part.key == part.path:
             return True

@@ -1,4 +1,4 @@
-"""Worker thread that combines waiting requests, so that the page does not lag behind the user."""
+"""Worker thread that combines waiting requests, so that the page responds quickly."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Latest:
         self._thread.start()
 
     def ask(self) -> None:
-        """Request a call of the function, without waiting for the call."""
+        """Request a call of the function, and return at once."""
         with self._changed:
             self._wanted = True
             self._changed.notify_all()

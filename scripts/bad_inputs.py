@@ -263,13 +263,22 @@ def library(folder: Path) -> list[tuple[str, Call]]:
         ("a transposed camera matrix", lambda: sp.Frame(color, depth, camera.matrix.T)),
         ("an unknown parameter of a preset", lambda: sp.TABLE.replace(**{"partition.gama": 0.004})),
         ("a parameter value out of range", lambda: sp.settings.Partition(connectivity=6)),
-        ("a low Canny threshold above the high threshold", lambda: sp.settings.EdgesConfig(canny_low=0.2, canny_high=0.1)),
+        (
+            "a low Canny threshold above the high threshold",
+            lambda: sp.settings.EdgesConfig(canny_low=0.2, canny_high=0.1),
+        ),
         ("a pixel outside of the image", lambda: sp.segment(frame, sp.TABLE).at((480, 0))),
         ("a metric box with low Z above high Z", lambda: sp.MetricBox((0, 0, 1), (1, 1, 0))),
         ("a metric box for a frame without intrinsics", lambda: sp.segment(bare, roi=box)),
         ("points in metres for a frame without intrinsics", lambda: sp.segment_at(bare, (140, 160)).points_m()),
-        ("registration with a translation in millimetres", lambda: sp.register_depth(depth, camera, camera, in_millimetres)),
-        ("registration with a matrix that is not a rotation", lambda: sp.register_depth(depth, camera, camera, no_rotation)),
+        (
+            "registration with a translation in millimetres",
+            lambda: sp.register_depth(depth, camera, camera, in_millimetres),
+        ),
+        (
+            "registration with a matrix that is not a rotation",
+            lambda: sp.register_depth(depth, camera, camera, no_rotation),
+        ),
     ]
 
 

@@ -27,12 +27,13 @@ SCENE = Path(sp.__file__).parent / "demo_scene"
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "bad-input.md"
 INTRODUCTION = """# Bad input
 
-spigolo refuses input that it cannot use, with a one-line message. The message says what was expected, what it got and,
-if possible, what to do. The command line prints it after `spigolo:` and ends with exit code 2. In Python the same
-message comes as `FileError`, `FrameError`, `CameraError` or `ConfigError`, which are all kinds of `SpigoloError`.
-Warnings do not stop a run. `spigolo doctor` finds faults in a frame that can be read.
+spigolo refuses input that it cannot use, and gives a one-line message. The message says what was expected, what was
+given and, if possible, how to correct the input. The command line prints the message after `spigolo:` and ends with
+exit code 2. In Python, the message is the text of a `FileError`, `FrameError`, `CameraError` or `ConfigError`. These
+four exceptions are subclasses of `SpigoloError`. Warnings do not stop a run. `spigolo doctor` finds faults in a frame
+that can be read.
 
-`python scripts/bad_inputs.py --write` makes each of these inputs, and this page.
+`python scripts/bad_inputs.py --write` runs spigolo on all inputs in the tables and writes this page.
 """
 
 Words = list[str]
@@ -67,7 +68,7 @@ def make_page() -> str:
 def table(title: str, inputs: list[str], sentences: list[str]) -> str:
     """Return a section of the page: a heading, and a table of inputs and messages."""
     rows = [f"| {what} | {escape(sentence)} |" for what, sentence in zip(inputs, sentences, strict=True)]
-    return "\n".join([f"## {title}", "", "| input | sentence |", "|---|---|", *rows, ""])
+    return "\n".join([f"## {title}", "", "| input | message |", "|---|---|", *rows, ""])
 
 
 def make_files(folder: Path) -> None:
@@ -168,27 +169,27 @@ def command_line() -> list[tuple[str, Words]]:
 def wrong_files() -> list[tuple[str, Words]]:
     """Return the command-line cases with bad images and cameras."""
     return [
-        ("depth of another size than colour", segment(depth="half.png")),
+        ("a depth map and a colour image of different sizes", segment(depth="half.png")),
         ("depth with 8 bits", segment(depth="depth8.png")),
-        ("depth as a picture in colours", segment(depth="colours.png")),
+        ("depth as a colour-coded image", segment(depth="colours.png")),
         ("depth as JPEG", segment(depth="depth.jpg")),
-        ("no such image", segment("none.png")),
-        ("one image without its depth", ["segment", "rgb.png", "--camera", "camera.json"]),
-        ("an image cut off", segment(depth="truncated.png")),
-        ("an empty image", segment("empty.png")),
-        ("an empty depth array", segment(depth="empty.npy")),
-        ("more than 16 million pixels", segment("huge.png", "huge-depth.png", "camera.json")),
-        ("integer depth without a scale", segment(camera="no-scale.json")),
-        ("a scale in millimetres", segment(camera="scale.json")),
-        ("a scale of 0", flags("--depth-scale", "0")),
-        ("a camera of another size", segment(camera="other-size.json")),
+        ("an image file that does not exist", segment("none.png")),
+        ("a colour image without a depth image", ["segment", "rgb.png", "--camera", "camera.json"]),
+        ("a truncated image file", segment(depth="truncated.png")),
+        ("an empty image file", segment("empty.png")),
+        ("an empty depth file", segment(depth="empty.npy")),
+        ("an image of more than 16 million pixels", segment("huge.png", "huge-depth.png", "camera.json")),
+        ("integer depth without a depth scale", segment(camera="no-scale.json")),
+        ("a depth scale in millimetres per unit", segment(camera="scale.json")),
+        ("a depth scale of 0", flags("--depth-scale", "0")),
+        ("intrinsics for another image size", segment(camera="other-size.json")),
         ("a focal length of 0", segment(camera="zero.json")),
         ("a negative focal length", segment(camera="negative.json")),
         ("a camera file without fx", segment(camera="no-number.json")),
-        ("text for a number", segment(camera="text.json")),
-        ("a camera file that is no JSON", segment(camera="broken.json")),
-        ("no such camera file", segment(camera="none.json")),
-        ("a camera name that is not known", segment("rgb.png", "depth.png", "kinect-v9", "--depth-scale", "0.001")),
+        ("text instead of a number in a camera file", segment(camera="text.json")),
+        ("a camera file with invalid JSON", segment(camera="broken.json")),
+        ("a camera file that does not exist", segment(camera="none.json")),
+        ("an unknown camera name", segment("rgb.png", "depth.png", "kinect-v9", "--depth-scale", "0.001")),
         ("fisheye distortion", segment(camera="fisheye.json")),
     ]
 
@@ -196,19 +197,19 @@ def wrong_files() -> list[tuple[str, Words]]:
 def wrong_flags() -> list[tuple[str, Words]]:
     """Return the command-line cases with bad presets, values and output folders."""
     return [
-        ("a preset nobody knows", flags("--preset", "tabel")),
+        ("an unknown preset", flags("--preset", "tabel")),
         ("an unknown key in a TOML file", flags("--preset", "unknown-key.toml")),
         ("a value out of range in a TOML file", flags("--preset", "range.toml")),
-        ("a TOML file that is none", flags("--preset", "broken.toml")),
-        ("no such TOML file", flags("--preset", "none.toml")),
+        ("a preset file with invalid TOML", flags("--preset", "broken.toml")),
+        ("a preset file that does not exist", flags("--preset", "none.toml")),
         ("an unknown flag", flags("--verbose", "1")),
         ("a misspelt flag", flags("--partition.gama", "0.004")),
         ("a flag without its value", flags("--partition.gamma")),
-        ("a value out of range", flags("--partition.gamma", "-1")),
-        ("text for a value", flags("--partition.gamma", "much")),
+        ("a parameter value out of range", flags("--partition.gamma", "-1")),
+        ("text instead of a parameter value", flags("--partition.gamma", "much")),
         ("a region of interest outside of the image", flags("--roi", "0", "0", "481", "640")),
         ("two regions of interest", flags("--roi", "0", "0", "9", "9", "--roi-mask", "rgb.png")),
-        ("a mask of another size", flags("--roi-mask", "half.png")),
+        ("a region of interest with another image size", flags("--roi-mask", "half.png")),
         ("an output folder that is a file", flags("--out", "file")),
     ]
 
@@ -217,28 +218,28 @@ def other_verbs() -> list[tuple[str, Words]]:
     """Return the command-line cases of verbs other than `segment`."""
     return [
         ("a folder without frames", ["segment", "no-frames"]),
-        ("no such folder", ["segment", "nowhere"]),
+        ("a folder that does not exist", ["segment", "nowhere"]),
         ("no input", ["segment"]),
-        ("a folder in no known layout", ["evaluate", "no-frames"]),
-        ("a data set that was half downloaded", ["evaluate", "half-a-set"]),
-        ("a data set nobody knows", ["fetch", "imagenet"]),
-        ("a data set without a known hash", ["fetch", "tejani"]),
-        ("no such file of rows", ["report", "none.jsonl"]),
-        ("rows of none of the paper's sets", ["report", "rows.jsonl", "--paper"]),
-        ("the paper's tables against a preset", ["report", "rows.jsonl", "--against", "TABLE", "--paper"]),
-        ("nothing to fit to", ["fit", "no-frames"]),
-        ("frames without labels to fit to", ["fit", "unlabelled"]),
-        ("a family of scenes nobody renders", ["render", "attic"]),
-        ("a layout nobody writes", ["render", "table", "--layout", "coco"]),
+        ("a folder in an unknown layout", ["evaluate", "no-frames"]),
+        ("an incomplete data set", ["evaluate", "half-a-set"]),
+        ("an unknown data set", ["fetch", "imagenet"]),
+        ("`fetch` of a data set whose hash is not known", ["fetch", "tejani"]),
+        ("a file of scores that does not exist", ["report", "none.jsonl"]),
+        ("`--paper` with scores of a data set that is not in the paper", ["report", "rows.jsonl", "--paper"]),
+        ("`--paper` together with `--against`", ["report", "rows.jsonl", "--against", "TABLE", "--paper"]),
+        ("`fit` to a folder without frames", ["fit", "no-frames"]),
+        ("`fit` to frames without labels", ["fit", "unlabelled"]),
+        ("an unknown family of scenes", ["render", "attic"]),
+        ("an unknown layout for rendered frames", ["render", "table", "--layout", "coco"]),
     ]
 
 
 def warned_of() -> list[tuple[str, Words]]:
     """Return the command-line cases that give a warning instead of an error."""
     return [
-        ("all depth missing: a warning, no objects", segment(depth="nothing.png")),
+        ("a frame without any depth: a warning, no objects", segment(depth="nothing.png")),
         (
-            "millimetres as metres: a warning",
+            "depth in millimetres, read as metres: a warning",
             ["segment", "rgb.png", "unit.npy", "--camera", "camera.json"],
         ),
     ]
@@ -252,23 +253,32 @@ def library(folder: Path) -> list[tuple[str, Call]]:
     bare, box = sp.Frame(color, depth, None), sp.MetricBox((0, 0, 0), (1, 1, 1))
     in_millimetres, no_rotation = np.eye(4) + 25 * np.eye(4, k=3), np.diag([2, 1, 1, 1])
     return [
-        ("grey colour", lambda: sp.Frame(color[..., 0], depth, camera)),
-        ("colour as floats", lambda: sp.Frame(color / 255, depth, camera)),
-        ("more pixels than are wanted", lambda: sp.Frame(color, depth, camera, max_pixels=100_000)),
-        ("integers without `depth_scale`", lambda: sp.Frame(color, depth.astype(np.uint16), camera)),
+        ("a colour image with one channel", lambda: sp.Frame(color[..., 0], depth, camera)),
+        ("a colour image of floats", lambda: sp.Frame(color / 255, depth, camera)),
+        ("more pixels than `max_pixels`", lambda: sp.Frame(color, depth, camera, max_pixels=100_000)),
+        ("integer depth without `depth_scale`", lambda: sp.Frame(color, depth.astype(np.uint16), camera)),
         ("negative depth: a warning", lambda: sp.Frame(color, depth - 1, camera)),
         ("an infinite focal length", lambda: sp.Camera(np.inf, 525, 319.5, 239.5, 640, 480)),
-        ("a camera of three numbers", lambda: sp.Frame(color, depth, (525, 319.5, 239.5))),
-        ("a transposed matrix", lambda: sp.Frame(color, depth, camera.matrix.T)),
-        ("a field that does not exist", lambda: sp.TABLE.replace(**{"partition.gama": 0.004})),
-        ("a value out of range", lambda: sp.settings.Partition(connectivity=6)),
-        ("low above high", lambda: sp.settings.EdgesConfig(canny_low=0.2, canny_high=0.1)),
+        ("intrinsics of three numbers", lambda: sp.Frame(color, depth, (525, 319.5, 239.5))),
+        ("a transposed camera matrix", lambda: sp.Frame(color, depth, camera.matrix.T)),
+        ("an unknown parameter of a preset", lambda: sp.TABLE.replace(**{"partition.gama": 0.004})),
+        ("a parameter value out of range", lambda: sp.settings.Partition(connectivity=6)),
+        (
+            "a low Canny threshold above the high threshold",
+            lambda: sp.settings.EdgesConfig(canny_low=0.2, canny_high=0.1),
+        ),
         ("a pixel outside of the image", lambda: sp.segment(frame, sp.TABLE).at((480, 0))),
-        ("a metric box inside out", lambda: sp.MetricBox((0, 0, 1), (1, 1, 0))),
-        ("a metric box without a camera", lambda: sp.segment(bare, roi=box)),
-        ("points without a camera", lambda: sp.segment_at(bare, (140, 160)).points_m()),
-        ("registration in millimetres", lambda: sp.register_depth(depth, camera, camera, in_millimetres)),
-        ("registration without a rotation", lambda: sp.register_depth(depth, camera, camera, no_rotation)),
+        ("a metric box with low Z above high Z", lambda: sp.MetricBox((0, 0, 1), (1, 1, 0))),
+        ("a metric box for a frame without intrinsics", lambda: sp.segment(bare, roi=box)),
+        ("points in metres for a frame without intrinsics", lambda: sp.segment_at(bare, (140, 160)).points_m()),
+        (
+            "registration with a translation in millimetres",
+            lambda: sp.register_depth(depth, camera, camera, in_millimetres),
+        ),
+        (
+            "registration with a matrix that is not a rotation",
+            lambda: sp.register_depth(depth, camera, camera, no_rotation),
+        ),
     ]
 
 

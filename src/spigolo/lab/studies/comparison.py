@@ -92,8 +92,8 @@ def search_all(trials: int, jobs: int, out: Path) -> None:
 
 
 def fitted(held: Search) -> Method:
-    """Return the method with the best of its tested parameter values. The best values have the highest sum of the share
-    of found objects and the mean overlap F over all frames.
+    """Return the method with the best tested parameter values: highest sum of the share of found objects and the mean
+    overlap F.
     """
     return apply(best_trial(held.trials).setting, sp.METHODS[held.subject.method])
 

@@ -125,7 +125,9 @@ SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = {
 
 
 def looked_at(frame: Frame, check: str) -> Finding:
-    """Run one check of `spigolo doctor` on a frame, and return its finding. check: name of the check, as in `SPOILT`.
+    """Run one check of `spigolo doctor` on a frame, and return its finding.
+
+    check: name of the check, as in `SPOILT`.
     """
     filled = inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape))
     assert frame.camera is not None

@@ -35,7 +35,7 @@ SIZE = 90, 120
 WORKERS = 2
 SETTLING_S = 0.05
 """Maximum random delay before a process is killed, s. Without a delay, every process would be killed directly after it
-has written a line of the manifest (list of finished frames).
+has listed a frame as finished.
 """
 
 
@@ -68,7 +68,7 @@ class Outcome:
 
 
 def write_frames(folder: Path, count: int) -> None:
-    """Write `count` random frames to a folder. Each frame shows three boxes in front of a plane."""
+    """Write `count` random frames, each with three boxes in front of a plane."""
     height, width = SIZE
     camera = {"fx": 110.0, "fy": 110.0, "cx": 59.5, "cy": 44.5, "width": width, "height": height}
     write_json(folder / "camera.json", {**camera, "depth_scale": 0.001})
@@ -120,8 +120,7 @@ class Study:
         return self.root / f"{out.name}.log"
 
     def moments(self, count: int) -> list[int]:
-        """Return `count` random moments of interruption in ascending order. Each moment is a number of finished frames.
-        """
+        """Return `count` random moments of interruption, as sorted numbers of finished frames."""
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
@@ -145,9 +144,9 @@ class Study:
         return times
 
     def robbed(self, out: Path, times: int) -> int:
-        """Segment all frames on a Dask cluster, and kill a worker process `times` times during the run.
+        """Segment all frames on a Dask cluster, and kill the worker that read the latest frame, `times` times.
 
-        Each time, the worker that read the latest frame is killed. Return the number of kills.
+        Return the number of kills.
         """
         process = self.start(out, "dask")
         for moment in self.moments(times):

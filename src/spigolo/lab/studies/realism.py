@@ -123,10 +123,9 @@ def noise_by_slant(frame: sp.Frame) -> list[float]:
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:
-    """Print two shares for each preset: of objects that a segment covers by more than 70 %, and of objects with an IoU
-    above 0.7.
+    """Print the share of objects that a segment covers by more than 70 %, and the share with an IoU above 0.7.
 
-    Each table row has the objects of one kind in the family `table`, and the objects of one scene in other families.
+    A table row has the objects of one kind (family `table`) or of one scene (other families).
     """
     hits: dict[str, list[list[bool]]] = defaultdict(list)
     for sample in samples:

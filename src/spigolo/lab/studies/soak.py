@@ -2,9 +2,9 @@
 
 A thousand different scenes are segmented twenty times each. The presets alternate from scene to scene. The exit code is
 1 if memory use varies by more than 5 MiB during the last three quarters of the frames. The exit code is also 1 if the
-last thousand frames take over 5 % longer than the first thousand. The exit code is also 1 if a result differs from an
-earlier result for the same scene, or from the result of a new `Segmenter`. The test requires Linux, because memory is
-read from /proc.
+last thousand frames take over 5 % longer than the first thousand. The exit code is also 1 if a result differs from that
+of a new `Segmenter`, or from an earlier result for the same scene. The test requires Linux, because memory is read from
+/proc.
 """
 
 from __future__ import annotations
@@ -30,9 +30,7 @@ SCENES = 1000
 The last thousand frames show the same scenes as the first thousand, so that their times are comparable.
 """
 SETTLED = 0.25
-"""Share of the frames that are segmented before memory use is observed. After that, memory use may vary by at most
-`MAY_GROW_MIB`.
-"""
+"""Share of the frames after which memory use may vary by at most `MAY_GROW_MIB`."""
 MAY_GROW_MIB = 5.0
 MAY_SLOW = 1.05
 """Maximum CPU time of the last thousand frames, relative to the first thousand frames.

@@ -9,10 +9,10 @@ cross-validation.
 
 The command `search` scores random parameter values of every method, and writes the scores to
 docs/data/trials-METHOD.jsonl.gz. The command `table` reads the files written by `search`, and prints scores and CPU
-times of the fitted methods. The command `depth` compares the scores of `rao2010`, `abramov2012` and `mishra2012` with
-and without the use of depth. The command `points` scores `mishra2009`, started at the pixel of each ground-truth mask
-that is farthest from the outline of the mask. The command `pictures` draws the regions of all methods on every fifth
-frame.
+times of the fitted methods. The command `depth` compares the scores of the fitted `rao2010`, `abramov2012` and
+`mishra2012` with and without the use of depth. The command `points` scores `mishra2009`, started at the pixel of each
+ground-truth mask that is farthest from the outline of the mask. The command `pictures` draws the regions of all methods
+on every fifth frame.
 
 Frames are read from the subfolder `frames` of the data folder, which the environment variable SPIGOLO_DATA sets
 (default: ../shared/data).

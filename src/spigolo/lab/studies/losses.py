@@ -1,5 +1,4 @@
-"""Count the reasons why labelled objects are not found with a preset: `python -m spigolo.lab.studies.losses FOLDER
-PRESET`.
+"""Count the reasons for missed labelled objects: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
 There are four classes of labelled objects. Covered: a predicted object covers more than 70 % of the labelled object.
 With its surroundings: one region covers more than 70 % of the object, and has at least three times the area of the

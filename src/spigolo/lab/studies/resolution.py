@@ -1,5 +1,4 @@
-"""Compare accuracy and CPU time at half and full resolution: `python -m spigolo.lab.studies.resolution FOLDER
---reference FRAME`.
+"""Compare scores at half and full resolution: `python -m spigolo.lab.studies.resolution FOLDER --reference FRAME`.
 
 The script prints overlap F, found objects and CPU time for each frame of the data set at both resolutions. CPU times
 are divided by the CPU time of the 640x480 frame in the folder given by `--reference`.

@@ -1,8 +1,9 @@
-"""Scripts that measure the values in the documentation.
+"""Scripts that measure the numbers given in the documentation, such as accuracies and CPU times.
 
-The command `python -m spigolo.lab.studies.NAME --help` describes a script.
+The command `python -m spigolo.lab.studies.NAME --help` prints the purpose and the options of the script NAME.py.
 
-Real frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
+Real frames are read from the subfolder `frames` of the data folder, which the environment variable SPIGOLO_DATA sets
+(default: ../shared/data).
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
-"""Measure the share of correct objects for each range of their score, as in docs/score.md.
+"""Measure the share of correct objects among the predicted objects in each range of scores, as in docs/score.md.
 
     python -m spigolo.lab.studies.calibration [--preset OBJECTS]
 
 A predicted object is correct if its IoU with a labelled object is above 0.7. Only data sets with all objects labelled
-are used (osd-mosd, osd-full, hand-uoc). Predicted objects that lie mostly on ignored pixels are left out. Confidence
-intervals are 95 % Wilson intervals.
+are used (osd-mosd, osd-full, hand-uoc). The ground truth marks some pixels as ignored (label 255). A predicted object
+is not counted if more than half of its pixels are ignored. The printed confidence intervals of the shares are 95 %
+Wilson intervals.
 """
 
 from __future__ import annotations
@@ -26,9 +27,10 @@ IGNORE = 255
 
 
 def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
-    """Return the maximum IoU of a mask (H, W) over all labelled objects, without ignored pixels.
+    """Return the maximum IoU between a predicted mask (H, W) and the labelled objects. Ignored pixels (label 255) do
+    not count.
 
-    Return NaN if most of the mask is ignored.
+    Return NaN if more than half of the pixels of the mask are ignored.
     """
     seen = mask & (label != IGNORE)
     if np.count_nonzero(seen) < 0.5 * np.count_nonzero(mask):

@@ -1,4 +1,5 @@
-"""Compare all segmentation methods. The parameters of each method are fitted by random search with cross-validation.
+"""Compare all segmentation methods in `spigolo.METHODS`. The parameters of each method are fitted by random search with
+cross-validation.
 
     python -m spigolo.lab.studies.comparison search --trials 30
     python -m spigolo.lab.studies.comparison table
@@ -6,12 +7,15 @@
     python -m spigolo.lab.studies.comparison points
     python -m spigolo.lab.studies.comparison pictures --out pictures
 
-`search` scores random parameter values of every method, and writes docs/data/trials-METHOD.jsonl.gz. `table` reads
-these files, and prints scores and CPU times of the fitted methods. `depth` scores the fitted methods without depth.
-`points` scores `mishra2009`, started at the innermost pixel of each true mask. `pictures` draws the regions of all
-methods on every fifth frame.
+The command `search` scores random parameter values of every method, and writes the scores to
+docs/data/trials-METHOD.jsonl.gz. The command `table` reads the files written by `search`, and prints scores and CPU
+times of the fitted methods. The command `depth` compares the scores of the fitted `rao2010`, `abramov2012` and
+`mishra2012` with and without the use of depth. The command `points` scores `mishra2009`, started at the pixel of each
+ground-truth mask that is farthest from the outline of the mask. The command `pictures` draws the regions of all methods
+on every fifth frame.
 
-Frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
+Frames are read from the subfolder `frames` of the data folder, which the environment variable SPIGOLO_DATA sets
+(default: ../shared/data).
 """
 
 from __future__ import annotations
@@ -50,7 +54,8 @@ OFF: dict[str, dict[str, Any]] = {
     "abramov2012": {"step_m": None},
     "mishra2012": {"depth": False},
 }
-"""Parameter values with which a method ignores depth when it forms regions. Rules that reject regions still use depth.
+"""Parameter values that make a method ignore depth when it forms regions, indexed by the name of the method. Rules that
+reject regions still use depth.
 """
 
 
@@ -65,7 +70,7 @@ def log(name: str) -> Path:
 def logged(name: str) -> Search:
     """Read the scores of all tested parameter values of a method from docs/data.
 
-    Exit with an error if the file was made with other initial parameters.
+    Exit with an error if the default parameters of the method have changed since the scores were written.
     """
     held = read_search(log(name))
     if held.subject.digest != sp.METHODS[name].digest:
@@ -87,7 +92,9 @@ def search_all(trials: int, jobs: int, out: Path) -> None:
 
 
 def fitted(held: Search) -> Method:
-    """Return the method with the parameter values that are best over all frames."""
+    """Return the method with the best tested parameter values: highest sum of the share of found objects and the mean
+    overlap F.
+    """
     return apply(best_trial(held.trials).setting, sp.METHODS[held.subject.method])
 
 
@@ -173,10 +180,10 @@ def draw_all(out: Path) -> None:
 
 
 def fixate() -> None:
-    """Print the accuracy of `mishra2009`, started at the innermost pixel of each true mask, for all and for isolated
-    objects.
+    """Print the share of found objects and the mean IoU of `mishra2009`, for all objects and for isolated objects.
 
-    An object is isolated if its mask, dilated by 5 px, does not touch another object.
+    The method is started at the pixel of each ground-truth mask that is farthest from the outline of the mask. An
+    object is isolated if its mask, dilated by 5 px, does not touch another object.
     """
     for data_set in SETS:
         found: list[tuple[bool, float]] = []

@@ -1,7 +1,9 @@
 """Measure how often `spigolo doctor` detects simulated errors in frames, and how often it warns about correct frames.
 
-Each error in `SPOILT` is applied to every frame. Only one frame of each group of near-identical frames is used. Shifted
-or mirrored depth is tested only on frames with enough depth steps: at least 500 contour pixels in an image of 640x480.
+The table `SPOILT` lists the simulated errors, and the check of `spigolo doctor` that must detect each error. Each error
+is applied to every frame. Only one frame of each group of near-identical frames is used. Shifted, mirrored or
+unregistered depth is tested only on frames with enough depth steps. A frame of 640x480 requires at least 500 pixels on
+depth steps.
 
     python -m spigolo.lab.studies.doctor [FOLDER]
 """
@@ -38,7 +40,9 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Shift the depth map by (dx, dy) pixels. Pixels at the image border that receive no depth are missing depth."""
+    """Shift the depth map by (dx, dy) pixels. Pixels at the image border without a shifted depth value become missing
+    depth.
+    """
     height, width = frame.depth.shape
     moved = np.zeros_like(frame.depth)
     moved[max(dy, 0) : height + min(dy, 0), max(dx, 0) : width + min(dx, 0)] = frame.depth[
@@ -91,7 +95,7 @@ def not_registered(frame: Frame) -> Frame:
 
 
 def sentinel(frame: Frame) -> Frame:
-    """Set missing depth, and 1 % of all pixels, to the value 65535."""
+    """Write the depth value 65535 to all pixels with missing depth, and to a random 1 % of all pixels."""
     stored = np.rint(1000 * frame.depth).astype(np.uint16)
     stored[(stored == 0) | (np.random.default_rng(1).random(stored.shape) < 0.01)] = 65535
     with warnings.catch_warnings():
@@ -121,7 +125,10 @@ SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = {
 
 
 def looked_at(frame: Frame, check: str) -> Finding:
-    """Run a single check of the doctor on a frame, and return its finding."""
+    """Run one check of `spigolo doctor` on a frame, and return its finding.
+
+    check: name of the check, as in `SPOILT`.
+    """
     filled = inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape))
     assert frame.camera is not None
     if check == "alignment":
@@ -158,7 +165,9 @@ def main() -> None:
 
 
 def measure(folder: Path) -> None:
-    """Print the share of detected errors and of false warnings. Undetected errors are listed on standard error."""
+    """Print the share of frames in which each error is detected, and the share of correct frames in which each check
+    warns. Undetected errors are listed on standard error.
+    """
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}
     seconds = []

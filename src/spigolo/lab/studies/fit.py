@@ -1,8 +1,9 @@
 """Test `spigolo fit`, started with the preset TABLE, on held-out frames: `python -m spigolo.lab.studies.fit`.
 
-For each seed, the frames of `osd-mosd` are split at random into two halves. The best of the random parameter values on
-one half is scored on the other half, in both directions. The scores of all tested parameter values are stored in the
-folder --out. Frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
+For each seed, the frames of `osd-mosd` are split at random into two halves. The tested parameter values with the best
+score on one half are scored on the other half, and vice versa. The scores of all tested parameter values are stored in
+the folder given by `--out`. Frames are read from the subfolder `frames` of the data folder, which the environment
+variable SPIGOLO_DATA sets (default: ../shared/data).
 """
 
 from __future__ import annotations

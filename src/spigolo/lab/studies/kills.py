@@ -34,13 +34,16 @@ from spigolo.frames.files import write_json, write_png
 SIZE = 90, 120
 WORKERS = 2
 SETTLING_S = 0.05
-"""Maximum random delay before a process is killed, s. Without a delay, processes would always be killed after a write.
+"""Maximum random delay before a process is killed, s. Without a delay, every process would be killed directly after it
+has listed a frame as finished.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Logged(FrameFiles):
-    """Frame of a batch that writes its name and process id to a log file each time the frame is read."""
+    """Frame of a batch. Each time the frame is read, its name and the id of the reading process are appended to a log
+    file.
+    """
 
     log: Path
 
@@ -57,7 +60,7 @@ class Outcome:
     name: str
     disturbances: int
     twice: int
-    """Number of additional times that frames were read because of interruptions."""
+    """Number of times that a frame was read again because of an interruption."""
     different: list[str]
     """Output files that differ from the uninterrupted run, or exist in only one of the two runs."""
     files: int
@@ -65,7 +68,7 @@ class Outcome:
 
 
 def write_frames(folder: Path, count: int) -> None:
-    """Write random frames of boxes on a plane."""
+    """Write `count` random frames, each with three boxes in front of a plane."""
     height, width = SIZE
     camera = {"fx": 110.0, "fy": 110.0, "cx": 59.5, "cy": 44.5, "width": width, "height": height}
     write_json(folder / "camera.json", {**camera, "depth_scale": 0.001})
@@ -94,7 +97,7 @@ def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
 
 
 class Study:
-    """Test of interrupted batch runs, with its folders.
+    """Test of interrupted batch runs. All files of the runs are in the folder `root`.
 
     The attribute `plain` is the output folder of the uninterrupted run.
     """
@@ -117,13 +120,13 @@ class Study:
         return self.root / f"{out.name}.log"
 
     def moments(self, count: int) -> list[int]:
-        """Return random numbers of finished frames after which to interrupt the run."""
+        """Return `count` random moments of interruption, as sorted numbers of finished frames."""
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
-        """Wait until the manifest (list of finished frames) has this number of lines.
+        """Wait until the manifest (list of finished frames) has `lines` lines, or the process has ended.
 
-        A short random delay follows.
+        Then wait for a random time of up to `SETTLING_S`.
         """
         while process.poll() is None and lines_in(out / FILE) < lines:
             time.sleep(0.002)
@@ -141,7 +144,7 @@ class Study:
         return times
 
     def robbed(self, out: Path, times: int) -> int:
-        """Run on a Dask cluster, and kill the worker process of the latest frame several times.
+        """Segment all frames on a Dask cluster, and kill the worker that read the latest frame, `times` times.
 
         Return the number of kills.
         """
@@ -188,7 +191,7 @@ def mount(*arguments: str) -> None:
 
 @contextmanager
 def small_disk(folder: Path) -> Iterator[Path | None]:
-    """Mount a small file system in memory at this folder. Yield None if mounting is not possible."""
+    """Create a folder, and mount a small in-memory file system there. Yield None if mounting is not possible."""
     folder.mkdir()
     try:
         mount("-t", "tmpfs", "-o", "size=1m", "tmpfs", str(folder))

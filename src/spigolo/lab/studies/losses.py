@@ -1,12 +1,14 @@
-"""Count why labelled objects are not found with a preset: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
+"""Count the reasons for missed labelled objects: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
 There are four classes of labelled objects. Covered: a predicted object covers more than 70 % of the labelled object.
-With its surroundings: one region covers the object and much more. Split: no region covers more than 70 % of the object.
-Rejected otherwise: all other objects.
+With its surroundings: one region covers more than 70 % of the object, and has at least three times the area of the
+object. Split: no region covers more than 70 % of the object. Rejected otherwise: a smaller region covers more than 70 %
+of the object, but no predicted object does.
 
-The script also prints how many exact masks have much missing depth, and how many violate a rule of the preset. With
-`--gammas`, the script prints the share of objects with a region of IoU above 0.7 for each value of gamma, on every
-second frame.
+The script also prints the share of labelled objects with more than 30 % missing depth. It also prints the share of
+labelled objects whose ground-truth mask violates a rule of the preset. With `--gammas`, the script also segments every
+second frame with each given value of `partition.gamma`. It then prints the share of objects with a region of IoU above
+0.7.
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ Labels = npt.NDArray[np.int32]
 
 COVERED, JOINED, SPLIT, REJECTED = "covered", "with its surroundings", "split", "rejected otherwise"
 LARGER = 3.0
-"""Minimum area of a region, relative to the object, for the class "with its surroundings"."""
+"""Minimum ratio of the area of a region to the area of the object, for the class "with its surroundings"."""
 
 
 def main() -> None:
@@ -70,7 +72,10 @@ def main() -> None:
 
 
 def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple[str, int]:
-    """Return the class of a labelled object with this mask (H, W), and the region that covers most of the object."""
+    """Return the class of a labelled object, and the number of the region that covers the largest part of the object.
+
+    mask: ground-truth mask (H, W) of the object.
+    """
     area = mask.sum()
     returned = np.bincount(labels[mask])[1:]
     counts = np.bincount(regions[mask])
@@ -89,7 +94,7 @@ def best_iou(mask: npt.NDArray[np.bool_], regions: Labels) -> float:
 
 
 def breaks_a_rule(mask: npt.NDArray[np.bool_], trace: sp.Trace) -> bool:
-    """Return True if the preset would reject a region with exactly this mask (H, W)."""
+    """Return True if the preset would reject a region that consists of the pixels of a ground-truth mask (H, W)."""
     judged = select_objects(Regions(mask.astype(np.int32), 2), trace.segmentation.scene)
     return any(region.region == 1 for region in judged.rejected)
 

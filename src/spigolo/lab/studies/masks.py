@@ -1,8 +1,11 @@
-"""Compare masks rendered from models and poses with exact masks: `python -m spigolo.lab.studies.masks`.
+"""Compare rendered masks with exact masks: `python -m spigolo.lab.studies.masks`.
 
-The first test uses noise-free depth and a tolerance of 2 mm, to check the poses and models. The second test uses the
-depth of the simulated camera and BOP's tolerance of 15 mm, as in `spigolo.lab.datasets`. The last column of the printed
-table counts the scenes that were discarded because the rendered masks differ too much from the exact masks.
+Rendered masks are computed from the models and poses of the objects, exact masks by the renderer of the frames. A point
+of a model counts as visible if it is behind the surface in the depth map by at most a tolerance. The first test uses
+noise-free depth and a tolerance of 2 mm, to check the poses and models. The second test uses the depth of the simulated
+camera and BOP's tolerance of 15 mm, as in `spigolo.lab.datasets`. The last column of the printed table counts the
+discarded scenes. A scene is discarded if the IoU of a rendered mask with its exact mask is below `LEAST_IOU`, or if no
+object is visible.
 """
 
 from __future__ import annotations

@@ -4,10 +4,11 @@ method.
     python -m spigolo.lab.studies.objects_preset search --trials 48 --out DIR
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
-`search` draws random parameter values and scores them by cross-validation: over five folds of the frames, and over the
-data sets. The preset OBJECTS itself cannot be chosen, because its rules were developed on these frames. `ablation`
-scores the preset without one extension at a time. Results are stored in the folder --out. Frames are read from the
-folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
+The command `search` draws random parameter values. The values are scored by cross-validation over five folds of the
+frames, and by holding out one data set at a time. The search never chooses the preset OBJECTS itself, because the rules
+of OBJECTS were developed on these frames. The command `ablation` scores the preset with one extension removed or
+changed at a time. All scores are stored in the folder given by `--out`. Frames are read from the subfolder `frames` of
+the data folder, which the environment variable SPIGOLO_DATA sets (default: ../shared/data).
 """
 
 from __future__ import annotations
@@ -67,8 +68,8 @@ ABLATIONS: dict[str, dict[str, Any]] = {
 
 
 def held_out(out: Path, trials: int, jobs: int) -> None:
-    """Print the accuracy of the preset, and of the fitted parameters on all frames, on held-out frames and on held-out
-    data sets.
+    """Print the accuracy of the preset and of fitted parameters. The fitted parameters are scored on all frames, on
+    held-out frames and on held-out data sets.
     """
     frames = find_labelled_frames([FRAMES], WHOLE)
     tried = search(frames, Toscana2016(sp.OBJECTS), out / "trials.jsonl", trials, jobs=jobs, tell=tell)
@@ -90,7 +91,7 @@ def tell(done: int, total: int, trial: Trial | None) -> None:
 
 
 def ablation(out: Path, jobs: int) -> None:
-    """Print a table of the accuracy without one extension at a time: overlap F, boundary F and found objects."""
+    """Print overlap F, boundary F and the share of found objects, with one extension removed or changed at a time."""
     frames = find_labelled_frames([FRAMES], WHOLE)
     print(f"| | {' | '.join(f'{group}: F / boundary F / found' for group in GROUPS)} | empty tote |")
     print("|---" * (2 + len(GROUPS)) + "|")
@@ -102,7 +103,7 @@ def ablation(out: Path, jobs: int) -> None:
 
 
 def figures(rows: Sequence[Row], sets: Sequence[str]) -> str:
-    """Format overlap F, boundary F and the share of found objects in some data sets.
+    """Format overlap F, boundary F and the share of found objects, pooled over the data sets `sets`.
 
     Only the share of found objects is given if some objects are not labelled.
     """

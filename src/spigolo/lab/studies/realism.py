@@ -1,8 +1,9 @@
 """Compare statistics of rendered and real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
 
-FRAMES is a folder with files rgb.png, depth.png and camera.json in subfolders SET/FRAME/. The frames of one real scene
-are averaged. With `--slant`, the script prints the depth noise for several ranges of disparity gradient. With
-`--presets`, the script prints the share of objects that each preset finds in the rendered frames.
+FRAMES are folders of real frames, in any supported file layout. Only frames that match a name pattern in `REAL` are
+used. Statistics of real frames are averaged over the frames of each scene. With `--slant`, the script prints the depth
+noise for several ranges of disparity gradient. With `--presets`, the script prints the share of objects that each
+preset finds in the rendered frames.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ REAL = {
         "*pcl_bottles",
     ),
 }  # fmt: skip
-"""Name patterns SET/FRAME of real scenes, indexed by the family of rendered scenes to compare."""
+"""Name patterns SET/FRAME of real frames, one pattern per scene, indexed by the family of rendered scenes that the real
+scenes are compared with.
+"""
 CHANGES_PX = (0.02, 0.04, 0.06, 0.09, 0.13, 0.2)
 """Limits of the ranges of disparity gradient, in pixels of disparity per image pixel."""
 BASELINE_M, NEAR_M, FAR_M = 0.075, 0.4, 2.5
@@ -83,9 +86,10 @@ def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
 
 
 def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
-    """Print the depth noise for each range of disparity gradient, in pixels of disparity.
+    """Print the depth noise, in pixels of disparity, for each range of disparity gradient.
 
-    The noise is the root mean square distance to locally fitted planes. The table has the medians over frames.
+    The noise is the root mean square distance to locally fitted planes. The printed values are medians over rendered
+    frames, or over real scenes.
     """
     print("\n| frames | " + " | ".join(f"{low}-{high}" for low, high in pairwise(CHANGES_PX)) + " |")
     print("|---" * len(CHANGES_PX) + "|")
@@ -104,9 +108,10 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
 
 
 def noise_by_slant(frame: sp.Frame) -> list[float]:
-    """Return the median depth noise in each range of disparity gradient, in pixels of disparity.
+    """Return the median depth noise, in pixels of disparity, for each range of disparity gradient.
 
-    Return NaN for ranges with fewer than 400 image windows, and for frames without a camera.
+    Only pixels at a depth of 0.4 to 2.5 m count, and only if their window of 7x7 pixels has no missing depth. The noise
+    is NaN for ranges with fewer than 400 such pixels, and for frames without a camera.
     """
     planes = fit_local_planes(frame.depth)
     focal_px = frame.camera.fx if frame.camera else float("nan")
@@ -118,8 +123,9 @@ def noise_by_slant(frame: sp.Frame) -> list[float]:
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:
-    """Print the share of objects covered by more than 70 %, and the share with an IoU above 0.7, per kind of object or
-    per scene.
+    """Print the share of objects that a segment covers by more than 70 %, and the share with an IoU above 0.7.
+
+    A table row has the objects of one kind (family `table`) or of one scene (other families).
     """
     hits: dict[str, list[list[bool]]] = defaultdict(list)
     for sample in samples:

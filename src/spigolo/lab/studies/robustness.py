@@ -1,9 +1,10 @@
 """Measure the accuracy of presets on real frames with simulated changes of camera and lighting.
 
-`python -m spigolo.lab.studies.robustness` prints the overlap F on the data set hand-uoc, and the share of found objects
-on hand-uoc and on five other data sets. With `--shelves 24`, the script uses 24 rendered shelves instead of real
-frames. Two thirds of the depth of a rendered shelf are missing. The seeds 413 and 977 were used to develop the rules of
-the presets. Frames are read from the folder in the environment variable SPIGOLO_DATA, by default ../shared/data.
+`python -m spigolo.lab.studies.robustness` prints the overlap F on the data set hand-uoc. It also prints the share of
+found objects on hand-uoc and on five other data sets. With `--shelves 24`, the script instead compares presets on 24
+rendered shelves, without simulated changes. Two thirds of the depth of a rendered shelf are missing. The rules of the
+presets were developed on rendered shelves with the seeds 413 and 977. Frames are read from the subfolder `frames` of
+the data folder, which the environment variable SPIGOLO_DATA sets (default: ../shared/data).
 """
 
 from __future__ import annotations
@@ -124,9 +125,9 @@ def score(config: sp.Config, frame: sp.Frame, truth: np.ndarray) -> FrameScore:
 
 
 def score_folder(task: tuple[Path, str, str]) -> FrameScore:
-    """Read a frame, apply a change, and return the score of a preset.
+    """Read a frame, apply a simulated change, and return the score of a preset.
 
-    task: folder, name of the change, name of the preset.
+    task: folder of the frame, key of `CHANGES`, key of `CONFIGS`.
     """
     cv2.setNumThreads(1)
     folder, change, config = task

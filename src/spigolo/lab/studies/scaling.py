@@ -60,7 +60,7 @@ class Overhead:
 
 @dataclass(frozen=True, slots=True)
 class Frames:
-    """Measured throughput, and data per frame, of a batch run."""
+    """Measured throughput of a batch run, and amount of data per frame."""
 
     rates: dict[int, float]
     """Frames per second, indexed by the number of worker processes."""
@@ -74,7 +74,7 @@ class Frames:
 
 
 def tiny(job: int) -> int:
-    """Do nothing. This function is the empty job that measures the overhead of the scheduler."""
+    """Return `job` without any computation, as an empty job that measures the overhead of the scheduler."""
     return job
 
 
@@ -93,7 +93,9 @@ def overhead(group: int, jobs: int, workers: int) -> Overhead:
 
 
 def real_jobs(folder: Path, count: int) -> list[FrameFiles]:
-    """Return `count` jobs for the frames in a folder. Frames are repeated under different names."""
+    """Return `count` jobs for the frames in a folder. If there are fewer than `count` frames, frames are repeated with
+    different names.
+    """
     found = sorted(path.parent for path in folder.glob("*/*/depth.png"))
     if not found:
         raise FileError(f"expected frames in {folder}/SET/FRAME, got none")
@@ -118,7 +120,10 @@ def measure(jobs: list[FrameFiles], workers: Iterable[int]) -> Frames:
 
 
 def rate(jobs: list[FrameFiles], engine: Engine) -> float:
-    """Measure the throughput of a batch run in frames per second, without the start of the worker processes."""
+    """Measure the throughput of a batch run in frames per second.
+
+    The first fifth of the frames is excluded, because worker processes start during this time.
+    """
     times: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
         run_batch(jobs, sp.OBJECTS, Path(folder), engine, tell=lambda _: times.append(time.perf_counter()))

@@ -1,9 +1,10 @@
 """Segment many frames in one process and check memory, time and results: `python -m spigolo.lab.studies.soak`.
 
-A thousand different scenes are segmented twenty times each, with alternating presets. The exit code is 1 if memory
-grows during the last three quarters of the frames, or if the last thousand frames take longer than the first thousand.
-The exit code is also 1 if a result differs from the result of a new `Segmenter`. The test requires Linux, because
-memory is read from /proc.
+A thousand different scenes are segmented twenty times each. The presets alternate from scene to scene. The exit code is
+1 if memory use varies by more than 5 MiB during the last three quarters of the frames. The exit code is also 1 if the
+last thousand frames take over 5 % longer than the first thousand. The exit code is also 1 if a result differs from that
+of a new `Segmenter`, or from an earlier result for the same scene. The test requires Linux, because memory is read from
+/proc.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ SCENES = 1000
 The last thousand frames show the same scenes as the first thousand, so that their times are comparable.
 """
 SETTLED = 0.25
-"""Share of the frames after which memory use must be constant."""
+"""Share of the frames after which memory use may vary by at most `MAY_GROW_MIB`."""
 MAY_GROW_MIB = 5.0
 MAY_SLOW = 1.05
 """Maximum CPU time of the last thousand frames, relative to the first thousand frames.
@@ -71,7 +72,7 @@ class Scenes:
         self.seen = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
 
     def __call__(self, number: int) -> sp.Frame:
-        """Create the frame with this number. The same number always gives the same frame."""
+        """Create the frame with index `number`. The same number always gives the same frame."""
         rng = np.random.default_rng(number)
         height, width = self.seen.depth.shape
         share = rng.uniform(0.6, 1)

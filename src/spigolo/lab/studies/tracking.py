@@ -1,12 +1,13 @@
 """Count identity switches of tracked objects in rendered sequences: `python -m spigolo.lab.studies.tracking`.
 
-A simulated hand-held camera moves around each table of the family `table`, at 20 degrees per second and 30 frames per
+A simulated hand-held camera moves around each table of the family `table`, by 0.7 degrees per frame at 30 frames per
 second. Using only every third or sixth frame simulates a lower frame rate.
 
-A true object is found in a frame if a mask has an IoU of at least 0.5 with the object. An identity switch occurs if the
-mask has another id than the mask that found the object before. The share of switches is relative to the number of times
-that an object was found again. For comparison, the printed column `labels` uses the labels of each frame as ids. The
-labels are sorted by score.
+A true object is found in a frame if a mask has an IoU of at least 0.5 with the object. An identity switch occurs if an
+object is found with another id than in the last frame in which it was found. The share of identity switches is the
+number of switches divided by the number of times that an object was found again. For comparison, the printed column `of
+labels` counts switches with the labels of each frame as ids. Labels are numbered in the order of scores, best score
+first.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ FOUND_IOU = 0.5
 TURN_DEG = 0.7
 """Rotation of the camera around the table per frame, degrees."""
 SWEEP_DEG = 12.0
-"""Maximum rotation of the camera to each side, degrees. The camera reverses its direction at this angle."""
+"""Maximum rotation of the camera to each side, degrees. At the maximum, the camera reverses its direction."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +130,7 @@ def follow(results: Sequence[sp.Segmentation]) -> tuple[list[sp.Segmentation], f
 
 
 def report(scene: str, samples: Sequence[Sample]) -> Iterator[str]:
-    """Yield the table rows of a scene at 30, 10 and 5 frames per second."""
+    """Yield the rows of the printed table for one scene: at 30, 10 and 5 frames per second."""
     results = [sp.segment(sample.frame) for sample in samples]
     for rate, step in ((30, 1), (10, 3), (5, 6)):
         followed, took_ms = follow(results[::step])

@@ -38,7 +38,8 @@ _LIPS_M = 0.035, 0.05
 def shelf_stage(name: str, rng: Rng) -> Stage:
     """Create a scene with one to three products in the middle bin of a shelf with 3 x 3 bins.
 
-    The edges of the bin hide no part of a product. The first product in the list is nearest to the camera.
+    The edges of the bin hide no part of a product. Products are sorted by their distance from the camera, nearest
+    first.
     """
     width_m, tall_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
     inner = np.array([(-1, 0.0), (1, 0.0), (1, 1), (-1, 1)]) * [width_m / 2, deep_m] + [0.0, 0.012]
@@ -66,7 +67,7 @@ def shelf_stage(name: str, rng: Rng) -> Stage:
 
 
 def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m: float, rng: Rng) -> SceneObject | None:
-    """Place a product in a bin, standing, lying, or leaning against a wall. Return None if there is no room."""
+    """Place a product in a bin: standing, lying or leaning against a wall. Return None if no position is free."""
     if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
         side = int(rng.choice([-1, 1]))
         leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
@@ -175,7 +176,7 @@ def _tool(view: View, rng: Rng) -> SceneObject:
 
 
 def _sensor(rng: Rng) -> StructuredLight:
-    """Create the model of a depth camera on the wrist of a robot, with random noise."""
+    """Create the model of a depth camera on the wrist of a robot, with a random noise level."""
     left, right, top, bottom = (int(edge) for edge in rng.integers(8, 30, 4))
     level = float(np.exp(rng.uniform(np.log(0.5), np.log(2.0))))
     camera = StructuredLight(

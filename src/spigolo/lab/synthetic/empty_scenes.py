@@ -49,7 +49,8 @@ def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
 
     Return the frame, and the mask (H, W) of the box.
 
-    The box tests that a method without false detections in the empty scene can still find an object.
+    The added box tests if a method still finds objects. A method that never finds an object has no false detections in
+    an empty scene either.
     """
     return _render(family, seed, lambda view: _box(family, seed, view))
 
@@ -132,7 +133,9 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create the outside, inside and floor of a plastic tote with slanted walls, round corners and a flange."""
+    """Create the outer surface, the inner surface and the floor of a plastic tote with slanted walls, round corners and
+    a flange.
+    """
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))
     fillet_m = rng.uniform(0.004, 0.02)
@@ -151,7 +154,7 @@ def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Genera
 
 
 def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create the outside, inside and floor of a carton or crate with vertical walls."""
+    """Create the outer surface, the inner surface and the floor of a carton or crate with vertical walls."""
     thick, radius_m = rng.uniform(0.004, 0.018), 0.001
     skirt = [line((thick, 0.0), (thick, height_m)), line((thick, height_m), (0.0, height_m))]
     floor = prism(rounded_rectangle(size_m, radius_m, 2)[0], 0.0005, 0.005)

@@ -1,5 +1,7 @@
 """Three families (kinds) of rendered scenes with exact masks and poses, similar to the three data sets of the paper.
 
+The exact mask of an object contains the pixels at which the renderer shows the object.
+
 `shelf`: products in a shelf bin, as in Rutgers APC. `table`: different objects on tables, as in UW RGB-D Scenes.
 `multi`: three instances of one object among clutter, as in the data set of Tejani et al.
 """
@@ -36,7 +38,9 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_IOU = 0.98
-"""Minimum IoU between the exact mask of an object and the mask rendered from its model and pose."""
+"""Minimum IoU between the exact mask of an object and the mask rendered from its model and pose. Scenes with a smaller
+IoU are discarded.
+"""
 
 
 @dataclass(frozen=True)
@@ -46,7 +50,7 @@ class Family:
     stage: Callable[[str, np.random.Generator], Stage]
     """Function that creates a random scene from a scene name and a random number generator."""
     scenes: tuple[str, ...]
-    """Names of the scenes in the family. Frames alternate between the scenes."""
+    """Names of the scenes in the family. Consecutive frames show these scenes in turn."""
     objects: tuple[str, ...]
     """Names of all objects that may be labelled in the family's scenes."""
     fully_labelled: bool
@@ -88,7 +92,9 @@ def record_family(family: str, number: int, seed: int = 0) -> Recording:
 
 
 def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]:
-    """Yield an endless sequence of random scenes for one frame. `record_family` uses the first valid scene."""
+    """Yield an endless sequence of random scenes for one frame. `record_family` uses the first scene that passes
+    `is_told_by_poses`.
+    """
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
     rng = np.random.default_rng([list(FAMILIES).index(family), seed, number])
@@ -101,7 +107,7 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
     """Return True if at least one object is visible, and all masks rendered from models and poses match the exact
     masks.
 
-    The masks do not match if something without measured depth hides an object.
+    The masks do not match if a surface without measured depth, such as a gripper, hides a part of an object.
     """
     ious = drawn_iou(family, sample, sample.frame.depth)
     return bool(ious.size and ious.min() >= LEAST_IOU)
@@ -110,8 +116,8 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
     """Return the IoU (N,) between the exact mask of each object and the mask rendered from its model and pose.
 
-    For families with `first_alone`, the mask of the first object is rendered with and without the other objects, and
-    its smaller IoU is returned.
+    For families with `first_alone`, the mask of the first object is rendered twice: with and without the other objects.
+    The smaller IoU of the two masks is returned.
 
     Parameters
     ----------
@@ -122,7 +128,8 @@ def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: floa
     measured
         Depth map (H, W) in metres, to determine which pixels are visible.
     tolerance_m
-        Maximum distance of a visible model behind the measured surface, metres.
+        Maximum distance of a model behind the measured surface, metres. Pixels of a model with a larger distance count
+        as hidden.
 
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)

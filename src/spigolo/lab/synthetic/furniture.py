@@ -50,7 +50,7 @@ def chair(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
 
 
 def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """Create a large carton of 20 to 45 cm."""
+    """Create a large carton, 20 to 45 cm wide, 20 to 40 cm deep and 15 to 40 cm high."""
     size_m = rng.uniform(0.2, 0.45), rng.uniform(0.2, 0.4), rng.uniform(0.15, 0.4)
     colours = (168, 128, 84), (150, 112, 72), palette(rng)[2], (70, 52, 40)
     print_m = tuple(0.4 * length for length in size_m)
@@ -60,7 +60,9 @@ def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[
 
 
 def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
-    """Create a flat panel on a wall that shows a print, a page, a bookshelf or a window. at_m: centre of the panel."""
+    """Create a flat panel on a wall. The panel shows a packaging front, a page of text, a bookshelf or window blinds.
+    at_m: centre of the panel.
+    """
     wide, tall = rng.uniform(0.3, 0.8), rng.uniform(0.3, 0.9)
     size = round(500 * tall), round(500 * wide)
     makes = (_spines, _blinds, page, lambda size, rng: cover(size, palette(rng), rng))

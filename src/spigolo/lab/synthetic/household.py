@@ -73,7 +73,7 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
     "pouch": (packages.pouch, (Rest(90.0, 90.0),)),
     "glue": (turned.glue_bottle, (Rest(0.0, 0.0), Rest(90.0, 90.0))),
 }
-"""Function that creates a kind of object, and its stable orientations, indexed by the name of the kind."""
+"""For each kind of object: function that creates the parts of an object, and stable orientations of the object."""
 FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
 """Kinds of objects on which other objects can stand. Some kinds of objects must lie down to carry another object."""
 
@@ -82,7 +82,7 @@ FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
 def household(name: str) -> Product:
     """Create the object with this name: a key of `KINDS`, optionally with a number, such as soda_can_4.
 
-    The size and print of the object depend only on its name. Raises ConfigError for an unknown kind of object.
+    The size and the textures of the object depend only on its name. Raises ConfigError for an unknown kind of object.
     """
     kind = kind_of(name)
     if kind not in KINDS:

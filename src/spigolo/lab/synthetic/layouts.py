@@ -54,7 +54,7 @@ def write_family(
         File layout. "folders" is read by `Folders`, "bop" by `Bop`. "original" is the layout of the corresponding real
         data set, read by `Rutgers`, `UwScenes` or `Tejani`.
     tell
-        Progress callback with the number of finished frames.
+        Function that is called after each frame with the number of finished frames.
 
     """
     if layout not in LAYOUTS:
@@ -103,7 +103,7 @@ def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: s
 
 
 def _refuse_others(folder: Path, about: str) -> None:
-    """Raise FileError if the folder already holds other rendered frames."""
+    """Raise FileError if the folder holds rendered frames of another family, seed or layout."""
     marker = folder / RENDERED
     there = read_mapping(marker).get("about") if marker.is_file() else about
     if there != about:

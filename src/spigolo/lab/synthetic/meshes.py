@@ -61,14 +61,16 @@ def line(*points: tuple[float, float]) -> FloatArray:
 def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     """Create a solid of revolution by rotating a profile about the z axis.
 
+    The texture coordinate u goes from 0 to 1 around the axis. The texture coordinate v goes from about 1 at the lowest
+    point to about 0 at the highest point.
+
     Parameters
     ----------
     sections
         Smooth sections of the profile, each with points (r, z) as an array (K, 2), metres. Edges between sections
         are sharp. The solid is on the left of the profile's direction.
     around
-        Number of facets around the axis. The texture coordinate u goes once around the axis. The texture coordinate
-        v goes from 1 at the lowest point to 0 at the highest point.
+        Number of facets around the axis.
 
     """
     lowest, highest = min(p[:, 1].min() for p in sections), max(p[:, 1].max() for p in sections)
@@ -114,7 +116,8 @@ def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
 def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
     """Create a mesh from flat convex polygons with 3 or 4 corners. Each polygon shows a rectangle of the texture.
 
-    Corners are in anticlockwise order, seen from outside. The first corner is the bottom left of the texture rectangle.
+    Corners are in anticlockwise order, seen from outside. The first corner is at the bottom left of the texture
+    rectangle.
     """
     parts = []
     for corners, (left, top, right, bottom) in polygons:
@@ -132,7 +135,7 @@ def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
 def box(size_m: tuple[float, float, float]) -> Mesh:
     """Create a box that stands on z = 0.
 
-    The texture has three panels: front and back, left and right side, top and bottom.
+    The texture has three panels from left to right: for front and back, for left and right side, for top and bottom.
     """
     x, y, z = size_m[0] / 2, size_m[1] / 2, size_m[2]
     front, side, top = panels()
@@ -165,7 +168,8 @@ def rounded_rectangle(
 def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float | None = None) -> Mesh:
     """Create a vertical prism with a convex outline (N, 2) between two heights.
 
-    texture_m: size of the texture, by default the larger side of the outline.
+    texture_m: side length of the square that the texture covers, metres, by default the larger side of the outline's
+    bounding box.
     """
     corner = outline_m.min(axis=0)
     extent = np.ptp(outline_m, axis=0).max() if texture_m is None else texture_m
@@ -189,7 +193,8 @@ def tub(size_m: tuple[float, float], radius_m: float, sections: Sequence[FloatAr
 
     In the profile (r, z), r is the distance outwards from the rounded rectangle.
 
-    The width of the texture is the circumference of the rounded rectangle.
+    The texture coordinate u goes from 0 to 1 around the rounded rectangle. The texture coordinate v is the length along
+    the profile, divided by the circumference of the rounded rectangle.
     """
     outline, outward = (np.vstack([ring, ring[:1]]) for ring in rounded_rectangle(size_m, radius_m))
     steps = np.linalg.norm(np.diff(outline, axis=0), axis=1)
@@ -249,7 +254,7 @@ def moved(mesh: Mesh, rotation: FloatArray, shift_m: npt.ArrayLike = (0.0, 0.0, 
 def panels() -> tuple[Rectangle, Rectangle, Rectangle]:
     """Return the texture rectangles of the three panels of a box.
 
-    A small margin prevents that filtering mixes adjacent panels.
+    A small margin prevents texture filtering from mixing adjacent panels.
     """
     inset = 0.004
     left, middle, right = ((k / 3 + inset, inset, (k + 1) / 3 - inset, 1 - inset) for k in range(3))

@@ -39,7 +39,7 @@ def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_
     yaw_deg
         Rotation about the vertical axis, degrees.
     roll_deg
-        Rotation about the object's z axis, used only if `rest` has none.
+        Rotation about the object's z axis, degrees, used only if `rest.roll_deg` is None.
     spot_m
         Position (x, y), metres.
 
@@ -67,11 +67,13 @@ class Plot:
         self.taken: list[tuple[SceneObject, Outline]] = []
 
     def keep_off(self, gap_m: float) -> None:
-        """Require a minimum distance between objects already placed and objects placed later."""
+        """Require a distance of `gap_m` (metres) between all objects already placed and all objects placed later."""
         self.taken = [(thing, _grown(footprint, gap_m)) for thing, footprint in self.taken]
 
     def take(self, thing: SceneObject) -> bool:
-        """Place an object at its given position. Return False if there is no room."""
+        """Place an object at its given position. Return False if the position is occupied, outside the area or not
+        allowed.
+        """
         footprint = _footprint(thing)
         if not (self._is_free(footprint) and self.allows(thing)):
             return False
@@ -86,7 +88,7 @@ class Plot:
         rng: np.random.Generator,
         touching: bool = False,
     ) -> SceneObject | None:
-        """Place a product at a random free position. Return None if there is no room.
+        """Place a product at a random free position. Return None if no free position is found.
 
         Parameters
         ----------

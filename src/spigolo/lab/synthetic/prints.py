@@ -22,16 +22,16 @@ from spigolo.lab.synthetic.textures import (
 __all__ = ["Palette", "brushed_metal", "carton", "cover", "packet", "page", "palette", "wrap"]
 
 Palette = tuple[Colour, Colour, Colour, Colour]
-"""Colours of a print: background, second colour, accent colour and text colour."""
+"""Colours of a packaging texture: background, second colour, accent colour and text colour."""
 
 _BRANDS = ("SOLA", "VINTA", "ORBIT", "MONDO", "KIKO", "PRIMA", "LUMEN", "TERRA", "ZEST", "ALBA", "NOVA", "FINCH")
 _HUES = (0.0, 0.01, 0.99, 0.03, 0.08, 0.12, 0.14, 0.3, 0.38, 0.5, 0.57, 0.6, 0.62, 0.66, 0.78, 0.93)
-"""Hues of the prints, 0..1, mostly red, yellow and blue."""
+"""Hues of the packaging textures, 0..1, mostly red, yellow and blue."""
 _GOODS = ("original", "extra fine", "family size", "no. 64", "classic", "fresh", "natural", "12 pieces", "light")
 
 
 def palette(rng: np.random.Generator, dark: float = 0.35) -> Palette:
-    """Return random matching colours. dark: controls the probability of a dark background, 0..1."""
+    """Return random matching colours. dark: the probability of a dark background is 0.75 * dark."""
     hue = _HUES[int(rng.integers(len(_HUES)))] + rng.normal(0, 0.015)
     kind = rng.uniform()
     if kind < 0.25:
@@ -89,7 +89,7 @@ def carton(size_m: tuple[float, float, float], rng: np.random.Generator, colours
 
 
 def wrap(rng: np.random.Generator, colours: Palette | None = None) -> Image:
-    """Draw the wrap of a can, cup or bottle, on which the same front is repeated twice."""
+    """Draw the wrap of a can, cup or bottle. The same front is drawn on two opposite sides."""
     colours = colours or palette(rng)
     front = cover((640, 512), colours, rng)
     front[:24] = front[-24:] = colours[1]
@@ -130,7 +130,7 @@ def brushed_metal(rng: np.random.Generator, grey: float) -> Image:
 
 
 def _backdrop(image: Image, colour: Colour, rng: np.random.Generator) -> None:
-    """Draw rays, slanted stripes, a second colour in the lower half, or nothing as the background of a print."""
+    """Draw the background of a packaging texture: rays, slanted stripes, a second colour below, or nothing."""
     height, width = image.shape[:2]
     kind = int(rng.integers(4))
     if kind == 0:
@@ -167,7 +167,7 @@ def _picture(image: Image, centre: tuple[int, int], radius_px: int, colours: Pal
 
 
 def _worn(image: Image, rng: np.random.Generator) -> Image:
-    """Add uneven brightness to a print."""
+    """Add uneven brightness to a texture."""
     uneven = 3.0 * smooth_noise(image.shape[:2], (4, 4), rng) + 1.5 * smooth_noise(image.shape[:2], (40, 40), rng)
     return np.clip(image + uneven[..., None], 0, 255).astype(np.uint8)
 

@@ -23,7 +23,9 @@ WIDTH_PX = 640
 CANNY = (60.0, 150.0)
 """Thresholds of `cv2.Canny` on 8-bit grey images."""
 LEAST_WINDOWS = 500
-"""Minimum number of windows without missing depth in a depth range, for an estimate of the noise."""
+"""Minimum number of pixels in a depth range for an estimate of the depth noise. Only pixels whose window of 7x7 pixels
+has no missing depth count.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,13 +39,13 @@ class Realism:
     brightness: float
     """Median grey level of the colour image, 0..255."""
     noise_04: float
-    """Depth noise from 0.4 to 0.6 m distance, mm, NaN with too few image windows."""
+    """Depth noise at a depth of 0.4 to 0.6 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
     noise_06: float
-    """Depth noise from 0.6 to 0.8 m distance, mm, NaN with too few image windows."""
+    """Depth noise at a depth of 0.6 to 0.8 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
     noise_08: float
-    """Depth noise from 0.8 to 1.1 m distance, mm, NaN with too few image windows."""
+    """Depth noise at a depth of 0.8 to 1.1 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
     noise_11: float
-    """Depth noise from 1.1 to 1.6 m distance, mm, NaN with too few image windows."""
+    """Depth noise at a depth of 1.1 to 1.6 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
 
 
 def realism(frame: Frame) -> Realism:

@@ -65,7 +65,7 @@ class Lighting:
 
 
 def render_depth(model: Any) -> FloatMap:
-    """Render the noise-free depth map (H, W) in metres. The depth of the background is about 8 m."""
+    """Render the noise-free depth map (H, W) in metres. Pixels without a surface have a depth of about 8 m."""
     with _renderer(model, samples=0) as renderer:  # without anti-aliasing, which would average depth values
         return _depth(renderer, _at_rest(model))
 
@@ -98,7 +98,7 @@ class Rendering:
     light: FloatArray
     """Colour image (H, W, 3), linear RGB."""
     lamp_light: FloatArray
-    """Colour image (H, W, 3) under the second lighting, linear RGB."""
+    """Colour image (H, W, 3) under the lighting `lamp` of `render_all`, linear RGB."""
     depth_m: FloatMap
     """Depth map (H, W), metres."""
     geoms: npt.NDArray[np.int32]
@@ -106,9 +106,9 @@ class Rendering:
 
 
 def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
-    """Render colour images with two different lightings, the depth map and the geom numbers.
+    """Render a colour image for each of two lightings, the depth map and the geom numbers.
 
-    The images are rendered like in `render_quickly`.
+    The images are rendered without supersampling, as in `render_quickly`.
     """
     with _renderer(model, samples=0) as renderer:
         light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))

@@ -98,7 +98,7 @@ def _lighting(
     sky: float,
     sky_tilt_deg: float,
 ) -> Lighting:
-    """Create a lighting with a random warm or cold colour."""
+    """Create a lamp with a random warm or cold colour, and diffuse light with the opposite tint."""
     warmth = rng.uniform(-0.06, 0.12)
     tint = np.array([1 + warmth, 1.0, 1 - 1.2 * warmth])
     return Lighting(
@@ -117,5 +117,5 @@ def shelf_kind(rng: np.random.Generator) -> str:
 
 
 def finish(rng: np.random.Generator) -> tuple[float, float]:
-    """Return random values of specular and shininess for a material, from matt to glossy."""
+    """Return random values of MuJoCo's material properties specular and shininess, from matt to glossy."""
     return rng.uniform(0.0, 0.35), rng.uniform(0.1, 0.6)

@@ -71,9 +71,9 @@ class View:
     pitch_deg: float
     """Angle of the optical axis below the horizontal, degrees."""
     yaw_deg: float = 0.0
-    """Rotation of the camera to the left, degrees."""
+    """Rotation of the camera about the vertical axis through `look_at_m`, anticlockwise seen from above, degrees."""
     roll_deg: float = 0.0
-    """Rotation of the camera about its optical axis, degrees."""
+    """Rotation of the camera about its optical axis, anticlockwise seen from behind the camera, degrees."""
     camera: Camera = CAMERA
     """Camera intrinsics without distortion."""
 
@@ -129,7 +129,7 @@ def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, sha
     view
         View of the camera in the model.
     shadow_px
-        Resolution of the shadow map.
+        Width and height of the shadow map, pixels.
 
     """
     mujoco = load_mujoco()

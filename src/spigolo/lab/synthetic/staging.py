@@ -164,7 +164,10 @@ def _through_lens(light: FloatArray) -> FloatArray:
 
 
 def _grain(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> npt.NDArray[np.float32]:
-    """Return spatially correlated noise (H, W) with unit variance. radius_px: standard deviation of the smoothing."""
+    """Return spatially correlated noise (H, W) with unit variance.
+
+    radius_px: standard deviation of the Gaussian filter that smooths the noise, pixels.
+    """
     grain = cv2.GaussianBlur(np.asarray(rng.standard_normal(shape), np.float32), (0, 0), radius_px)
     return np.asarray(grain / grain.std(), np.float32)
 

@@ -37,7 +37,7 @@ class StructuredLight:
     slant_noise_px: float = 0.0
     """Additional disparity noise at a disparity gradient of 1 (slanted surface), pixels."""
     noise_radius_px: float = 1.2
-    """Radius within which the disparity noise is correlated, pixels."""
+    """Standard deviation of the Gaussian filter that smooths the disparity noise, pixels."""
     disparity_step_px: float = 0.125
     """Quantisation step of the disparity, pixels."""
     dark_brightness: float = 0.11
@@ -47,17 +47,19 @@ class StructuredLight:
     steepest_angle_deg: float = 75.0
     """Maximum angle between viewing ray and surface normal at which depth is measured, degrees."""
     rim_jump_px: float = 1.0
-    """Minimum disparity step between neighbouring pixels at a depth discontinuity, pixels."""
+    """Disparity step between neighbouring pixels above which the pixels count as a depth discontinuity, pixels."""
     rim_loss: float = 0.35
-    """Amount of missing depth at depth discontinuities, 0..1."""
+    """Strength of the depth loss at depth discontinuities, 0..1. At 0.5, half of the adjacent pixels have missing
+    depth.
+    """
     nearest_m: float = 0.40
     """Minimum measurable depth, metres."""
     furthest_m: float = 4.5
     """Maximum measurable depth, metres."""
     edge_jitter_px: float = 0.0
-    """Random displacement of outlines in depth relative to colour, standard deviation in pixels."""
+    """Standard deviation of the random displacement of depth discontinuities relative to the colour image, pixels."""
     patch_px: float = 1.5
-    """Size of the irregular patches of missing depth, pixels."""
+    """Standard deviation of the Gaussian filter that smooths the irregular outlines of missing depth, pixels."""
     margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
     """Width in pixels of the image border without depth: top, right, bottom, left."""
 
@@ -171,7 +173,7 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
 
 
 def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
-    """Return the increase of disparity within two projector columns on the surface at each pixel (H, W), pixels.
+    """Return the change of disparity across two projector columns along the surface at each pixel (H, W), in pixels.
 
     On a steep surface, one projector column covers many pixels of different disparity. Nearer pixels of the same
     surface must not cast a shadow on the other pixels.
@@ -185,7 +187,7 @@ def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
 def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> FloatArray:
     """Return spatially correlated Gaussian noise (H, W) with unit variance.
 
-    radius_px: standard deviation of the smoothing.
+    radius_px: standard deviation of the smoothing Gaussian filter, pixels, 0 = uncorrelated noise.
     """
     noise = rng.standard_normal(shape)
     if radius_px <= 0:
@@ -241,9 +243,8 @@ def _steep(
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
     """Return the difference between adjacent points of a grid (H, W, K) along one axis.
 
-    From the two adjacent points, the point with the smaller difference in the last coordinate is used.
-
-    No difference is taken across a depth discontinuity.
+    The difference to the previous or to the next point is used, whichever is smaller in the last coordinate (depth or
+    disparity). This choice avoids differences across a depth discontinuity.
     """
     steps = np.diff(points, axis=axis)
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)
@@ -255,9 +256,9 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
 def _strayed(
     disparity_px: FloatArray, lost: BoolArray, spread_px: float, rng: np.random.Generator
 ) -> tuple[FloatArray, BoolArray]:
-    """Shift outlines randomly in the disparity map and in the mask of missing depth.
+    """Shift depth discontinuities in the disparity map, and outlines in the mask of missing depth, by random distances.
 
-    spread_px: standard deviation of the shift.
+    spread_px: standard deviation of the shift in each direction, pixels.
     """
     down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
     rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)

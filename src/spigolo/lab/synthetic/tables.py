@@ -54,7 +54,8 @@ CLUTTER = (
 _CLEAR_M = TOLERANCE_M + 0.001
 """Minimum distance between labelled and unlabelled objects, m.
 
-Rendered masks are correct only if the distance is larger than the tolerance for visible pixels.
+A model up to `TOLERANCE_M` behind another surface counts as visible. Masks rendered from models are therefore wrong if
+objects are closer than this tolerance.
 """
 
 
@@ -129,7 +130,7 @@ def _close_or_far(look_at_m: tuple[float, float, float], rng: Rng) -> tuple[View
 def _table(size_m: tuple[float, float], rng: Rng) -> tuple[npt.NDArray[np.float64], list[Part], float]:
     """Create a table in a room.
 
-    Return the outline (N, 2) of the table top, all parts, and the y position of the back wall.
+    Return the outline (N, 2) of the table top, the parts of table and room, and the y position of the back wall.
     """
     height_m, wall_y_m = rng.uniform(0.7, 0.76), size_m[1] / 2 + rng.uniform(0.02, 1.2)
     top, _ = rounded_rectangle(size_m, 0.01)
@@ -170,7 +171,7 @@ def _strewn(
     rng
         Random number generator.
     lying
-        Probability that an object lies.
+        Probability of another stable orientation than the most likely one, for example lying instead of standing.
     touching
         Probability that an object touches another object.
     flat
@@ -191,7 +192,9 @@ def _strewn(
 
 
 def _piled(things: list[SceneObject], onto: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
-    """Move one of the objects onto a flat object, if there is room. onto: objects to stand on."""
+    """Move one of the objects onto a flat object, if it fits there. onto: objects that include the flat objects to
+    choose from.
+    """
     flat = [thing for thing in onto if kind_of(thing.name) in FLAT_KINDS]
     for below in rng.permutation(len(flat)):
         for k in rng.permutation(len(things)):

@@ -44,9 +44,10 @@ def smooth_noise(size: tuple[int, int], cells: tuple[int, int], rng: np.random.G
     Parameters
     ----------
     size
-        Height and width in pixels.
+        Height and width of the returned noise in pixels.
     cells
-        Number of random values down and across, which are interpolated.
+        Number of rows and columns of cells in the grid of random values that is interpolated. More cells give finer
+        noise.
     rng
         Random number generator.
 
@@ -95,7 +96,7 @@ def glazed(colour: Colour, rim: Colour, rim_share: float) -> Image:
 
 
 def box_panels(front: Image, side: Image, top: Image) -> Image:
-    """Combine three images to the texture of a box for `meshes.box`."""
+    """Combine three images into the texture of a box for `meshes.box`."""
     return np.hstack([cv2.resize(panel, (512, 512), interpolation=cv2.INTER_AREA) for panel in (front, side, top)])
 
 
@@ -184,7 +185,7 @@ def milk_roof() -> Image:
 
 
 def can_label() -> Image:
-    """Draw the label of a tomato soup can, which is repeated twice around the can."""
+    """Draw the label of a tomato soup can. The same front is drawn on two opposite sides of the can."""
     cream, red, gold = (250, 240, 216), (196, 40, 44), (222, 170, 62)
     half = np.full((512, 512, 3), cream, dtype=np.uint8)
     half[:205] = red

@@ -151,7 +151,7 @@ def glue_bottle(rng: np.random.Generator) -> Parts:
 
 
 def _round_bottle(colours: Palette, rng: np.random.Generator) -> Image:
-    """Draw a printed texture for a mesh from `meshes.tub`, whose first image row is at the foot."""
+    """Draw a printed texture for a bottle from `meshes.tub`. The first image row is at the foot of the bottle."""
     return np.ascontiguousarray(wrap(rng, colours)[::-1])
 
 

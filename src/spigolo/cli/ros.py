@@ -19,8 +19,8 @@ def ros(
     /camera/camera/aligned_depth_to_color/image_raw --camera-info /camera/camera/color/camera_info`.
 
     The node publishes ~/labels, ~/overlay, ~/markers, ~/cloud, ~/objects and ~/detections, and offers the service
-    ~/segment. For each point on ~/click, the node publishes the mask of the object there on ~/mask. Every field of the
-    preset is a parameter of the node.
+    ~/segment. For each point received on ~/click, the node publishes the mask of the object at this point on ~/mask.
+    Every field of the preset is a parameter of the node.
 
     Parameters
     ----------

@@ -100,7 +100,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 def warn_of(diagnosis: Diagnosis, name: str) -> None:
     """Print the warnings of a frame's diagnosis on the error stream.
 
-    Missing intrinsics are left out, because `print_result` reports them.
+    The warning about missing intrinsics is not printed, because `print_result` reports missing intrinsics.
     """
     from spigolo.doctor.findings import INTRINSICS
 

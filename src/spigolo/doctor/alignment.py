@@ -21,8 +21,8 @@ ALIGNMENT = "alignment"
 ELSEWHERE = "To check it, run the doctor on a frame of boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
-"""Maximum shift between depth and colour that is harmless, px. Larger shifts move depth steps beyond the samples at 5
-px from an image edge, which the detection of object boundaries compares.
+"""Maximum shift between depth and colour that is harmless, px. The detection of object boundaries samples depth 5 px
+from an image edge, on both sides of the edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be

@@ -67,9 +67,12 @@ def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
-    """Return the mask (H, W) of pixels inside a region of interest, and the mask (H, W) of pixels that can be judged.
+    """Return the mask (H, W) of pixels inside a region of interest, and the mask (H, W) of pixels whose position is
+    known.
 
-    All pixels can be judged, except for a box in metres, where only pixels with depth can be judged.
+    For a mask or a pixel box, the position of all pixels is known. For a box in metres, only the position of pixels
+    with depth is known. The share of a region inside the region of interest is computed from pixels with known
+    position.
     """
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):

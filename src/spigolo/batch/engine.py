@@ -36,8 +36,8 @@ class Lost:
 
 
 class Engine(Protocol):
-    """Function that runs another function on items, in any order. `here` is an engine. `local`, `dask_cluster` and
-    `dask_local` return engines.
+    """Function that runs another function on items and yields the outcomes in any order. `here` is an engine. `local`,
+    `dask_cluster` and `dask_local` return engines.
     """
 
     def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:

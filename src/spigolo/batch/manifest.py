@@ -94,8 +94,8 @@ class Manifest:
         self.entries[entry.frame] = entry
 
     def sort(self, names: Iterable[str]) -> None:
-        """Rewrite the file with one line per frame. The frames in `names` come first, in the order of `names`. Other
-        frames follow, sorted by name.
+        """Rewrite the manifest with one line per frame. The frames in `names` come first, in the order of `names`.
+        Other frames follow, sorted by name.
         """
         first = dict.fromkeys(name for name in names if name in self.entries)
         order = [*first, *sorted(self.entries.keys() - first.keys())]
@@ -156,7 +156,9 @@ def _locked(root: Path) -> BinaryIO:
 
 
 def _in_worker() -> bool:
-    """Return True in a worker process that runs the user's script again, because the script has no main guard."""
+    """Return True in a worker process that runs the user's script again, because the script lacks `if __name__ ==
+    "__main__"`.
+    """
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_globals.get("__name__") != "__mp_main__":
         frame = frame.f_back

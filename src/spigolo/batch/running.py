@@ -85,7 +85,7 @@ def run_batch(
 
 
 class _Run:
-    """State of a run, which writes the output files and counts the frames."""
+    """Run that writes the output files, records the outcomes in the manifest and counts the frames."""
 
     def __init__(
         self, root: Path, config: Config, manifest: Manifest, total: int, tell: Callable[[Progress], None] | None

@@ -84,7 +84,9 @@ def _rows(shard: Shard) -> list[dict[str, Any]]:
 
 
 def _schema(pa: Any) -> Any:
-    """Return the schema of the Parquet file. Columns have the names and the order of the fields in objects.json."""
+    """Return the schema of the Parquet file. Columns with measurements have the names and the order of the fields in
+    objects.json.
+    """
     numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
     kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())
     kinds |= {"stamp_ns": pa.int64(), "box_px": whole}

@@ -81,7 +81,7 @@ def batch(
 def _jobs(
     words: Sequence[str], camera: str | None, depth_scale: float | None, max_pixels: int
 ) -> Sequence[FrameFiles] | Sequence[NumberedFrame]:
-    """Return the frames of a source as jobs, which read image files or frames of a bag or data set."""
+    """Return the frames of a source as jobs. Each job reads image files, or one frame of a bag or data set."""
     from spigolo.batch import FrameFiles
     from spigolo.sources.bags import BagSource
     from spigolo.sources.folders import FolderSource

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from spigolo.lab.experiments import Contender
 
 FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Name patterns of data sets in which every object is labelled."""
+"""Default name patterns of data sets in which every object is labelled. Precision is reported only for these data sets.
+"""
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
@@ -104,7 +105,8 @@ def losses(
 ) -> int:
     """Count the labelled objects that were not found, by cause.
 
-    Causes are: rejected, merged with another object, merged with background (flooded), split, and wrong outline.
+    The causes are: rejected by a rule, merged with another object, merged with background (flooded), split, and wrong
+    outline.
 
     Example: `spigolo losses frames/ --preset TABLE --each`.
 

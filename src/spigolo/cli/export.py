@@ -30,7 +30,7 @@ frame, or one file for all frames.
 WHOLE = ("coco", "bop")
 """Formats that write one file for all frames."""
 CLOUDS = ("ply", "pcd")
-"""Formats with a point cloud for each object."""
+"""Formats that write a point cloud for each object."""
 Writer = Callable[..., Any]
 
 
@@ -180,7 +180,7 @@ class _Results:
 def _write_each(results: _Results, write: Writer, suffix: str, out: Path, single: bool) -> None:
     """Write a file or a folder for each frame.
 
-    If one of several frames cannot be written, the error is printed and the next frame follows.
+    If one of several frames cannot be written, the error is printed and the next frame is processed.
     """
     for result in results:
         try:

@@ -26,7 +26,7 @@ def ros(
     ----------
     words
         Parameters of the node as flags, such as `--queue 5`, `--continuous false`, `--reliable false` or
-        `--partition.gamma 0.004`. Arguments after `--ros-args` go to ROS.
+        `--partition.gamma 0.004`. Arguments after `--ros-args` are passed to ROS.
     color
         Topic of the colour image. Default: `color`, which ROS can remap.
     depth

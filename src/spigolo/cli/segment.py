@@ -78,7 +78,7 @@ def segment(
         Give objects ids. An object keeps its id from frame to frame, also if the object is not found in up to 15
         frames.
     frames
-        Number of frames after which to stop, for cameras and recordings. Default: all.
+        Number of frames after which the program stops, for cameras and recordings. Default: all.
     out
         Output folder. With several frames, the results of each frame are in a subfolder.
 

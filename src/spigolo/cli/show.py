@@ -30,7 +30,7 @@ regions.
 
 
 def progress(source: Source, what: str) -> Iterable[Frame]:
-    """Return an iterator over the frames of a source that shows a progress bar on the error stream."""
+    """Return the frames of a source as an iterator that shows a progress bar on the error stream."""
     console, total = Console(stderr=True), source.count
     return track(source, description=what, total=total, console=console, disable=not sys.stderr.isatty())
 

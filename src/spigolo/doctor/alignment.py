@@ -150,7 +150,7 @@ def count_contours(contours: Pair) -> int:
 
 def color_gradients(color: Color) -> Pair:
     """Return colour gradients (H, W) along x and along y, divided by the mean gradient around each pixel, with mean 0.
-    Each pixel uses the channel that changes most.
+    At each pixel, the colour channel with the largest gradient is used.
     """
     smooth = cv2.GaussianBlur(color, (0, 0), GRADIENT_SIGMA_PX)
     along_x, along_y = (

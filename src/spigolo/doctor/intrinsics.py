@@ -51,8 +51,8 @@ MIN_TILT_DEG = 20.0
 along the normal, upright sides stay upright with any focal length.
 """
 UPRIGHT_COS = 0.07
-"""Maximum cosine of the angle between a surface normal and the support's normal for an upright surface, i.e. within 4
-degrees.
+"""Maximum absolute cosine of the angle between a surface normal and the support's normal, at which the surface is
+upright. The limit means a tilt of 4 degrees.
 """
 MIN_UPRIGHT = 0.05
 """Minimum share of the sampled surfaces outside the support plane that are upright with the best factor of `TRIED`.

@@ -15,13 +15,13 @@ from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 MISSING, UNIT, REACH = "missing depth", "depth unit", "reach of depth"
 
 FEW_BEYOND = 0.001
-"""Share of pixels with depth that no camera measures, above which a warning is given instead of a note."""
+"""Minimum share of pixels with depth that no camera measures, at which a warning is given instead of a note."""
 
 FEW_VALID = 0.02
 """Minimum share of measured pixels in a frame. With a smaller share, a warning is given."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
-"""Minimum share of pixels in holes of one or two pixels that is reported."""
+"""Minimum share of pixels in sampling holes, which are one or two pixels wide, that is reported."""
 
 SCALES = {
     0.001: "stored millimetres",
@@ -39,7 +39,9 @@ CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
 """Minimum working distance of a RealSense D405, m, and its depth unit, m."""
 SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
-"""Range of plausible median depths of a frame, m."""
+"""Range of plausible median depths of a frame, m. A median depth outside the range gives a warning, or a note for a
+close-range camera.
+"""
 TABLE_M = 0.8
 """Typical distance of a table, m. The advice on a wrong depth unit assumes this median depth."""
 COARSE_UNIT_M = 0.004

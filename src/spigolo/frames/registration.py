@@ -17,8 +17,8 @@ STEP_SHARE = 0.03
 """The minimum depth difference of a depth step is max(STEP_M, STEP_SHARE Z) metres at the depth Z."""
 ROTATION_TOLERANCE = 1e-3
 FARTHEST_M = 10.0
-"""Maximum distance between depth camera and colour camera in metres. A longer translation is probably in
-millimetres.
+"""Maximum distance between depth camera and colour camera in metres. A longer translation is probably in millimetres
+and is rejected.
 """
 
 

@@ -15,7 +15,9 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.registration import rigid_transform
 
 FARTHEST_M = 100.0
-"""Maximum distance between camera and robot base in metres. A longer translation is probably in millimetres."""
+"""Maximum distance between camera and robot base in metres. A longer translation is probably in millimetres and is
+rejected.
+"""
 LEAST_INSIDE = 0.5
 """Minimum share of a region's pixels that lie inside the region of interest. Regions with a smaller share are
 rejected.

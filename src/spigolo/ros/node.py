@@ -237,7 +237,7 @@ def run(overrides: Mapping[str, Any], ros_args: Sequence[str]) -> None:
     - overrides: values of node parameters, indexed by name.
     - ros_args: arguments for ROS such as remappings.
 
-    Raises SpigoloError if rclpy is missing or a parameter has an unknown name or an invalid value.
+    Raises SpigoloError if rclpy is missing or a parameter has an invalid value.
     """
     kinds = find_kinds()
     rclpy = kinds.rclpy

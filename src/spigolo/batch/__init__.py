@@ -4,7 +4,7 @@
     summary = run_batch(jobs, sp.OBJECTS, Path("out"), local(workers=2))
 
 `run_batch` writes labels/FRAME.png for each frame and one table of all objects. An interrupted run can be continued and
-produces the same files. A failed frame is recorded with the reason.
+then produces the same files as an uninterrupted run. The manifest records the reason of each failed frame.
 """
 
 from __future__ import annotations

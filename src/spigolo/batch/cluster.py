@@ -23,8 +23,8 @@ R = TypeVar("R")
 TIMEOUT_S = 30
 """Maximum time to wait for the Dask scheduler, s."""
 TASK_S = 1.0
-"""Target duration of a cluster task, s. Smaller values cause more overhead. Larger values lose more work when a worker
-dies.
+"""Target duration of a cluster task, s. Shorter tasks increase the share of time for communication. If a worker dies,
+longer tasks increase the work that has to be repeated.
 """
 MAX_GROUP = 1000
 """Maximum number of items in a cluster task."""
@@ -34,13 +34,14 @@ RECENT = 15
 
 
 def dask_cluster(address: str, group: int | None = None) -> Engine:
-    """Return an engine that uses the workers of a Dask scheduler. address: `tcp://HOST:PORT`.
+    """Return an engine that uses the workers of a Dask scheduler.
 
     All workers need the same version of spigolo, and access to the input files under the same paths. If a worker dies,
-    Dask repeats the work of this worker.
+    Dask repeats the tasks of this worker on other workers.
 
-    group: number of items in a cluster task. None: chosen automatically for tasks of about one second. Raises
-    SpigoloError if the extra `cluster` is not installed or no scheduler runs at the address.
+    address: address of the scheduler, `tcp://HOST:PORT`. group: number of items in a cluster task. If `group` is None,
+    the number is chosen so that a task takes about one second. Raises SpigoloError if the extra `cluster` is not
+    installed or no scheduler runs at the address.
     """
     distributed = _distributed()
 
@@ -76,10 +77,11 @@ def dask_local(workers: int = 1, group: int | None = None) -> Engine:
 
 
 class _ClusterRun(Generic[T, R]):
-    """Run of a function on all items. The items are submitted to the cluster in groups.
+    """Run of a function on all items with a Dask cluster. Each task of the cluster processes a group of items.
 
-    If the workers of a group die, the items of the group are repeated one by one. Dask reports all tasks of a dead
-    worker as failed. An item is therefore reported as lost only if its workers die again while no other item runs.
+    If the task of a group fails because its workers died, each item of the group is repeated in a task of its own. Dask
+    reports all tasks of a dead worker as failed, although only one of these tasks may be the reason. An item whose own
+    task fails is therefore repeated while no other item runs, and is lost only if its workers die again.
     """
 
     def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:
@@ -102,7 +104,9 @@ class _ClusterRun(Generic[T, R]):
                 queue.add(following)
 
     def _submit(self) -> list[Any]:
-        """Submit groups of items until each thread of the cluster has enough work."""
+        """Submit groups of items until `IN_FLIGHT` groups per thread of the cluster are running or waiting. Return the
+        new futures.
+        """
         window = IN_FLIGHT * max(sum(self.client.nthreads().values()), 1)
         futures = []
         while len(self.in_flight) < window and (group := self._next_group()):
@@ -144,7 +148,7 @@ def _itself(do: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 
 def _work(do: Callable[[Any], Any], group: list[Any]) -> tuple[list[Any], float]:
-    """Process a group of items. Return the outcomes and the duration in seconds."""
+    """Process a group of items. Return the outcomes of the items and the duration of the processing in seconds."""
     cv2.setNumThreads(1)
     start = time.perf_counter()
     return [_outcome(do, item) for item in group], time.perf_counter() - start

@@ -29,15 +29,15 @@ TRIES_ALONE = 2
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Outcome of an item that could not be processed because the worker process died."""
+    """Outcome of an item without a result, because the worker process died or the function raised an exception."""
 
     reason: str
-    """Reason of the loss, as text."""
+    """Error message that explains why the item has no result."""
 
 
 class Engine(Protocol):
-    """Function that runs another function on items, in any order. `here` is an engine. `local`, `dask_cluster` and
-    `dask_local` return engines.
+    """Function that runs another function on items and yields the outcomes in any order. `here` is an engine. `local`,
+    `dask_cluster` and `dask_local` return engines.
     """
 
     def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
@@ -82,7 +82,7 @@ def in_order(engine: Engine, do: Callable[[T], R], items: Iterable[T]) -> Genera
 
 @dataclass(frozen=True, slots=True)
 class _Numbered(Generic[T, R]):
-    """Wrapper that calls a function on numbered items, without their numbers."""
+    """Wrapper that receives a pair (number, item) and calls the function on the item only."""
 
     do: Callable[[T], R]
 
@@ -203,7 +203,7 @@ _do: Callable[[Any], Any] | None = None
 
 
 def _prepare(do: Callable[[Any], Any]) -> None:
-    """Prepare a new worker process that will call `do`."""
+    """Initialise a new worker process: store the function `do`, ignore Ctrl-C and limit OpenCV to one thread."""
     global _do  # noqa: PLW0603
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the parent handles Ctrl-C
     threading.Thread(target=_end_with_parent, daemon=True).start()

@@ -1,4 +1,4 @@
-"""Jobs: frames that can be read in another process."""
+"""Jobs, which describe frames so that another process can read the frames."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ BLOCK = 1 << 20
 
 
 class Job(Protocol):
-    """Frame that can be read in another process. Any picklable object with the members `name`, `stamp`, `fingerprint`
-    and `read` is a job.
+    """Description of a frame, which another process uses to read the frame. Any picklable object with the members
+    `name`, `stamp`, `fingerprint` and `read` is a job.
     """
 
     @property
@@ -26,8 +26,8 @@ class Job(Protocol):
         ...
 
     def stamp(self) -> str:
-        """Return a text that changes if the inputs may have changed. The method must be fast and must not read the
-        content of files.
+        """Return a string that changes if an input file of the frame may have changed. The method must be fast and must
+        not read the content of files.
         """
         ...
 
@@ -53,7 +53,7 @@ class FrameFiles:
     camera: str | Path | None = None
     """Camera file, camera name or field of view, in a form that `read_frame` accepts."""
     depth_scale: float | None = None
-    """Metres per unit of the depth image. None: value in the camera file."""
+    """Metres per unit of the depth image. If None, the camera file gives the value."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
 

@@ -25,7 +25,8 @@ class Entry:
     frame: str
     """Name of the frame."""
     stamp: str
-    """Stamp of the inputs (`Job.stamp`)."""
+    """Stamp of the input files (`Job.stamp`). If the stamp is unchanged, the hash of the inputs is not computed again.
+    """
     inputs: str
     """Hash of the inputs (`Job.fingerprint`)."""
     digest: str
@@ -46,8 +47,8 @@ NAMES = tuple(f.name for f in fields(Entry))
 
 
 class Manifest:
-    """Manifest of an output folder. Only one run at a time can open the manifest. A later line of a frame replaces an
-    earlier line.
+    """File that records the outcome of each frame in an output folder. Only one run at a time can open the manifest. If
+    a frame has several lines, the last line counts.
 
     Raises FileError if another run uses the folder.
     """
@@ -79,7 +80,9 @@ class Manifest:
         self._file = self._lock = None
 
     def append(self, entry: Entry) -> None:
-        """Append the line of a frame to the file without delay. Raises FileError if the disk is full."""
+        """Append the line of a frame to the file without buffering. Raises FileError if the line cannot be written, for
+        example because the disk is full.
+        """
         assert self._file is not None
         line = _line(entry)
         try:
@@ -91,8 +94,8 @@ class Manifest:
         self.entries[entry.frame] = entry
 
     def sort(self, names: Iterable[str]) -> None:
-        """Rewrite the file with one line per frame. The frames in `names` come first, in the order of `names`. Other
-        frames follow, sorted by name.
+        """Rewrite the manifest with one line per frame. The frames in `names` come first, in the order of `names`.
+        Other frames follow, sorted by name.
         """
         first = dict.fromkeys(name for name in names if name in self.entries)
         order = [*first, *sorted(self.entries.keys() - first.keys())]
@@ -153,7 +156,9 @@ def _locked(root: Path) -> BinaryIO:
 
 
 def _in_worker() -> bool:
-    """Return True in a worker process that runs the user's script again, because the script has no main guard."""
+    """Return True in a worker process that runs the user's script again, because the script lacks `if __name__ ==
+    "__main__"`.
+    """
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_globals.get("__name__") != "__mp_main__":
         frame = frame.f_back

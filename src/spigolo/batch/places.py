@@ -12,8 +12,8 @@ FORBIDDEN = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
 RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:\..*)?", re.IGNORECASE)
 """Device names, which Windows forbids as file names."""
 MAX_BYTES = 200
-"""Maximum length of one part of a frame name, in bytes. File systems allow 255 bytes including suffixes and
-prefixes.
+"""Maximum length in bytes of each part of a frame name between slashes. Most file systems allow 255 bytes, which
+include the suffix and the prefix of the file.
 """
 
 
@@ -25,7 +25,7 @@ def check_name(name: str) -> None:
 
 
 def _wrong_with(part: str) -> str | None:
-    """Return the reason why a part of a frame name is invalid. None if the part is valid."""
+    """Return the reason why a part of a frame name between slashes is invalid, or None if the part is valid."""
     wrong = {
         "a part is empty, or the name begins or ends with /": not part,
         "it would lead out of the output folder": part in (".", ".."),

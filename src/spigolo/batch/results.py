@@ -46,7 +46,9 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Function that segments the frame of a job. An exception becomes the field `error` of the outcome."""
+    """Function that segments the frame of a job. The message of an exception is stored in the field `error` of the
+    outcome.
+    """
 
     config: Config
     """Parameters of the segmentation."""

@@ -85,7 +85,7 @@ def run_batch(
 
 
 class _Run:
-    """State of a run, which writes the output files and counts the frames."""
+    """Run that writes the output files, records the outcomes in the manifest and counts the frames."""
 
     def __init__(
         self, root: Path, config: Config, manifest: Manifest, total: int, tell: Callable[[Progress], None] | None
@@ -104,7 +104,9 @@ class _Run:
             path.unlink(missing_ok=True)
 
     def admitted(self, jobs: Sequence[Job]) -> Iterator[Job]:
-        """Yield the jobs with a valid and unique name. Other jobs are recorded as failed."""
+        """Yield the jobs with a valid name. Jobs with an invalid name are recorded as failed. A name is also invalid if
+        it differs from an earlier name only in upper and lower case.
+        """
         taken: dict[str, str] = {}
         for job in jobs:
             first = taken.setdefault(job.name.casefold(), job.name)
@@ -118,7 +120,7 @@ class _Run:
                 yield job
 
     def keep(self, job: Job) -> bool:
-        """Return True if the files of a frame from an earlier run can be kept. The frame is then counted as kept."""
+        """Return True if the files of a frame from an earlier run can be kept. If so, count the frame as kept."""
         entry = self.manifest.entries.get(job.name)
         if entry is None or not self._is_current(entry) or not self._is_whole(entry):
             return False

@@ -20,7 +20,7 @@ Writer = Callable[[Iterable[Shard], Path, Mapping[str, str]], None]
 PARQUET, COCO = TABLES = ("objects.parquet", "coco.json")
 """File names of the Parquet and the COCO table."""
 ROWS = 20_000
-"""Number of rows in a group of the Parquet file. Larger values require more memory."""
+"""Maximum number of rows in a row group of the Parquet file. Larger row groups require more memory."""
 INTEGERS = ("label", "region", "area_px", "image_height_px", "image_width_px")
 TEXTS = ("frame", "mask_rle")
 
@@ -65,7 +65,9 @@ def write_parquet(shards: Iterable[Shard], path: Path, about: Mapping[str, str])
 
 
 def _groups(shards: Iterable[Shard]) -> Iterator[list[dict[str, Any]]]:
-    """Yield table rows in groups of `ROWS` rows, across frames. An empty table has one empty group."""
+    """Yield the rows of the table in groups of `ROWS` rows. A group can contain objects of several frames. The last
+    group has the remaining rows and can be empty.
+    """
     rows: list[dict[str, Any]] = []
     for shard in shards:
         rows += _rows(shard)
@@ -82,7 +84,9 @@ def _rows(shard: Shard) -> list[dict[str, Any]]:
 
 
 def _schema(pa: Any) -> Any:
-    """Return the schema of the Parquet file. Columns have the names and the order of the fields in objects.json."""
+    """Return the schema of the Parquet file. Columns with measurements have the names and the order of the fields in
+    objects.json.
+    """
     numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
     kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())
     kinds |= {"stamp_ns": pa.int64(), "box_px": whole}

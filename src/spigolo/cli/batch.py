@@ -37,16 +37,16 @@ def batch(
     format: Literal["parquet", "coco"] = "parquet",
     out: Out = Path("spigolo-batch"),
 ) -> int:
-    """Segment many frames: labels/FRAME.png for each, and one table of all objects.
+    """Segment many frames. Write labels/FRAME.png for each frame, and one table of all objects.
 
-    Repeat the command to continue an interrupted run. Exit code 1 if a frame failed.
+    Repeat the command to continue an interrupted run. The exit code is 1 if a frame failed.
 
     Example: `spigolo batch recordings/ --camera kinect-v1 --depth-scale 0.001 --out results`.
 
     Parameters
     ----------
     inputs
-        Image files, folders, a data set or a ROS bag, as for `segment`. Fields of the preset are flags too.
+        Image files, folders, a data set or a ROS bag, as for `segment`. Any field of the preset is also a flag.
     camera
         Intrinsics, as for `segment`.
     preset
@@ -54,14 +54,14 @@ def batch(
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     max_pixels
-        Maximum number of pixels of an image. A larger limit requires more memory.
+        Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     workers
         Number of processes on this machine. Default: one per core.
     scheduler
         Address of a Dask scheduler, such as tcp://127.0.0.1:8786. `local` starts a Dask cluster of `--workers`
         processes on this machine. Default: no cluster.
     format
-        Table of the objects: parquet writes objects.parquet, coco writes coco.json.
+        File format of the table of all objects: `parquet` writes objects.parquet, `coco` writes coco.json.
     out
         Output folder.
 
@@ -81,7 +81,7 @@ def batch(
 def _jobs(
     words: Sequence[str], camera: str | None, depth_scale: float | None, max_pixels: int
 ) -> Sequence[FrameFiles] | Sequence[NumberedFrame]:
-    """Return the frames of a source as jobs, which read image files or frames of a bag or data set."""
+    """Return the frames of a source as jobs. Each job reads image files, or one frame of a bag or data set."""
     from spigolo.batch import FrameFiles
     from spigolo.sources.bags import BagSource
     from spigolo.sources.folders import FolderSource

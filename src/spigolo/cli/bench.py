@@ -38,16 +38,16 @@ def bench(
 ) -> int:
     """Measure the time and memory of each preset, compared with OpenCV and scikit-image.
 
-    Every round runs each preset and each other algorithm once, and time ratios are computed within a round. The other
-    algorithms are OpenCV's GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and merging by a
-    sort and union-find. Close other programs before you measure. Examples: `spigolo bench --quick`, or `spigolo bench
-    recordings/ --latency 1000 --startup --json bench.json`.
+    Every round runs each preset and each reference algorithm once, and time ratios are computed within a round. The
+    reference algorithms are OpenCV's GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and a
+    graph partition that sorts all edges and merges regions by union-find. Close other programs before you measure.
+    Examples: `spigolo bench --quick`, or `spigolo bench recordings/ --latency 1000 --startup --json bench.json`.
 
     Parameters
     ----------
     folders
-        Folders of frames, as for `spigolo segment`. Default: the bundled demo scene. All measurements except the rounds
-        use only the first frame.
+        Folders of frames, as for `spigolo segment`. Default: the bundled demo scene. The measured rounds use all
+        frames. All other measurements use only the first frame.
     rounds
         Number of measured rounds, after one warm-up round. Default: 15, or 3 with --quick.
     quick
@@ -56,20 +56,21 @@ def bench(
         Image sizes to which the first frame is rescaled, such as `640x480,1280x960`. The word `none` skips the
         measurement of image sizes.
     peers
-        Python interpreter that has opencv-contrib-python-headless and scikit-image. Default: .venv-oracle/bin/python in
-        the current folder if this file exists, else the interpreter of spigolo. Algorithms of missing packages are
-        skipped.
+        Python interpreter that runs the reference algorithms of opencv-contrib-python-headless and scikit-image.
+        Default: .venv-oracle/bin/python in the current folder if this file exists, else the interpreter of spigolo.
+        Algorithms of missing packages are skipped.
     latency
         Number of frames that are segmented in a row to measure the median, the 99th percentile and the maximum of the
         latency.
     startup
-        Also measure the start of the program without compiled kernels, which takes about 20 seconds more.
+        Also measure the start time of the program without compiled kernels. This measurement takes about 20 seconds
+        more.
     json
         JSON file to write, with all measured values of every round.
     plot
         PNG file to write, with a plot of time against number of pixels.
     markdown
-        Markdown file to write, with the tables.
+        Markdown file to write, with the printed tables of times and memory.
 
     """
     plan = _plan(quick, rounds, sizes, latency, startup)

@@ -9,7 +9,7 @@ from spigolo.cli.progress import progress
 
 
 def datasets() -> int:
-    """List the known data sets with their names, sizes, licences and addresses.
+    """List the known data sets with their names, sizes, licences and web addresses.
 
     `spigolo fetch` can download data sets that are marked with an asterisk. `spigolo evaluate` also reads other folders
     with the same layout as a known data set. Example: `spigolo evaluate rgbd-scenes/ --presets TABLE`.
@@ -31,8 +31,8 @@ def fetch(name: str, *, to: Path = Path()) -> int:
     Parameters
     ----------
     name
-        Name of a data set that `spigolo datasets` marks with an asterisk. For other data sets, only the address is
-        printed.
+        Name of a data set that `spigolo datasets` marks with an asterisk. Other data sets must be downloaded by hand
+        from their web address, which `spigolo datasets` prints.
     to
         Folder in which a folder for the data set is created. Default: the current folder.
 

@@ -1,5 +1,5 @@
-"""Verbs for experiments: `evaluate` scores methods on labelled frames, `losses` counts lost objects, `report` makes a
-page.
+"""Verbs for experiments: `evaluate` scores methods on labelled frames, `losses` counts lost objects, `report` writes an
+HTML page of the results.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from spigolo.lab.experiments import Contender
 
 FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Name patterns of data sets in which every object is labelled."""
+"""Default name patterns of data sets in which every object is labelled. Precision is reported only for these data sets.
+"""
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
 
@@ -45,7 +46,7 @@ def evaluate(
     Parameters
     ----------
     frames
-        Folders of frames, named before any flag. Published data sets are read in their own layout (`spigolo datasets`
+        Folders of frames, given before all flags. Published data sets are read in their own layout (`spigolo datasets`
         lists the data sets). Store your own frames in folders SET/FRAME/ with rgb.png, depth.png, camera.json and
         label.png (0 = background, 1..N = objects, 255 = ignored). Without label.png, only times and numbers of objects
         are measured. Any field of a preset is also a flag, such as `--partition.gamma 0.004`.
@@ -57,7 +58,7 @@ def evaluate(
         Name patterns of data sets in which every object is labelled. Precision is reported only for data sets that
         match a pattern.
     jobs
-        Number of worker processes. Default: no worker processes, all frames in this process.
+        Number of worker processes. Default: all frames are processed in the main process, without worker processes.
     scheduler
         Dask cluster that evaluates the frames: the address of a scheduler, such as tcp://127.0.0.1:8786, or `local`.
         With `local`, a new cluster of `--jobs` processes is started on this machine.
@@ -104,14 +105,15 @@ def losses(
 ) -> int:
     """Count the labelled objects that were not found, by cause.
 
-    Causes are: rejected, merged with another object, merged with background (flooded), split, and wrong outline.
+    The causes are: rejected by a rule, merged with another object, merged with background (flooded), split, and wrong
+    outline.
 
     Example: `spigolo losses frames/ --preset TABLE --each`.
 
     Parameters
     ----------
     frames
-        Folders of labelled frames, named before any flag, as for `spigolo evaluate`. Any field of the preset is also a
+        Folders of labelled frames, given before all flags, as for `spigolo evaluate`. Any field of the preset is also a
         flag.
     method
         Name of the method.
@@ -146,7 +148,7 @@ def report(
     paper: Annotated[bool, Parameter(negative=())] = False,
     out: Out = Path("spigolo-report"),
 ) -> int:
-    """Make a page from results of `spigolo evaluate`: accuracy, time, differences, worst frames and limitations.
+    """Write an HTML page from results of `spigolo evaluate`: accuracy, time, differences, worst frames and limitations.
 
     Files with the same frames and parameters are compared preset by preset, for example before and after a change of
     the code. Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`, or
@@ -155,17 +157,18 @@ def report(
     Parameters
     ----------
     rows
-        Files that `spigolo evaluate` wrote, named before any flag.
+        Files that `spigolo evaluate` wrote, given before all flags.
     frames
-        Folders of the evaluated frames, from which pictures of the worst frames are drawn.
+        Folders of the evaluated frames, from which images of the worst frames are drawn.
     against
-        Method to which the differences refer, as a label of the page, a preset, a digest or a file. Default: the first
-        method.
+        Reference method, with which the other methods are compared. Give its label on the page, its preset, its digest
+        or its file. Default: the first method.
     paper
-        Make the paper's Tables I, II and III instead, with the printed and the measured values. The files must contain
-        results on the paper's data sets or on rendered stand-ins for these data sets.
+        Write the paper's Tables I, II and III, with the printed and the measured values, instead of the page with
+        accuracy and differences. The files must contain results on the paper's data sets or on rendered stand-ins for
+        these data sets.
     out
-        Output folder for index.html, report.md and the pictures.
+        Output folder for index.html, report.md and the images of the worst frames.
 
     """
     if not rows:

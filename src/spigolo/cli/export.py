@@ -30,7 +30,7 @@ frame, or one file for all frames.
 WHOLE = ("coco", "bop")
 """Formats that write one file for all frames."""
 CLOUDS = ("ply", "pcd")
-"""Formats with a point cloud for each object."""
+"""Formats that write a point cloud for each object."""
 Writer = Callable[..., Any]
 
 
@@ -56,13 +56,14 @@ def export(
         Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
         a flag.
     format
-        File format. The formats `coco` and `bop` are one JSON file for all frames. For each frame, `yolo` is a text
-        file, `labels` a 16-bit PNG, and `workspace-mask` a 1-bit PNG. The format `contact-graspnet` is an .npz file
-        with depth, K, rgb and segmap. The formats `ply` and `pcd` are a point cloud for each object.
+        File format. The formats `coco` and `bop` write one JSON file for all frames. For each frame, `yolo` writes a
+        text file, `labels` writes a 16-bit PNG, and `workspace-mask` writes a 1-bit PNG. The format `contact-graspnet`
+        writes an .npz file with depth, K, rgb and segmap for each frame. The formats `ply` and `pcd` write a point
+        cloud for each object.
     out
-        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder, with a
-        subfolder for each frame of several frames. For other formats, give a file for one frame, or a folder for
-        several frames.
+        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder, in which
+        several frames get a subfolder each. For other formats, give a file for one frame, or a folder for several
+        frames.
     camera
         Intrinsics of the camera, as for `spigolo segment`.
     preset
@@ -74,8 +75,8 @@ def export(
     frames
         Number of frames after which the program stops. Default: all frames.
     trim_m
-        ply and pcd: leave out flying pixels, which are points farther than this outside the oriented box, in metres.
-        Default: all measured points.
+        Maximum distance of a point outside the oriented box, in metres, for `ply` and `pcd`. Points farther outside are
+        flying pixels and are left out. Default: all measured points.
 
     """
     words, flags = split_flags(inputs)
@@ -179,7 +180,7 @@ class _Results:
 def _write_each(results: _Results, write: Writer, suffix: str, out: Path, single: bool) -> None:
     """Write a file or a folder for each frame.
 
-    If one of several frames cannot be written, the error is printed and the next frame follows.
+    If one of several frames cannot be written, the error is printed and the next frame is processed.
     """
     for result in results:
         try:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def figures(
     *inputs: str, camera: str | None = None, depth_scale: float | None = None, out: Out = Path("spigolo-figures")
 ) -> int:
-    """Draw the paper's Figures 2 to 5 from your own frames: smoothing, saliency, edges and objects.
+    """Draw the paper's Figures 2 to 5 from your own frames: smoothing, saliency, boundaries and objects.
 
     Figures 2 to 4 show the first frame, and Figure 5 shows all frames. Example: `spigolo figures rgb.png depth.png
     --camera camera.json`.

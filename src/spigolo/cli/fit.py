@@ -30,15 +30,15 @@ def fit(
 ) -> int:
     """Fit a preset to about twenty labelled frames of your own.
 
-    Random sets of parameter values are tried on all frames. The best set is written as a TOML file, which every verb
+    Random sets of parameter values are tried on all frames. The best set is written as a TOML file, which every command
     accepts as a preset. The report contains cross-validated scores. An interrupted fit continues with the next call.
     The next call may also increase the number of trials. Example: `spigolo fit frames/ --preset TABLE --out fit`.
 
     Parameters
     ----------
     frames
-        Folders of labelled frames, named before any flag, as for `spigolo evaluate`. Frames without labels are skipped.
-        Any field of the preset is also a flag.
+        Folders of labelled frames, given before all flags, as for `spigolo evaluate`. Frames without labels are
+        skipped. Any field of the preset is also a flag.
     preset
         Preset of the method toscana2016 to start from: a name or a TOML file.
     method
@@ -54,7 +54,7 @@ def fit(
         Name patterns of data sets in which every object is labelled. False objects lower the score only in data sets
         that match a pattern.
     jobs
-        Number of worker processes. Default: no worker processes, all trials in this process.
+        Number of worker processes. Default: all trials run in the main process, without worker processes.
     scheduler
         Dask cluster that runs the trials: the address of a scheduler, such as tcp://127.0.0.1:8786, or `local`. With
         `local`, a new cluster of `--jobs` processes is started on this machine.

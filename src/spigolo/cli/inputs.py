@@ -45,11 +45,11 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
 
 
 def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
-    """Return a copy of the preset, with the fields replaced that are given as flags.
+    """Return a copy of the preset in which the values of the flags replace the values of the fields.
 
     - preset: name or TOML file.
     - flags: values as text, indexed by field name.
-    - verb: function of the verb, whose flags are suggested for a misspelt flag.
+    - verb: function that implements the verb. Its flags are suggested in the message about a misspelt flag.
 
     Raises ConfigError for an unknown flag.
     """

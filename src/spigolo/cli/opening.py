@@ -1,4 +1,4 @@
-"""Opening of sources of frames from the words of the command line."""
+"""Opening of sources of frames that are named on the command line."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def opened(
 ) -> Source:
     """Return the source of frames that is named on the command line.
 
-    quiet: suppress warnings about units of depth, if `doctor` reports the units itself.
+    quiet: suppress warnings about the depth unit. Used by commands that report the result of the doctor, which checks
+    the unit too.
     """
     from spigolo.sources.opening import open_source
 

@@ -21,7 +21,7 @@ def render(
     objects.
 
     Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. To imitate a
-    published data set in its own layout, use `spigolo render shelf --count 72 --layout original`. This verb requires
+    published data set in its own layout, use `spigolo render shelf --count 72 --layout original`. This command requires
     `pip install "spigolo[synthetic]"`.
 
     Parameters
@@ -31,14 +31,14 @@ def render(
         Rutgers APC data set. Scenes of `table` show table-tops with objects of several categories, as in RGB-D Scenes.
         Scenes of `multi` show three instances of one object in clutter, as in the data set of Tejani et al.
     count
-        Number of frames to render. The scenes of the family alternate.
+        Number of frames to render. The frames show the different scenes of the family in turn.
     seed
         Seed of the random scenes. Equal seeds give equal frames.
     layout
-        Layout of the files: `folders`, `bop` or `original`. The layout `folders` has one folder for each frame, `bop`
-        is the layout of the BOP challenge, and `original` is the layout of the imitated data set.
+        Layout of the files: `folders`, `bop` or `original`. The layout `folders` has one folder for each frame. The
+        layout `bop` is that of the BOP challenge. The layout `original` is that of the imitated data set.
     out
-        Output folder. The file `rendered.json` in this folder marks the frames as rendered.
+        Output folder. The file `rendered.json` in the output folder marks the frames as rendered.
 
     """
     from spigolo.lab.synthetic.layouts import write_family

@@ -19,14 +19,14 @@ def ros(
     /camera/camera/aligned_depth_to_color/image_raw --camera-info /camera/camera/color/camera_info`.
 
     The node publishes ~/labels, ~/overlay, ~/markers, ~/cloud, ~/objects and ~/detections, and offers the service
-    ~/segment. For each point on ~/click, the node publishes the mask of the object there on ~/mask. Every field of the
-    preset is a parameter of the node.
+    ~/segment. For each point received on ~/click, the node publishes the mask of the object at this point on ~/mask.
+    Every field of the preset is a parameter of the node.
 
     Parameters
     ----------
     words
         Parameters of the node as flags, such as `--queue 5`, `--continuous false`, `--reliable false` or
-        `--partition.gamma 0.004`. Arguments after `--ros-args` go to ROS.
+        `--partition.gamma 0.004`. Arguments after `--ros-args` are passed to ROS.
     color
         Topic of the colour image. Default: `color`, which ROS can remap.
     depth

@@ -40,9 +40,10 @@ def segment(
     frames: int | None = None,
     out: Out = Path("spigolo-out"),
 ) -> int:
-    """Segment frames and write labels.png, objects.json and overlay.png for each.
+    """Segment frames and write labels.png, objects.json and overlay.png for each frame.
 
-    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED, because OpenCV otherwise returns 8 bits, all 0.
+    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED. Otherwise OpenCV converts the labels to 8 bits,
+    and all labels below 256 become 0.
 
     Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
     kinect-v1 --preset TABLE --partition.gamma 0.004`.
@@ -51,32 +52,33 @@ def segment(
     ----------
     inputs
         Colour image and depth image of one size, several such pairs, or folders. A folder holds rgb.png and depth.png,
-        subfolders with these, or the folders rgb/ and depth/ with equally named files. A ROS bag (.bag, .db3, .mcap),
-        a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the preset is also a flag:
-        `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
+        subfolders that each hold rgb.png and depth.png, or the folders rgb/ and depth/ with equally named files. A ROS
+        bag (.bag, .db3, .mcap), a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the
+        preset is also a flag: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
-        Intrinsics: a file (JSON, YAML, a 3x3 matrix as .txt, .npy or .mat, COLMAP's cameras.txt), four numbers
-        fx,fy,cx,cy such as 927.2,927.4,651.3,349.6, a camera name such as kinect-v1, or a guess of the horizontal field
-        of view such as 60deg. Default: camera.json next to the images or in a folder above them. Without intrinsics,
-        results in metres are left out.
+        Intrinsics of the camera. Give a file, four numbers fx,fy,cx,cy such as 927.2,927.4,651.3,349.6, a camera name
+        such as kinect-v1, or a guess of the horizontal field of view such as 60deg. A file is JSON, YAML, a 3x3 matrix
+        as .txt, .npy or .mat, or COLMAP's cameras.txt. Default: camera.json next to the images or in a folder above
+        them. Without intrinsics, results in metres are left out.
     preset
-        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's, or a TOML file.
+        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
     roi
         Region of interest in pixels: first row, first column, last row + 1, last column + 1.
     roi_mask
-        Region of interest as an image. All pixels that are not black are inside.
+        Region of interest as an image. All pixels that are not black belong to the region of interest.
     roi_box
-        Region of interest in metres in the camera's frame (X right, Y down, Z forward): low X Y Z, high X Y Z.
+        Region of interest in metres in the camera's frame (X right, Y down, Z forward): minimum X Y Z, maximum X Y Z.
     check
         Print the warnings of `spigolo doctor` for each frame.
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory, about 100 bytes for each pixel.
     ids
-        Give objects ids. An object keeps its id from frame to frame while it is in view.
+        Give objects ids. An object keeps its id from frame to frame, also if the object is not found in up to 15
+        frames.
     frames
-        Number of frames after which to stop, for cameras and recordings. Default: all.
+        Number of frames after which the program stops, for cameras and recordings. Default: all.
     out
         Output folder. With several frames, the results of each frame are in a subfolder.
 
@@ -164,8 +166,8 @@ def trace(
     Parameters
     ----------
     inputs
-        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`. Fields
-        of the preset are flags too.
+        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`. Any
+        field of the preset is also a flag.
     camera
         Intrinsics, as for `segment`.
     preset
@@ -175,7 +177,7 @@ def trace(
     stages
         Also write the output array of each stage to stages/NAME.npy.
     max_pixels
-        Maximum number of pixels of an image. A larger limit requires more memory.
+        Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     index
         Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
     out
@@ -208,9 +210,9 @@ def doctor(
     max_pixels: int = MAX_PIXELS,
     index: int | None = None,
 ) -> int:
-    """Check a frame: units, alignment, intrinsics, missing depth, and which cost function fits.
+    """Check a frame: units, alignment, intrinsics, missing depth, and the choice of the cost function.
 
-    Exit code 1 if there is a warning. Example: `spigolo doctor rgb.png depth.png --camera camera.json`.
+    The exit code is 1 if a check gives a warning. Example: `spigolo doctor rgb.png depth.png --camera camera.json`.
 
     Parameters
     ----------
@@ -221,7 +223,7 @@ def doctor(
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
     max_pixels
-        Maximum number of pixels of an image. A larger limit requires more memory.
+        Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     index
         Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
 

@@ -30,7 +30,7 @@ regions.
 
 
 def progress(source: Source, what: str) -> Iterable[Frame]:
-    """Return an iterator over the frames of a source that shows a progress bar on the error stream."""
+    """Return the frames of a source as an iterator that shows a progress bar on the error stream."""
     console, total = Console(stderr=True), source.count
     return track(source, description=what, total=total, console=console, disable=not sys.stderr.isatty())
 
@@ -100,7 +100,7 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
 def warn_of(diagnosis: Diagnosis, name: str) -> None:
     """Print the warnings of a frame's diagnosis on the error stream.
 
-    Missing intrinsics are left out, because `print_result` reports them.
+    The warning about missing intrinsics is not printed, because `print_result` reports missing intrinsics.
     """
     from spigolo.doctor.findings import INTRINSICS
 

@@ -22,7 +22,7 @@ def tune(
 ) -> int:
     """Open a web page to tune a preset interactively, with a slider for each parameter, the masks and the point cloud.
 
-    This verb requires `pip install "spigolo[tune]"`. Ctrl-C stops the program. Example: `spigolo tune recordings/
+    This command requires `pip install "spigolo[tune]"`. Ctrl-C stops the program. Example: `spigolo tune recordings/
     --camera kinect-v1`.
 
     Parameters

@@ -62,14 +62,14 @@ app.command(compare, group=MEASURING, sort_key=9)
 def presets(name: str | None = None, *, toml: bool = False) -> int:
     """List the presets, or list every field of one preset with its value and meaning.
 
-    Any field of a preset is also a flag of `spigolo segment`, `trace`, `evaluate` and `fit`.
+    Any field of a preset is also a flag of every command that has the flag `--preset` or `--presets`.
 
     Parameters
     ----------
     name
         Preset to show: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file.
     toml
-        Print the preset as a TOML file. An edited TOML file can be passed to `--preset`.
+        Print the preset in TOML format. An edited TOML file can be passed to `--preset`.
 
     """
     from spigolo.settings.fields import field_names
@@ -94,7 +94,7 @@ def presets(name: str | None = None, *, toml: bool = False) -> int:
 def warmup() -> int:
     """Compile the numerical kernels now, so that the first frame is segmented without delay.
 
-    Run this verb once when you build a container image or set up a robot.
+    Run this command once when you build a container image or set up a robot.
     """
     import time
 
@@ -113,7 +113,7 @@ def demo(*, out: Out = Path("spigolo-demo")) -> int:
     Parameters
     ----------
     out
-        Output folder. The drawn picture is demo.png in this folder.
+        Output folder. The drawn image is the file demo.png in the output folder.
 
     """
     from spigolo import pipeline

@@ -1,4 +1,4 @@
-"""Check that depth is aligned with colour. Colour mostly changes where depth has a step.
+"""Check that depth is aligned with colour. At a depth step, colour usually changes too.
 
 Depth contours are the near sides of depth steps. For every shift of the contours, the colour gradient under the
 contours is averaged. In an aligned frame, the average is largest without a shift.
@@ -21,8 +21,8 @@ ALIGNMENT = "alignment"
 ELSEWHERE = "To check it, run the doctor on a frame of boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
-"""Maximum shift between depth and colour that is harmless, px. Object boundaries compare depth 5 px on both sides of an
-image edge.
+"""Maximum shift between depth and colour that is harmless, px. The detection of object boundaries samples depth 5 px
+from an image edge, on both sides of the edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
@@ -46,7 +46,7 @@ FLAT_GRADIENT = 2.0
 """Colour gradient below which differences count as noise, in grey levels per pixel."""
 MAX_GRADIENT = 3.0
 """Maximum of a colour gradient, as a multiple of the mean gradient around the pixel. The maximum limits the influence
-of single strong edges.
+of single strong image edges.
 """
 
 TURNS = {"mirrored left to right": (1,), "upside down": (0, 1), "mirrored top to bottom": (0,)}
@@ -69,13 +69,14 @@ class Fit:
 
     @property
     def is_clear(self) -> bool:
-        """Return True if the best shift is clearly better than other shifts."""
+        """Return True if the score and the peak reach their minimum values, so that the best shift is reliable."""
         return self.score >= MIN_CONTRAST and self.peak >= MIN_PEAK
 
 
 def check_alignment(color: Color, filled: DepthMap) -> Finding:
-    """Check if depth is shifted or mirrored relative to colour. filled: depth map (H, W) in metres with in-painted
-    small gaps.
+    """Check if depth is shifted or mirrored relative to colour.
+
+    filled: depth map (H, W) in metres, in which small gaps are in-painted.
     """
     contours = depth_contours(filled)
     count = count_contours(contours)
@@ -120,11 +121,11 @@ def _not_registered(fit: ScaleFit) -> Finding:
 
 
 def depth_contours(depth: DepthMap) -> Pair:
-    """Return two maps (H, W) of 0 and 1 with the near sides of depth steps along x and along y. Pixels near the image
-    border are 0.
+    """Return two maps (H, W) that are 1 on the near side of depth steps along x and along y, and 0 elsewhere. Pixels
+    near the image border are 0.
 
-    Shadows are first filled with the depth of the background. The near side of a step must be flat, so that slanted
-    surfaces have no steps.
+    Shadows are first filled with the depth of the background. The near side of a step must be flat, so that a slanted
+    surface is not taken for a step.
     """
     limit = np.maximum(np.float32(STEP_M), np.float32(STEP_PER_M) * depth * depth)
     pair = []
@@ -143,13 +144,13 @@ def depth_contours(depth: DepthMap) -> Pair:
 
 
 def count_contours(contours: Pair) -> int:
-    """Return the number of contour pixels in both maps."""
+    """Return the number of contour pixels in the map along x plus the number in the map along y."""
     return int(contours[0].sum() + contours[1].sum())
 
 
 def color_gradients(color: Color) -> Pair:
     """Return colour gradients (H, W) along x and along y, divided by the mean gradient around each pixel, with mean 0.
-    Each pixel uses the channel that changes most.
+    At each pixel, the colour channel with the largest gradient is used.
     """
     smooth = cv2.GaussianBlur(color, (0, 0), GRADIENT_SIGMA_PX)
     along_x, along_y = (

@@ -1,7 +1,7 @@
 """Check that the intrinsics are plausible for the camera of a frame.
 
-With a wrong focal length, planes stay planar, but right angles change. Most objects on a table have upright sides. The
-check therefore searches the focal length with which most surfaces are upright.
+With a wrong focal length, planes stay planar, but the angles between planes change. Most objects on a table have
+upright sides. The check therefore searches for the focal length at which the largest number of surfaces is upright.
 """
 
 from __future__ import annotations
@@ -43,24 +43,24 @@ range is ignored.
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
 """Factors by which the focal length is multiplied in the search."""
 RIGHT_WITHIN = 1.25
-"""Maximum factor on the focal length that is accepted as correct, because slightly slanted surfaces change the
-factor.
+"""Maximum ratio of the estimated to the given focal length, or the inverse ratio, at which the given focal length is
+accepted. Slightly slanted surfaces make the estimate inaccurate.
 """
 MIN_TILT_DEG = 20.0
-"""Minimum angle between the viewing direction and the normal of the support plane, degrees. Seen from above, upright
-sides stay upright with any focal length.
+"""Minimum angle between the viewing direction and the normal of the support plane, degrees. If the camera looks down
+along the normal, upright sides stay upright with any focal length.
 """
 UPRIGHT_COS = 0.07
-"""Maximum cosine of the angle between a surface normal and the support's normal for an upright surface, i.e. within 4
-degrees.
+"""Maximum absolute cosine of the angle between a surface normal and the support's normal, at which the surface is
+upright. The limit means a tilt of 4 degrees.
 """
 MIN_UPRIGHT = 0.05
-"""Minimum share of the surfaces that are upright with the best factor. With a smaller share, the focal length cannot be
-judged.
+"""Minimum share of the sampled surfaces outside the support plane that are upright with the best factor of `TRIED`.
+With a smaller share, the focal length cannot be judged.
 """
 CLEAR = 2.0
-"""Minimum ratio between the numbers of upright surfaces with the best factor and with the given focal length, for a
-clear result.
+"""Minimum ratio of the numbers of upright surfaces at two focal lengths. With a smaller ratio, neither focal length is
+clearly better.
 """
 SURFACES, MIN_SURFACES, SEED = 15000, 2000, 7
 FLAT_M, FLAT_PER_M = 0.002, 0.003
@@ -88,10 +88,10 @@ def check_intrinsics(camera: Camera) -> Finding:
 
 
 def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
-    """Check the focal length by the right angles in the scene. Without enough right angles, compare the focal length
+    """Check the focal length with the right angles in the scene. Without enough right angles, compare the focal length
     with known cameras.
 
-    filled: depth map (H, W) in metres with in-painted small gaps.
+    filled: depth map (H, W) in metres, in which small gaps are in-painted.
     """
     share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
     stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
@@ -120,8 +120,10 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
 
 
 def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
-    """Return the factor on the focal length with which most surfaces are upright. The factor is 1 if the given focal
-    length is about as good.
+    """Return the factor by which the focal length must be multiplied so that the largest number of surfaces is upright.
+
+    The factor is 1 if focal lengths near the given one make `CLEAR` times as many surfaces upright as other focal
+    lengths.
 
     Returns None without enough evidence: no support plane, a view from above, few upright surfaces, or no clearly best
     factor.
@@ -144,8 +146,7 @@ def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
 
 
 def count_upright(normals: Points, support: Points) -> npt.NDArray[np.intp]:
-    """Count the normals (N, 3) that are perpendicular to the support's normal (3,), for each factor on the focal
-    length.
+    """Count the normals (N, 3) that are perpendicular to the support's normal (3,), for each factor in `TRIED`.
 
     If the focal length is multiplied by t, the normal (a, b, c) of a plane becomes (t a, t b, c).
     """

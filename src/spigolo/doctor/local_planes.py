@@ -23,7 +23,7 @@ Map = npt.NDArray[np.float64]
 class LocalPlanes:
     """Planes fitted to inverse depth, as maps (H, W): slopes in 1/(m px), mean and root-mean-square residual in 1/m.
 
-    whole: True if the window of a pixel has no missing depth. The other maps are valid only there.
+    whole: True if the window of a pixel has no missing depth. The other maps are valid only where `whole` is True.
     """
 
     slope_x: Map

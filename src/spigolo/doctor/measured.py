@@ -15,13 +15,13 @@ from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 MISSING, UNIT, REACH = "missing depth", "depth unit", "reach of depth"
 
 FEW_BEYOND = 0.001
-"""Share of pixels with depth that no camera measures, above which a warning is given instead of a note."""
+"""Minimum share of pixels with depth that no camera measures, at which a warning is given instead of a note."""
 
 FEW_VALID = 0.02
 """Minimum share of measured pixels in a frame. With a smaller share, a warning is given."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
-"""Minimum share of pixels in holes of one or two pixels that is reported."""
+"""Minimum share of pixels in sampling holes, which are one or two pixels wide, that is reported."""
 
 SCALES = {
     0.001: "stored millimetres",
@@ -32,22 +32,28 @@ SCALES = {
 }
 """Common depth units of cameras and data sets, in metres per unit."""
 PLAUSIBLE = math.log(3.0)
-"""Maximum logarithm of the ratio between a median depth and `TABLE_M`, for a unit to be advised."""
+"""Maximum absolute logarithm of a ratio, here of a factor 3. A depth unit is advised only if the ratio of the median
+depth in this unit to `TABLE_M` is within the limit.
+"""
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
 """Minimum working distance of a RealSense D405, m, and its depth unit, m."""
 SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
-"""Range of plausible median depths of a frame, m."""
+"""Range of plausible median depths of a frame, m. A median depth outside the range gives a warning, or a note for a
+close-range camera.
+"""
 TABLE_M = 0.8
 """Typical distance of a table, m. The advice on a wrong depth unit assumes this median depth."""
 COARSE_UNIT_M = 0.004
-"""Depth unit from which on a warning is given, m. Cameras store depth in units of 0.1 to 1 mm, and some drivers in 2
+"""Minimum depth unit at which a warning is given, m. Cameras store depth in units of 0.1 to 1 mm, and some drivers in 2
 mm.
 """
 FINEST_TICK_M = 1e-4
 ROOM_M = 3.0
 FINE_NOISE_PER_M = 2.5e-4
-"""Minimum depth noise of a real camera per squared distance, 1/m."""
+"""Minimum depth noise of a real camera per squared distance, 1/m. If a frame with a median depth above `ROOM_M` has
+less noise, a warning about the depth unit is given.
+"""
 
 
 def check_negative(frame: Frame) -> Finding:
@@ -75,11 +81,11 @@ def check_reach(frame: Frame) -> Finding:
 
 
 def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
-    """Report the share of missing depth at the image border, in large gaps, in small gaps and in a grid of sampling
-    holes.
+    """Report the share of missing depth at the image border, in large gaps and in small gaps, and the share of sampling
+    holes. Sampling holes are at most two pixels wide and form a grid if depth was registered to a larger colour image.
 
-    filled: depth map (H, W) in metres with in-painted small gaps. Otherwise, a grid of holes would connect all gaps
-    with the border.
+    filled: depth map (H, W) in metres, in which small gaps are in-painted. Without in-painting, sampling holes would
+    connect all gaps with the image border.
     """
     missing = missing_mask(depth)
     share = float(missing.mean())
@@ -106,7 +112,7 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
 def check_unit(frame: Frame, filled: DepthMap) -> Finding:
     """Check that depth is in metres, by the median depth, the stored unit and the noise.
 
-    filled: depth map (H, W) in metres with in-painted small gaps, on which the noise is measured.
+    filled: depth map (H, W) in metres, in which small gaps are in-painted. The noise is measured in this map.
     """
     depth = frame.depth
     median = float(np.median(depth[depth > 0]))
@@ -170,10 +176,10 @@ def sees_close(frame: Frame) -> bool:
 
 
 def stored_unit_m(depth: DepthMap) -> float:
-    """Return the largest unit of which all depths are whole multiples, in metres, at least 0.1 mm.
+    """Return the largest unit, in metres, of which all depths are whole multiples. The unit is at least 0.1 mm.
 
-    If millimetres were multiplied by ten by mistake, the unit is 10 mm, which no camera uses. Floating-point depth has
-    a unit of 0.1 mm.
+    If millimetres were multiplied by ten by mistake, the unit is 10 mm, which no camera uses. The result is 0.1 mm for
+    most floating-point depth, and for depth with fewer than 20 different values.
     """
     ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
     return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M

@@ -16,12 +16,13 @@ PLANARITY = "depth along Z"
 NEAR_M, NEAR_PER_M = 0.004, 0.003
 """Maximum distance of a pixel from a plane, to count as on the plane: max(NEAR_M, NEAR_PER_M * distance^2), m."""
 MORE = 1.15
-"""Minimum ratio of pixel counts on the largest plane, for a warning: depth read as distance along the ray, divided by
-depth read as Z.
+"""Minimum ratio for a warning that depth is the distance along the ray. The number of pixels on the largest plane with
+depth read as distance is divided by the number with depth read as Z.
 """
 MORE_RAW, MIN_RAW = 1.5, 0.3
-"""Limits for a warning that depth is raw disparity: minimum ratio of pixel counts on the largest plane, and minimum
-share of pixels on this plane.
+"""Limits for a warning that depth is raw disparity. MORE_RAW: minimum ratio of the number of pixels on the largest
+plane with depth read as disparity to the number with depth read as Z. MIN_RAW: minimum share of the measured pixels on
+this plane.
 """
 MIN_SHARE = 0.12
 """Minimum share of the measured pixels on the largest plane. With a smaller share, the check has not enough
@@ -36,7 +37,7 @@ LARGEST_RAW_M = 2.047
 def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
     """Check if planes become flat when depth is read as distance along the ray, or as raw disparity of a Kinect v1.
 
-    filled: depth map (H, W) in metres with in-painted small gaps.
+    filled: depth map (H, W) in metres, in which small gaps are in-painted.
     """
     as_z = _on_plane(filled, camera)
     as_ray = _on_plane(along_z(filled, camera), camera)

@@ -1,5 +1,5 @@
-"""Detection of depth that is not registered to colour: depth contours fit the colour edges after scaling about the
-image centre.
+"""Detection of depth that is not registered to colour. In this case, depth contours fit the image edges only after
+scaling about the image centre.
 
 The scale differs from 1 because the focal lengths of the depth and the colour camera differ.
 """
@@ -17,25 +17,25 @@ Pair = tuple[Map, Map]
 """Two maps (H, W): vertical edges, which are compared along x, and horizontal edges, which are compared along y."""
 
 WIDTH_PX = 320
-"""Width of the reduced images that are compared, px."""
+"""Width of the downscaled images that are compared, px."""
 SEARCH_PX = 20
-"""Maximum shift in x and y that is tried with each scale, px of the reduced images. The distance between both cameras
-causes a shift.
+"""Maximum shift in x and y that is tried with each scale, in pixels of the downscaled images. The distance between the
+depth camera and the colour camera causes a shift.
 """
 TRIED = np.exp(np.arange(np.log(0.86), np.log(1.9), 0.04))
 """Scales that are tried. A scale is the focal length of the colour camera divided by the focal length of the depth
 camera.
 """
 MIN_SCORE, MAX_UNSCALED = 0.1, 0.82
-"""Minimum score of the best scale, and maximum ratio of the best unscaled score to the best score, for a clear
-result.
+"""Conditions for a clear result. MIN_SCORE: minimum of `ScaleFit.score`. MAX_UNSCALED: maximum of `ScaleFit.unscaled` /
+`ScaleFit.score`.
 """
 MIN_EVIDENCE, UNSCALED_COSTS = 2.45, 4.0
-"""Minimum of peak - UNSCALED_COSTS * ratio for a clear result. The ratio is the best unscaled score divided by the best
-score.
+"""Minimum of `ScaleFit.peak` - UNSCALED_COSTS * ratio for a clear result, where ratio is `ScaleFit.unscaled` /
+`ScaleFit.score`.
 """
 SAME = 0.07
-"""Maximum absolute logarithm of a scale that counts as unscaled."""
+"""Maximum absolute logarithm of a scale that counts as 1, which means unscaled."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ class ScaleFit:
 
     @property
     def is_clear(self) -> bool:
-        """Return True if the best scale fits much better than the unscaled contours and than other scales."""
+        """Return True if the best scale fits much better than the scale 1 and all other scales."""
         share = self.unscaled / max(self.score, MIN_SCORE)
         evident = self.peak - UNSCALED_COSTS * share >= MIN_EVIDENCE
         return self.score >= MIN_SCORE and share < MAX_UNSCALED and evident
@@ -103,8 +103,8 @@ def _scores(
 def _drawn(
     y: npt.NDArray[np.intp], x: npt.NDArray[np.intp], scale: float, shape: tuple[int, int], size: tuple[int, int]
 ) -> npt.NDArray[np.float32]:
-    """Scale contour pixels about the image centre, and return the number of contour pixels at each pixel of a reduced
-    image.
+    """Scale contour pixels about the image centre, and return the number of contour pixels at each pixel of a
+    downscaled image.
     """
     height, width = shape
     u = ((x - (width - 1) / 2) * scale / width + 0.5) * size[0]

@@ -15,16 +15,16 @@ STEPS = "depth steps"
 TICK_M = 1e-4
 """Resolution to which depth values are rounded, m."""
 GAP_PER_M = 4e-3
-"""Half the width of the window around a depth value per squared distance, 1/m. Steps of a Kinect v1 are 2.9e-3, and
-steps of whole-pixel disparity at least 1.6e-2.
+"""Half the width of the window around a depth value per squared distance, 1/m. Depth steps per squared distance are
+2.9e-3 1/m for a Kinect v1, and at least 1.6e-2 1/m for whole-pixel disparity.
 """
 GAP_UNITS = 2.5
-"""Minimum of half the width of the window around a depth value, in units of the stored depth. Steps of one unit are
-therefore not reported.
+"""Minimum of half the width of the window around a depth value, in units of the stored depth. The window then contains
+the neighbouring values at one unit, so that steps of one unit are not reported.
 """
 ALONE = 0.8
-"""Minimum ratio of pixels with equal depth to pixels with similar depth, at which depth is reported as coarse (median
-over all pixels).
+"""Minimum share, at which depth is reported as coarse. For each pixel, the number of pixels with equal depth is divided
+by the number of pixels in the window around this depth. The share is the median over all pixels.
 """
 FEWEST = 8
 """Minimum number of different depth values in a frame. With fewer values, the check has not enough evidence."""
@@ -104,7 +104,9 @@ def _alone(levels: Levels) -> float:
 
 
 def _gap_m(levels: Levels, middle: int) -> float:
-    """Return the mean difference between frequent depth values next to the value at index `middle`, m."""
+    """Return the mean difference, m, between the depth value at index `middle` and its neighbours among the frequent
+    depth values, which occur at least 0.1 times as often.
+    """
     common = np.nonzero(levels.counts >= 0.1 * levels.counts[middle])[0]
     place = int(np.searchsorted(common, middle))
     near = levels.ticks[common[max(place - 1, 0) : place + 2]]

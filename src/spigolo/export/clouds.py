@@ -43,7 +43,8 @@ def ply(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> 
     """Write a point cloud `object_N.ply` for each object N and return the paths. Raises CameraError without
     intrinsics.
 
-    trim_m: leave out flying pixels, as `points_m` does.
+    trim_m: maximum distance of a point outside the oriented box, in metres, as for `points_m`. Points farther outside
+    are left out.
     """
     return [
         _write(Path(folder) / f"object_{o.label}.ply", PLY_HEADER, o, _records(points, PLY_POINT, colors))
@@ -55,7 +56,8 @@ def pcd(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> 
     """Write a point cloud `object_N.pcd` for each object N and return the paths. Raises CameraError without
     intrinsics.
 
-    trim_m: leave out flying pixels, as `points_m` does.
+    trim_m: maximum distance of a point outside the oriented box, in metres, as for `points_m`. Points farther outside
+    are left out.
     """
     shifts = np.array([16, 8, 0], np.uint32)
     return [

@@ -33,6 +33,8 @@ def yolo(result: Segmentation, path: PathLike) -> None:
 
 
 def _outline(o: ObjectMask) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the largest outline (N, 2) of an object in pixels (x, y), where 0 is the left or upper image border."""
+    """Return the largest outline (N, 2) of an object in pixels (x, y). The left end of the image is x = 0, and the
+    upper end is y = 0.
+    """
     found, _ = cv2.findContours(o.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     return np.asarray(max(found, key=cv2.contourArea)[:, 0], np.float64) + 0.5

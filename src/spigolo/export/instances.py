@@ -56,7 +56,7 @@ def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -
     Scene and image numbers are taken from the frame's name "SCENE/IMAGE". The field `time` is -1, which means not
     measured.
 
-    category_id: category number of all objects. Raises FrameError if a frame's name has another form.
+    category_id: category number of all objects. Raises FrameError if a frame's name does not have the form SCENE/IMAGE.
     """
     records = []
     for result in results:
@@ -83,7 +83,9 @@ def box_xywh(o: ObjectMask) -> list[int]:
 
 
 def run_lengths(mask: Mask) -> dict[str, Any]:
-    """Return COCO's uncompressed run lengths of a mask (H, W), column by column. The first run is outside the mask."""
+    """Return COCO's uncompressed run lengths of a mask (H, W), column by column. The first run counts pixels outside
+    the mask.
+    """
     flat = np.concatenate([[False], mask.ravel(order="F"), [False]])
     if flat.size == 2:
         return {"size": list(mask.shape), "counts": []}

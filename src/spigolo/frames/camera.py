@@ -38,8 +38,8 @@ FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Camera:
-    """Pinhole intrinsics of the colour image, to which depth is registered, in pixels. Raises CameraError for invalid
-    values.
+    """Pinhole intrinsics in pixels of the colour camera, to whose image the depth map is registered. Raises CameraError
+    for invalid values.
     """
 
     fx: float
@@ -47,9 +47,9 @@ class Camera:
     fy: float
     """Focal length in y, px."""
     cx: float
-    """Principal point in x, px. The centre of the first pixel is 0."""
+    """Principal point in x, px. The centre of the first pixel has the coordinate 0."""
     cy: float
-    """Principal point in y, px. The centre of the first pixel is 0."""
+    """Principal point in y, px. The centre of the first pixel has the coordinate 0."""
     width: int
     """Image width, px."""
     height: int
@@ -106,7 +106,7 @@ class Camera:
     ) -> Camera:
         """Return the camera with a given field of view, in degrees, and the principal point in the image centre.
 
-        If only one of the two angles is given, fx and fy are equal. Raises CameraError.
+        If only the horizontal or only the vertical angle is given, fx and fy are equal. Raises CameraError.
         """
         given = [angle for angle in (horizontal_deg, vertical_deg) if angle is not None]
         if not given or not all(0 < angle < 180 for angle in given):
@@ -123,8 +123,8 @@ class Camera:
     def named(cls, name: str, width: int | None = None, height: int | None = None) -> Camera:
         """Return the nominal intrinsics of a camera model such as "kinect-v1", or of a field of view such as "60deg".
 
-        Nominal intrinsics refer to the colour image. Nominal intrinsics differ from the calibrated intrinsics of a
-        single camera by one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for
+        Nominal intrinsics refer to the colour image. Nominal intrinsics differ from the calibrated intrinsics of an
+        individual camera by one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for
         accurate positions.
 
         width, height: image size in pixels. The default is the size of the camera model's colour image, or 640x480 for
@@ -242,7 +242,7 @@ def _whole_number(name: str, value: Any) -> int:
 
 
 def shortened(value: Any) -> str:
-    """Return a text of at most 60 characters that represents a value in error messages."""
+    """Return a string of at most 60 characters that represents a value in error messages."""
     text = repr(value).replace("\n", " ")
     return text if len(text) <= 60 else f"{text[:57]}..."
 

@@ -29,7 +29,7 @@ NAMES = (
     "intrinsics.yml", "camera.txt", "cam_K.txt", "camK.txt", "camera-intrinsics.txt", "camera_intrinsics.txt",
     "intrinsics.txt", "intrinsic.txt", "cam_K.npy", "camK.npy", "K.txt", "K.npy", "cameras.txt", "scene_camera.json",
 )  # fmt: skip
-"""Names of camera files that are looked for next to the images. The first existing file is used."""
+"""Names of the camera files that are searched for next to the images. The first existing file is used."""
 FORMS = (
     "JSON or YAML with fx, fy, cx, cy or a matrix K, a 3x3 matrix as .txt, .npy or .mat, or COLMAP's cameras.txt: write"
     ' {"K": [9 numbers, row by row]} as JSON'
@@ -204,8 +204,8 @@ def _mat(path: PathLike) -> Mapping[str, Any]:
 
 
 def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
-    """Return named arrays as the fields of a camera. The name of a matrix is ignored if no other array can be the
-    matrix.
+    """Return named arrays as the fields of a camera. If no array has a known name, the only array with 4, 9, 12 or 16
+    numbers is the camera matrix.
     """
     lower = {name.lower(): name for name in MATRIX_NAMES}
     named = {lower.get(name.lower(), name): value for name, value in arrays.items()}

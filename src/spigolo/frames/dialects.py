@@ -13,7 +13,7 @@ INTRINSICS = (
     "fx", "fl_x", "FX", "K", "k", "camera_matrix", "cam_K", "intrinsic_matrix", "cameraMatrix", "mtx", "P", "p",
     "projection_matrix",
 )  # fmt: skip
-"""Names of fields that identify a mapping as a camera."""
+"""Names of fields that contain intrinsics. A dict with such a field describes a camera."""
 ATTRIBUTES = (
     "fx", "fy", "cx", "cy", "ppx", "ppy", "k", "K", "p", "P", "intrinsic_matrix", "width", "height", "d", "D", "coeffs",
     "model", "distortion_model", "roi", "binning_x", "binning_y", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",
@@ -23,7 +23,7 @@ ATTRIBUTES = (
 COLOR_NAMES = ("color", "colour", "rgb", "color_intrinsics", "rgb_intrinsics", "color_camera", "rgb_camera")
 PREFIXES = ("Camera.", "Camera1.", "camera.")
 SHARED = ("depth_scale", "factor_depth", "width", "height")
-"""Names of camera fields that may lie outside the mapping with the intrinsics."""
+"""Names of camera fields that may lie outside the dict that contains the intrinsics."""
 
 
 def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:

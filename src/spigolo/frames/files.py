@@ -55,14 +55,15 @@ def read_frame(
     name: str | None = None,
     max_pixels: int = MAX_PIXELS,
 ) -> Frame:
-    """Read a frame from a colour image, a depth image and a camera file. Depth is a 16-bit PNG or an array file.
+    """Read a frame from a colour image, a depth image and a camera file. The depth image is a lossless image, such as a
+    16-bit PNG, or an array file.
 
     - camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
       string is a file name if the file exists or the string has the suffix of a camera file. Otherwise the string is a
       camera name.
     - depth_scale: metres per stored unit, 0.001 for millimetres. If depth_scale is None, integer depth is multiplied by
       the depth_scale of the camera (file or dictionary), and floating-point depth is in metres.
-    - name: name of the frame. None: name of the colour file.
+    - name: name of the frame. If `name` is None, the frame gets the name of the colour file without suffix.
 
     One .npz file may contain colour, depth and camera. Raises FileError, CameraError or FrameError.
     """
@@ -110,8 +111,8 @@ def _camera_and_fields(
 
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
-    """Return the depth_scale in the fields of a camera file or mapping. None without a depth_scale. Raises CameraError
-    for an invalid value.
+    """Return the depth_scale in the fields of a camera file or dict. None without a depth_scale. Raises CameraError for
+    an invalid value.
     """
     is_file = isinstance(camera, str | os.PathLike)
     try:

@@ -28,19 +28,20 @@ Mask = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, slots=True, eq=False, init=False, repr=False)
 class Frame:
-    """Colour image with a registered depth map and a camera. A frame owns contiguous copies of both images.
+    """Colour image with a registered depth map and a camera. A frame owns contiguous copies of the colour image and the
+    depth map.
 
     Depth of 0 means missing depth. NaN, infinite, negative and masked depth, depth above 50 m, and the largest value of
-    an integer type count as missing. If the camera has distortion, both images are undistorted when the frame is
-    created.
+    an integer type count as missing. If the camera has distortion, the colour image and the depth map are undistorted
+    when the frame is created.
 
     - color: (H, W, 3) uint8 RGB.
     - depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
     - depth_scale: metres per unit of integer depth, which may also be a field of `camera`.
     - camera: any form that `as_camera` accepts, or None without intrinsics.
 
-    Raises FrameError if both images do not have the same size or have more than `max_pixels` pixels. Raises CameraError
-    for an invalid camera.
+    Raises FrameError if the colour image and the depth map differ in size, or have more than `max_pixels` pixels.
+    Raises CameraError for an invalid camera.
     """
 
     color: Color
@@ -48,7 +49,7 @@ class Frame:
     depth: DepthMap
     """Depth map (H, W) float32 in metres, 0 where missing."""
     camera: Camera | None
-    """Intrinsics of both images, without distortion. None if the intrinsics are unknown."""
+    """Intrinsics of the colour image and the depth map, without distortion. None if the intrinsics are unknown."""
     name: str = ""
     """Name of the frame, used in messages and file names."""
     stamp_ns: int | None = None
@@ -58,8 +59,8 @@ class Frame:
     unit_m: float | None = field(init=False, default=None)
     """Metres per unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
-    """Description of positive depth values beyond the range of cameras, which count as missing. None if all values are
-    plausible.
+    """Description of positive depth values beyond the range of cameras, which count as missing. None if all depth
+    values are plausible.
     """
     undistorted: bool = field(init=False, default=False)
     """True if the images were undistorted. Results then match `Frame.color`, not the original image."""
@@ -98,7 +99,7 @@ class Frame:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Size (H, W) of both images in pixels."""
+        """Size (H, W) of the colour image and the depth map in pixels."""
         return self.depth.shape[0], self.depth.shape[1]
 
     def __repr__(self) -> str:

@@ -87,7 +87,7 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXELS) -> None:
-    """Raise FrameError if the colour file contains depth, so that both files are probably swapped."""
+    """Raise FrameError if the colour file contains depth, because the two files are then probably swapped."""
     is_array = Path(color).suffix.lower() in ARRAYS
     stored = read_depth(color) if is_array else decode(color, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2 and stored.dtype != np.uint8:
@@ -118,8 +118,8 @@ def read_mask(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.bo
 
 
 def decode(path: PathLike, flags: int, max_pixels: int = MAX_PIXELS) -> Image:
-    """Read the pixels of an image file. Raises FileError, or FrameError if the image has more than max_pixels
-    pixels.
+    """Read the pixels of an image file. Raises FileError if the file cannot be decoded. Raises FrameError if the image
+    has more than max_pixels pixels.
     """
     return decode_bytes(read_bytes(path), flags, path, max_pixels)
 

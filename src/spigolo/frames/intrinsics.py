@@ -63,7 +63,7 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
     - a Camera, which is returned unchanged
     - a matrix K (3, 3), nine numbers of K row by row, a matrix P (3, 4), or (fx, fy, cx, cy), also as text
     - a name of a camera model or a field of view, as in `Camera.named`
-    - a mapping as in `camera_from_mapping`, or a camera object of pyrealsense2, ROS or Open3D
+    - a dict of the fields that `camera_from_mapping` lists, or a camera object of pyrealsense2, ROS or Open3D
 
     Raises CameraError.
     """
@@ -88,9 +88,7 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
 
 
 def fields_of(value: object) -> Mapping[str, Any] | None:
-    """Return the camera fields of a mapping, or the attributes of a driver's object as a mapping, or None for
-    numbers.
-    """
+    """Return the camera fields of a dict or of a driver's object, or None for numbers."""
     if isinstance(value, Mapping):
         return value
     if isinstance(value, Sequence | np.ndarray) or is_number(value):

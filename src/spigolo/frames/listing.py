@@ -36,7 +36,9 @@ def listed(folder: Path, pattern: str = "*") -> list[Path]:
 
 
 def best_of_each(paths: Iterable[Path]) -> Iterator[Path]:
-    """Yield one file for each name without suffix. A lossless image is preferred to a lossy image."""
+    """Yield one file of each group of files whose names differ only in the suffix. A lossless image is preferred to a
+    lossy image.
+    """
     best: dict[str, Path] = {}
     for path in paths:
         known = best.setdefault(path.stem, path)

@@ -1,7 +1,7 @@
 """Nominal intrinsics of common camera models, and the sources of these values.
 
-The intrinsics of a single camera differ from nominal intrinsics by one or two per cent. Use nominal intrinsics for a
-first test, and calibrate the camera for accurate positions.
+The intrinsics of an individual camera differ from nominal intrinsics by one or two per cent. Use nominal intrinsics for
+a first test, and calibrate the camera for accurate positions.
 """
 
 from __future__ import annotations

@@ -15,9 +15,10 @@ NEAREST_M, FARTHEST_M = 1e-6, 1e8
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
-LEAST_WITHIN: number of pixels within REACH_M per pixel beyond REACH_M. With fewer, the unit is wrong. MOST_EQUAL: if a
-larger share of the pixels beyond REACH_M has the same value, the value stands for missing depth and the unit is right.
-Depth in a wrong unit is kept, so that a message can suggest the unit.
+LEAST_WITHIN: the unit is wrong if the number of pixels within REACH_M, divided by the number beyond REACH_M, is at most
+this limit. MOST_EQUAL: if this share of the pixels beyond REACH_M has the same value, the value stands for missing
+depth. Without such a value, the unit is wrong if more pixels lie beyond REACH_M than within. Depth in a wrong unit is
+kept, so that a message can suggest the unit.
 """
 LARGEST_UINT16 = 65535
 """Value that means missing depth in 16-bit files, and in wider integer types that were converted from 16 bits."""
@@ -28,8 +29,8 @@ class OutOfReach:
     """Description of positive depth values that no camera measures. Such values count as missing.
 
     - value: the most frequent implausible depth value, as stored.
-    - pixels: number of pixels with implausible depth.
-    - share: share of the frame with implausible depth.
+    - pixels: number of pixels with this value.
+    - share: share of the frame with this value.
     - kind: name of the integer type whose largest value is `value`, or "" if `value` is a distance beyond REACH_M.
     """
 

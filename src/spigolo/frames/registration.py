@@ -17,8 +17,8 @@ STEP_SHARE = 0.03
 """The minimum depth difference of a depth step is max(STEP_M, STEP_SHARE Z) metres at the depth Z."""
 ROTATION_TOLERANCE = 1e-3
 FARTHEST_M = 10.0
-"""Maximum distance between depth camera and colour camera in metres. A longer translation is probably in
-millimetres.
+"""Maximum distance between depth camera and colour camera in metres. A longer translation is probably in millimetres
+and is rejected.
 """
 
 
@@ -32,12 +32,13 @@ def register_depth(
 ) -> DepthMap:
     """Return the depth map (H, W) of the colour camera, float32 in metres, 0 where depth is unknown.
 
-    Small squares of surface are mapped instead of points, so that surfaces have no holes in a larger colour image.
-    If surfaces overlap in the image, the nearest surface is kept. No surface is drawn across a depth step.
+    Each square of four neighbouring depth pixels is drawn as a surface, so that surfaces have no holes in a larger
+    colour image. If surfaces overlap in the image, the nearest surface is kept. No surface is drawn across a depth
+    step.
 
     - depth: depth map (h, w) of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
-    - depth_camera: depth is undistorted first if this camera has distortion.
-    - color_camera: must have no distortion.
+    - depth_camera: intrinsics of the depth camera. If this camera has distortion, the depth map is undistorted first.
+    - color_camera: intrinsics of the colour camera, which must have no distortion.
     - T_color_depth: transform (4, 4) from the depth camera's frame to the colour camera's frame, translation in metres.
 
     Raises FrameError or CameraError.

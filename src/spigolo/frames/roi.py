@@ -15,7 +15,9 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.registration import rigid_transform
 
 FARTHEST_M = 100.0
-"""Maximum distance between camera and robot base in metres. A longer translation is probably in millimetres."""
+"""Maximum distance between camera and robot base in metres. A longer translation is probably in millimetres and is
+rejected.
+"""
 LEAST_INSIDE = 0.5
 """Minimum share of a region's pixels that lie inside the region of interest. Regions with a smaller share are
 rejected.
@@ -67,9 +69,12 @@ def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
-    """Return the mask (H, W) of pixels inside a region of interest, and the mask (H, W) of pixels that can be judged.
+    """Return the mask (H, W) of pixels inside a region of interest, and the mask (H, W) of pixels whose position is
+    known.
 
-    All pixels can be judged, except for a box in metres, where only pixels with depth can be judged.
+    For a mask or a pixel box, the position of all pixels is known. For a box in metres, only the position of pixels
+    with depth is known. The share of a region inside the region of interest is computed from pixels with known
+    position.
     """
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):

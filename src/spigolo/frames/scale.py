@@ -12,7 +12,7 @@ from spigolo.frames.camera import is_number, shortened
 from spigolo.frames.dialects import own_fields
 
 LARGEST_SCALE_M = 0.02
-"""Maximum depth scale in metres per unit. A larger scale is probably in another unit."""
+"""Maximum depth scale in metres per unit. A larger `depth_scale` is probably in another unit and is rejected."""
 UNITS_PER_METRE = ("DepthMapFactor", "RGBD.DepthMapFactor")
 """Names of depth-scale fields in units per metre, as used in ORB-SLAM."""
 SIMILAR = (

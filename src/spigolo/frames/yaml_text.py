@@ -15,7 +15,7 @@ NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)")
 
 
 def parse_yaml(text: str) -> Any:
-    """Return the content of the first document of a YAML text. OpenCV matrices become mappings of their fields.
+    """Return the content of the first document of a YAML text. Each OpenCV matrix becomes a dict of its fields.
 
     This function replaces OpenCV's reader, which may crash the process on a damaged file. Raises ValueError for invalid
     YAML, and for aliases that repeat too many values or contain themselves.

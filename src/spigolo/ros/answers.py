@@ -49,7 +49,7 @@ def mask_image(kinds: Kinds, header: Any, found: ObjectMask) -> Any:
 
 
 def object_clouds(kinds: Kinds, header: Any, result: Segmentation) -> Iterator[Any]:
-    """Yield a PointCloud2 for each object in the order of labels, or nothing without intrinsics."""
+    """Yield a PointCloud2 for each object in the order of labels. Without intrinsics, no message is yielded."""
     for records in _records(result):
         yield fill_cloud(kinds.sensor.PointCloud2(), kinds.sensor.PointField, header, records)
 

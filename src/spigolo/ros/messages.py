@@ -1,7 +1,7 @@
 """Conversion of NumPy arrays to ROS messages without cv_bridge.
 
-This module does not import ROS, so that the caller must create each message before a function fills the message. The
-module `sources.ros_images` converts ROS messages to NumPy arrays.
+This module does not import ROS. The caller therefore creates an empty message, and a function of this module fills the
+message. The module `sources.ros_images` converts ROS messages to NumPy arrays.
 """
 
 from __future__ import annotations

@@ -169,7 +169,7 @@ class SpigoloNode:
         return answer if fresh and answer is not None else self._segment(pair)
 
     def _lacking(self) -> str:
-        """Return a text that names the topics without messages."""
+        """Return a sentence that names the topics without messages."""
         silent = [self.node.resolve_topic_name(name) for name, count in self._received.items() if not count]
         return f"no message on {', '.join(silent)}" if silent else "no pair of colour and depth within the tolerance"
 
@@ -184,8 +184,8 @@ class SpigoloNode:
         return response
 
     def _on_click(self, message: Any) -> None:
-        """Publish the mask of the object at the pixel of a click. The message holds x to the right and y down in
-        pixels.
+        """Publish the mask of the object at the pixel of a click. The fields x (to the right) and y (down) of the
+        message are pixel coordinates.
         """
         found = self._current()
         if isinstance(found, str):
@@ -237,7 +237,7 @@ def run(overrides: Mapping[str, Any], ros_args: Sequence[str]) -> None:
     - overrides: values of node parameters, indexed by name.
     - ros_args: arguments for ROS such as remappings.
 
-    Raises SpigoloError if rclpy is missing or a parameter is wrong.
+    Raises SpigoloError if rclpy is missing or a parameter has an invalid value.
     """
     kinds = find_kinds()
     rclpy = kinds.rclpy

@@ -1,4 +1,4 @@
-"""Pairs of colour and depth messages with the same time stamp, and a queue of pairs."""
+"""Pairs of colour and depth messages with nearly the same time stamp, and a queue of pairs."""
 
 from __future__ import annotations
 

@@ -45,8 +45,8 @@ class Options(Settings):
     order of their scores. Ids restart at 1 when this parameter changes.
     """
     queue: Annotated[int, Field(ge=1, le=1000)] = 1
-    """Maximum number of pairs of images that wait for segmentation. 1 keeps only the newest pair, for the shortest
-    delay. Read-only.
+    """Maximum number of pairs of images that wait for segmentation. The value 1 keeps only the newest pair, which gives
+    the shortest delay. Read-only.
     """
     reliable: bool = True
     """Subscribe with the quality of service RELIABLE. Set false for drivers that publish with BEST_EFFORT. Read-only.
@@ -96,7 +96,7 @@ def _stored(state: State, name: str) -> Any:
 def changed(state: State, changes: Mapping[str, Any]) -> State:
     """Return the values of all parameters after some parameters were changed. A change of the preset is applied first.
 
-    changes: new values, indexed by parameter name. Raises ConfigError for a wrong name or value.
+    changes: new values, indexed by parameter name. Raises ConfigError for an unknown name or an invalid value.
     """
     known = descriptions(state.config)
     unknown = next((name for name in changes if name not in known), None)
@@ -164,7 +164,9 @@ class NodeParameters:
         return answer(successful=True)
 
     def _store(self, names: set[str]) -> None:
-        """Write values that changed together with other parameters, such as the preset, to the parameters in ROS."""
+        """Write the current values of the given parameters to ROS. For example, a new preset changes the values of
+        other parameters.
+        """
         values = values_of(self.state)
         kind = self._kinds.rclpy.parameter.Parameter
         self._syncing = True

@@ -26,7 +26,7 @@ class Stamped(NamedTuple):
     number: int
     """Number of the message in its topic, from 0."""
     written_ns: int
-    """Time at which the recorder wrote the message, ns. Messages in a bag are searched by the time of writing."""
+    """Time at which the recorder wrote the message, ns. This time is used to find the message in the bag."""
 
 
 class Decoder:
@@ -44,7 +44,9 @@ class Decoder:
             raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
 
     def first(self, connections: Sequence[Any]) -> Any:
-        """Return the first readable message of the connections, or None."""
+        """Return the first readable message of the rosbags connections, or None. A connection is a topic with its
+        message type.
+        """
         with suppress(Exception):  # errors in the file are reported by the first pass over all stamps
             for connection, _, data in self._reader.messages(connections=connections) if connections else ():
                 with suppress(FrameError):
@@ -52,8 +54,8 @@ class Decoder:
         return None
 
     def holds_depth(self, connection: Any) -> bool:
-        """Return True if the first readable image of a topic is depth. If no image is readable, the name of the topic
-        decides.
+        """Return True if the first readable image of a topic is depth. If no image is readable, return True if the
+        topic name contains "depth".
         """
         message = self.first([connection])
         return "depth" in connection.topic if message is None else is_depth(message)

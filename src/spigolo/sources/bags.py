@@ -71,7 +71,7 @@ class BagSource(SizedSource):
         return self._read(number % self._count, found)
 
     def name_of(self, number: int) -> str:
-        """Return the name of a frame without reading it."""
+        """Return the name of a frame without reading the frame."""
         return _name(number)
 
     def files_of(self, number: int) -> tuple[Path, ...]:
@@ -176,8 +176,8 @@ class BagSource(SizedSource):
 
 
 def _camera_info(info: Any, topic: str) -> Any:
-    """Return the intrinsics in a CameraInfo message. For rectified images, return the matrix P of the message without
-    distortion.
+    """Return the intrinsics in a CameraInfo message. For a topic of rectified images, return the matrix P of the
+    message and no distortion coefficients.
     """
     projection = getattr(info, "p", None) if hasattr(info, "p") else getattr(info, "P", None)
     if "rect" not in topic.lower() or projection is None or not any(projection):

@@ -56,8 +56,8 @@ class Report:
 class Source(ABC):
     """Iterable of the frames of a folder, data set, recording or camera. Use a source inside `with`.
 
-    Unreadable frames are skipped and counted. The function `on_broken` is called for each unreadable frame, by default
-    to warn.
+    Unreadable frames are skipped and counted. The function `on_broken` is called for each unreadable frame. By default,
+    the function issues a warning.
     """
 
     live = False
@@ -137,7 +137,7 @@ class SizedSource(Source):
 
     @abstractmethod
     def name_of(self, number: int) -> str:
-        """Return the name of a frame without reading it."""
+        """Return the name of a frame without reading the frame."""
 
     @abstractmethod
     def files_of(self, number: int) -> tuple[Path, ...]:

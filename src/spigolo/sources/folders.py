@@ -28,7 +28,7 @@ class FolderSource(SizedSource):
         return self._read(self.paths[number])
 
     def name_of(self, number: int) -> str:
-        """Return the name of a frame without reading it."""
+        """Return the name of a frame without reading the frame."""
         return self.paths[number].name
 
     def files_of(self, number: int) -> tuple[Path, ...]:

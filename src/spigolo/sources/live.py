@@ -42,8 +42,8 @@ class Mailbox(Generic[T]):
             self._ready.notify()
 
     def take(self) -> T | None:
-        """Wait for the newest item and return the item. None after the end of the items. Raises the error that was
-        passed to `end`.
+        """Wait for the newest item and return the item. Return None after the end of the items. Raises the error that
+        was passed to `end`.
         """
         with self._ready:
             self._ready.wait_for(lambda: self._item is not None or self._ended)

@@ -26,14 +26,16 @@ class NumberedFrame:
     number: int
     """Number of the frame in the source, from 0."""
     camera: str | None = None
-    """Intrinsics in any form that `read_frame` accepts. None: intrinsics of the source."""
+    """Intrinsics in any form that `read_frame` accepts. If None, the intrinsics of the source are used."""
     depth_scale: float | None = None
-    """Metres per unit of integer depth. None: the unit of the source."""
+    """Metres per unit of integer depth. If None, the unit that the source gives is used."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
 
     def stamp(self) -> str:
-        """Return a hash of the options, and of the size and time of each file of the frame. Raises FileError."""
+        """Return a hash of the options, and of the size and modification time of each file of the frame. Raises
+        FileError.
+        """
         try:
             stats = [path.stat() for path in self._opened().files_of(self.number)]
         except OSError as error:
@@ -75,7 +77,9 @@ def open_numbered(source: str, camera: str | None, depth_scale: float | None, ma
 def _open(
     source: str, camera: str | None, depth_scale: float | None, max_pixels: int, state: tuple[int, int] | None
 ) -> SizedSource:
-    """Open a source. The last source is cached. state: size and time of its path, part of the key of the cache."""
+    """Open a source. The last source is cached. state: size and modification time of the file or folder. The source is
+    opened again if they change.
+    """
     opened = open_source(source, camera, depth_scale, max_pixels=max_pixels)
     if not isinstance(opened, SizedSource):
         opened.close()
@@ -89,7 +93,7 @@ def _open(
 @lru_cache(maxsize=1)
 def _read(job: NumberedFrame, stamp: str) -> Frame:
     """Read the frame of a job. The last frame is cached, because the fingerprint and the segmentation of a job both
-    read the frame. stamp: stamp of the job, so that a changed file is read again.
+    read the frame. stamp: stamp of the job. If the stamp changes, the frame is read again.
     """
     return job._opened()[job.number]
 

@@ -113,8 +113,8 @@ class OpenNICamera(LiveSource):
         return stream
 
     def _register(self, device: Any) -> None:
-        """Enable registration of depth to colour on the device, and synchronise both streams if the device supports
-        it.
+        """Enable registration of depth to colour on the device, and synchronise the colour and depth streams if the
+        device can do so.
         """
         mode = self._sdk.IMAGE_REGISTRATION_DEPTH_TO_COLOR
         if device.is_image_registration_mode_supported(mode):

@@ -20,9 +20,9 @@ class Options:
     """Options for reading a source. Each kind of source ignores the options that do not apply to it."""
 
     camera: CameraLike = None
-    """Intrinsics in any form that `read_frame` accepts. None: intrinsics of the source."""
+    """Intrinsics in any form that `read_frame` accepts. If None, the intrinsics of the source are used."""
     depth_scale: float | None = None
-    """Metres per unit of integer depth. None: the unit of the source."""
+    """Metres per unit of integer depth. If None, the unit that the source gives is used."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
     color: str | None = None
@@ -34,9 +34,9 @@ class Options:
     tolerance_ms: float = 20.0
     """Maximum difference between the stamps of a colour and a depth image that form a frame, in milliseconds."""
     width: int = 640
-    """Width of both streams of a live camera, in pixels."""
+    """Width of the colour and depth streams of a live camera, in pixels."""
     height: int = 480
-    """Height of both streams of a live camera, in pixels."""
+    """Height of the colour and depth streams of a live camera, in pixels."""
     fps: int = 30
     """Frames per second of a live camera."""
     filters: tuple[str, ...] = field(default=())

@@ -30,10 +30,10 @@ class FramePaths:
 def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     """Return the frames in files and folders.
 
-    Two files form a frame, with the colour image first. More files are paired by their names (0001-color.png and
-    0001-depth.png) or in the given order. A folder with rgb.png and depth.png is one frame. Any other folder contains
-    subfolders with one frame each, folders rgb/ and depth/ with equally named files, or files that are paired by their
-    names. Every frame gets a unique name.
+    If two files are given, the first is the colour image and the second is the depth image of one frame. More than two
+    files are paired by their names (0001-color.png and 0001-depth.png) or in the given order. A folder with rgb.png and
+    depth.png is one frame. Any other folder contains subfolders with one frame each, folders rgb/ and depth/ with
+    equally named files, or files that are paired by their names. Every frame gets a unique name.
     """
     paths = [Path(word) for word in inputs]
     if not paths:
@@ -106,7 +106,7 @@ def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
 
 
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
-    """Make equal frame names unique with the name of the folder, and with a number if needed."""
+    """Make equal frame names unique by adding the name of the folder, and a number if needed."""
     count = Counter(frame.name for frame in frames)
     taken, apart = {name for name in count if count[name] == 1}, []
     for frame in frames:

@@ -30,7 +30,7 @@ class PublishedSource(SizedSource):
         return self._read(self.entries[number])
 
     def name_of(self, number: int) -> str:
-        """Return the name of a frame without reading it."""
+        """Return the name of a frame without reading the frame."""
         return self.entries[number].name
 
     def files_of(self, number: int) -> tuple[Path, ...]:

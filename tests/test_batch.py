@@ -301,6 +301,13 @@ def test_a_name_that_could_leave_the_folder_fails(source: Path, tmp_path: Path, 
     assert sorted(contents(tmp_path)) == ["deep/out/.lock", "deep/out/manifest.jsonl", "deep/out/objects.parquet"]
 
 
+def test_two_frames_of_one_name_are_refused_before_anything_is_written(source: Path, tmp_path: Path) -> None:
+    first = jobs_of(source)[0]
+    with pytest.raises(FileError, match="expected a different name for each frame, got '.*' more than once"):
+        run_batch([first, first], sp.TABLE, tmp_path / "out", local())
+    assert not (tmp_path / "out").exists()
+
+
 def test_names_may_have_folders_and_dots(source: Path, tmp_path: Path) -> None:
     (inner,) = jobs_of(source, ["f00"])
     jobs = [FrameFiles(n, inner.color, inner.depth, inner.camera) for n in ("000001/000023", "t=1.5", "A", "a", "é")]

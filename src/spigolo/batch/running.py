@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -66,17 +67,20 @@ def run_batch(
     frames are repeated.
 
     table: format of the table, "parquet" or "coco". tell: function that is called with the progress after each frame.
-    Raises FileError if the folder is not writable or another run uses the folder.
+    Raises FileError if two jobs have the same name, if the folder is not writable or if another run uses the folder.
     """
     check_config(config)
     file, write = writer_of(table)
     todo = list(jobs)
+    twice = [name for name, count in Counter(job.name for job in todo).items() if count > 1]
+    if twice:
+        raise FileError(f"expected a different name for each frame, got {twice[0]!r} more than once")
     with Manifest(out) as manifest:
         run = _Run(out, config, manifest, len(todo), tell)
         run.clean()
         run.compute([job for job in run.admitted(todo) if not run.keep(job)], engine)
         names = [job.name for job in todo]
-        done = [e for e in map(manifest.entries.__getitem__, dict.fromkeys(names)) if e.error is None]
+        done = [e for e in map(manifest.entries.__getitem__, names) if e.error is None]
         shards = read_shards(place(out, "objects", entry.frame, SUFFIXES["objects"]) for entry in done)
         write(shards, out / file, {"version": __version__, "preset": config.name, "digest": config.digest})
         manifest.sort(names)
@@ -112,7 +116,7 @@ class _Run:
             first = taken.setdefault(job.name.casefold(), job.name)
             try:
                 check_name(job.name)
-                if id(first) != id(job.name) and first != job.name:
+                if first != job.name:
                     raise FileError(f"expected names that differ in more than case, got {first!r} and {job.name!r}")
             except FileError as error:
                 self.fail(job.name, Answer(error=str(error)))

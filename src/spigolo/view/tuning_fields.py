@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from spigolo.settings.config import Config
 from spigolo.settings.parameters import Grows
-from spigolo.settings.presets import OBJECTS, PRESETS
+from spigolo.settings.presets import OBJECTS, PRESETS, SHELF
 
 UNITS = {"m": "m", "px": "px", "px2": "px²", "deg": "°", "per_m": "1/m", "px_m": "px/m"}
 SHORT = {"min": "min.", "max": "max."}
@@ -34,6 +33,11 @@ MAIN = {
     "rejection.max_distance_m": "reach (m)",
 }
 """Names of the most important parameters, in the order of the page, and their labels on the page."""
+
+UNSET = {"depth.depth_range": 1.0, "partition.gamma_shadows": SHELF.partition.gamma}
+"""Initial values of parameters that are None in every preset: 1 m, and the gamma of the preset for frames with
+shadows.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +174,7 @@ def range_of(leaf: Leaf, value: float) -> Range:
 def first_value(leaf: Leaf) -> Any:
     """Return an initial value for a parameter that is None in the current configuration.
 
-    The value comes from the preset OBJECTS, from another preset, or from the default of the model.
+    The value comes from the preset OBJECTS, from another preset, from the default of the model, or from `UNSET`.
     """
     if leaf.key == leaf.path:
         for config in (OBJECTS, *PRESETS.values()):
@@ -179,10 +183,7 @@ def first_value(leaf: Leaf) -> Any:
                 return value
     if leaf.default is not None:
         return leaf.default
-    printed = re.search(r"\((?:authors' release|paper): ([0-9.]+)", leaf.help)
-    if printed:
-        return float(printed[1])
-    return {"number": 0.5, "integer": 1, "switch": False, "list": (0.0, -1.0, 0.0)}[leaf.kind]
+    return UNSET.get(leaf.path, {"number": 0.5, "integer": 1, "switch": False, "list": (0.0, -1.0, 0.0)}[leaf.kind])
 
 
 def _parts(model: type[BaseModel], path: str, key: str) -> Iterator[Part]:

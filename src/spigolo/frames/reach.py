@@ -41,8 +41,8 @@ class OutOfReach:
 
     def __str__(self) -> str:
         what = f"the largest value of {self.kind}" if self.kind else f"farther than {REACH_M:.0f} m"
-        share = f"{self.share:.1%} of the depth" if self.share >= 0.001 else f"depth of {self.pixels} pixels"
-        return f"{share} is {self.value:g}, {what}, and counts as missing"
+        share = f"{self.share:.1%} of the pixels" if self.share >= 0.001 else f"{self.pixels} of the pixels"
+        return f"{share} have the depth {self.value:g}, {what}, which counts as missing"
 
 
 def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:

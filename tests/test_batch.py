@@ -303,7 +303,7 @@ def test_a_name_that_could_leave_the_folder_fails(source: Path, tmp_path: Path, 
 
 def test_two_frames_of_one_name_are_refused_before_anything_is_written(source: Path, tmp_path: Path) -> None:
     first = jobs_of(source)[0]
-    with pytest.raises(FileError, match="expected a different name for each frame, got '.*' more than once"):
+    with pytest.raises(FileError, match=r"expected a different name for each frame, got '.*' more than once"):
         run_batch([first, first], sp.TABLE, tmp_path / "out", local())
     assert not (tmp_path / "out").exists()
 

@@ -94,6 +94,7 @@ def region(width: int = 60, height: int = 50, **scene):
         ("max_distance_m", 1.5, {"depth": np.full((120, 160), 1.6, np.float32)}, {}, "out of reach"),
         ("max_lambda1_px2", 310.0, {"width": 62}, {"width": 60}, "too long"),  # (n^2 - 1) / 12: 320, 300
         ("max_lambda2_px2", 200.0, {"height": 50}, {"height": 48}, "too wide"),  # 208, 192
+        ("min_length_m", 0.121, {"width": 60}, {"width": 62}, "too small"),
         ("max_length_m", 0.123, {"width": 62}, {"width": 60}, "too long"),  # 0.124 m and 0.120 m at 1 m, f = 500
         ("max_width_m", 0.098, {"height": 50}, {"height": 48}, "too wide"),
         ("max_eccentricity", 0.9, {"height": 25}, {"height": 30}, "too thin"),

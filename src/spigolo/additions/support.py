@@ -104,7 +104,9 @@ def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | Non
     sample = Sample.at(y, x, depth, camera)
     planes = _largest_planes(sample, rng, config)
     plane = _choose(planes, sample, sparse=valid.size < SPARSE * depth.size, config=config)
-    return plane if plane is None or config.max_below is None else _lowered(plane, config.max_below, sample, rng, config)
+    return (
+        plane if plane is None or config.max_below is None else _lowered(plane, config.max_below, sample, rng, config)
+    )
 
 
 def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Support) -> Plane | None:

@@ -29,6 +29,8 @@ class Reason(str, Enum):
     """The border of the region has no clear boundary (`Rules.min_contour`)."""
     OUT_OF_REACH = "out of reach"
     """The centroid of the region is too far from the camera (`Rejection.max_distance_m`)."""
+    TOO_SMALL = "too small"
+    """The region is too short (`Rules.min_length_m`)."""
     TOO_LONG = "too long"
     """The region is too long (`Rules.max_length_m`, `Rejection.max_lambda1_px2`)."""
     TOO_WIDE = "too wide"
@@ -124,7 +126,8 @@ def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict |
     in_metres = ours.metric and length is not None
     max_large, max_small = (None, None) if in_metres else (paper.max_lambda1_px2, paper.max_lambda2_px2)
     return (
-        _above(Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2 (maximum {:.0f} px2)")
+        _below(Reason.TOO_SMALL, length, ours.min_length_m, "length {:.3f} m (minimum {:.3f} m)")
+        or _above(Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2 (maximum {:.0f} px2)")
         or _above(Reason.TOO_LONG, length, ours.max_length_m, "{:.2f} m (maximum {:.2f} m)")
         or _above(Reason.TOO_WIDE, small, max_small, "lambda2 {:.0f} px2 (maximum {:.0f} px2)")
         or _above(Reason.TOO_WIDE, width, ours.max_width_m, "{:.2f} m (maximum {:.2f} m)")
@@ -150,7 +153,14 @@ def _judge_rim(facts: RegionFacts, rule: Rim | None, support: Support | None) ->
     share = surrounded_support(facts.mask, plane, facts.frame.depth, camera, support)
     if share <= rule.max_support:
         return None
-    return Reason.WALL, f"rim: it surrounds {share:.0%} of its own area of the plane (maximum {rule.max_support:.0%})"
+    why = f"inside its convex hull, the plane is {share:.0%} as large as the region (maximum {rule.max_support:.0%})"
+    return Reason.WALL, f"wall: {why}"
+
+
+def _below(reason: Reason, value: float | None, limit: float | None, form: str) -> Verdict | None:
+    if value is None or limit is None or value >= limit:
+        return None
+    return reason, f"{reason.value}: {form.format(value, limit)}"
 
 
 def _above(reason: Reason, value: float | None, limit: float | None, form: str) -> Verdict | None:

@@ -118,6 +118,10 @@ class Rules(Settings):
     """
     metric: bool = False
     """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
+    min_length_m: Positive | None = None
+    """Minimum length of a region, m, estimated as for `max_length_m`. Larger values reject more small regions. None: no
+    limit, also without intrinsics.
+    """
     max_length_m: Positive | None = None
     """Maximum length of a region, m. The length is estimated as the longer side of a rectangle that faces the camera
     and has the spread and the distance of the region. The oriented box of an object may have another length. Larger

@@ -553,13 +553,13 @@ def test_integer_depth_is_scaled(depth: Array, scale: float) -> None:
 
 
 def test_a_depth_beyond_float32_counts_as_missing() -> None:
-    with pytest.warns(UnitWarning, match=r"50\.0% of the pixels have the depth .* farther than 50 m"):
+    with pytest.warns(UnitWarning, match=r"farther than 50 m, counts as missing \(at 50\.0% of the pixels\)"):
         assert frame_of(np.array([[1.0, np.finfo(np.float64).max]])).depth.tolist() == [[1.0, 0.0]]
 
 
 def test_what_no_camera_measures_is_missing() -> None:
     depth = np.array([[1e-7, 2e-6, 1.0, 49.0, 51.0]], np.float32)
-    with pytest.warns(UnitWarning, match=r"20\.0% of the pixels have the depth 51, farther than 50 m"):
+    with pytest.warns(UnitWarning, match=r"depth 51, farther than 50 m, counts as missing \(at 20\.0% of the pixels\)"):
         np.testing.assert_array_equal(frame_of(depth).depth > 0, [[False, True, True, True, False]])
     far = np.array([[0.9e8, 1.1e8]], np.float32)  # nothing within reach: the unit is wrong
     np.testing.assert_array_equal(frame_of(far).depth > 0, [[True, False]])

@@ -41,8 +41,9 @@ class OutOfReach:
 
     def __str__(self) -> str:
         what = f"the largest value of {self.kind}" if self.kind else f"farther than {REACH_M:.0f} m"
-        share = f"{self.share:.1%} of the pixels" if self.share >= 0.001 else f"{self.pixels} of the pixels"
-        return f"{share} have the depth {self.value:g}, {what}, which counts as missing"
+        few = "1 pixel" if self.pixels == 1 else f"{self.pixels} pixels"
+        where = f"{self.share:.1%} of the pixels" if self.share >= 0.001 else few
+        return f"depth {self.value:g}, {what}, counts as missing (at {where})"
 
 
 def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:

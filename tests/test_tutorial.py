@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -23,6 +24,13 @@ notebook = nbformat.read(sys.argv[1], 4)
 nbclient.NotebookClient(notebook, km=manager, timeout=900).execute()
 nbformat.write(notebook, sys.argv[2])
 """
+SCRIPTS = NOTEBOOK.parents[1] / "scripts"
+WITHOUT_OUTPUTS = """
+import json, sys
+import write_tutorial
+cells = json.load(open(sys.argv[1], encoding="utf-8"))["cells"]
+print(write_tutorial.write_page(cells, []), end="")
+"""
 
 pytestmark = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="whole frames need compiled kernels")
 
@@ -31,6 +39,15 @@ def test_the_notebook_is_kept_without_outputs() -> None:
     cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
     assert len(cells) > 15
     assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
+
+
+def test_the_page_of_the_tutorial_has_the_cells_of_the_notebook() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", WITHOUT_OUTPUTS, str(NOTEBOOK)], cwd=SCRIPTS, capture_output=True, text=True, check=True
+    )
+    page = (NOTEBOOK.parents[1] / "docs" / "tutorial.md").read_text(encoding="utf-8")
+    kept = re.sub(r"```text\n.*?```\n\n|!\[[^\n]*\n\n", "", page, flags=re.DOTALL)
+    assert kept == done.stdout, "python scripts/write_tutorial.py"
 
 
 def test_the_notebook_goes_from_a_bag_to_boxes_in_the_robots_frame(tmp_path: Path) -> None:

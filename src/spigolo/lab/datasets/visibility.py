@@ -91,7 +91,7 @@ def visible_labels(
 
 
 def ray_lengths(camera: Camera) -> DepthMap:
-    """Return, for each pixel (H, W), the distance from the camera centre to its point at depth Z = 1."""
+    """Return the distance (H, W) from the camera centre to the point at depth Z = 1 on the ray of each pixel."""
     x = (np.arange(camera.width) - camera.cx) / camera.fx
     y = (np.arange(camera.height) - camera.cy) / camera.fy
     return np.sqrt(1 + x[None] ** 2 + y[:, None] ** 2).astype(np.float32)

@@ -145,7 +145,7 @@ class Peers:
             worker.load(key, image)
 
     def contestants(self, key: str) -> Mapping[str, Run]:
-        """Return the functions of other libraries, to run and time on the stored image `key`."""
+        """Return timed functions, indexed by name, that run functions of other libraries on the stored image `key`."""
         return {name: _run(self._home[name], name, key) for name in self.names}
 
 

@@ -22,8 +22,8 @@ FULL = 65535
 
 
 def write_models(folder: Path, models: Sequence[Model]) -> None:
-    """Write the object models as obj_000001.ply, obj_000002.ply, ..., and their sizes in millimetres as
-    models_info.json.
+    """Write the object models as obj_000001.ply, obj_000002.ply, ..., and write models_info.json with the sizes of the
+    models in millimetres.
     """
     sizes = {}
     for obj_id, model in enumerate(models, start=1):

@@ -1,6 +1,6 @@
 """Download of published data sets.
 
-An interrupted download can be continued. Archives are verified by their SHA-256 hash.
+The next call of `fetch` continues an interrupted download. Archives are verified by their SHA-256 hash.
 
 The folder of a data set is created only after all archives have been downloaded and extracted.
 """

@@ -39,7 +39,7 @@ class Tejani(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder of a scene has images RGB/img_NNN.png."""
+        """Return True if the folder, or its subfolder test, contains a scene with images RGB/img_NNN.png."""
         return bool(_scenes(folder))
 
     def _find(self) -> Iterator[Entry]:

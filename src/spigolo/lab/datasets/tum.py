@@ -4,10 +4,10 @@
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
     SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
-Timestamps may also be in milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from their
-values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image within 20
-ms are left out. The frames have no labels. The frames of a sequence form a group of near-identical frames. The reader
-also accepts a folder that contains several sequences.
+Timestamps may be in seconds, milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from
+their values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image
+within 20 ms are left out. The frames have no labels. The frames of a sequence form a group of near-identical frames.
+The reader also accepts a folder that contains several sequences.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def _unit_s(times: np.ndarray) -> float:
 
 
 def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield pairs of colour image and depth image with similar times.
+    """Yield pairs of a colour image and the depth image nearest in time, at most `MAX_APART_S` apart.
 
     Raises FileError if there are no pairs. Warns if most colour images have no depth image.
     """

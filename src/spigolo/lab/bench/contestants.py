@@ -50,7 +50,7 @@ class Comparison:
     peer: str
     ours: str
     ratio: float
-    """CPU time of `peer` divided by CPU time of `ours`, median over rounds. Above 1: `ours` is faster."""
+    """CPU time of `peer` divided by CPU time of `ours`, median over rounds. Above 1 if `ours` is faster."""
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:

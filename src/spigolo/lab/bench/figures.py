@@ -59,5 +59,5 @@ def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
 
 
 def percentile(values: Sequence[float], share: float) -> float:
-    """Return the smallest value that at least `share` (0..1) of the values do not exceed, without interpolation."""
+    """Return the smallest of the values for which at least `share` (0..1) of all values are equal or smaller."""
     return float(np.quantile(values, share, method="inverted_cdf"))

@@ -40,7 +40,7 @@ Run = Callable[[], Sample]
 
 
 def silent(what: str, done: float) -> None:
-    """Ignore the reported progress, as the default progress callback."""
+    """Ignore the reported progress (default progress callback)."""
 
 
 def timed(work: Callable[[], object]) -> Run:

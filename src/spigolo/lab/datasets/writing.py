@@ -86,7 +86,8 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
     """Write frames in the file layout of the reader `Rutgers`, with the pose of the object in the frame name.
 
     Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
-    name has another form, if cameras differ, or if a frame does not have exactly one instance of its object.
+    name does not have the form of `rutgers_name`, if the frames do not have one common camera, or if a frame does not
+    have exactly one instance of the object in its name.
 
     Parameters
     ----------
@@ -118,8 +119,8 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
     `MASK_COLORS`.
 
     about: one-sentence description of the rendering for rendered.json. Returns the number of written frames. Raises
-    FileError if a file cannot be written. Raises FrameError if a frame name has another form, if cameras differ, or if
-    a frame shows an object twice.
+    FileError if a file cannot be written. Raises FrameError if a frame name does not have the form of `uw_scenes_name`,
+    if the frames do not have one common camera, or if a frame shows an object twice.
     """
     images = _Images(folder, about)
     boxes: dict[str, dict[int, list[ObjectBox]]] = defaultdict(dict)
@@ -139,7 +140,8 @@ def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model
     """Write frames in the file layout of the reader `Tejani`, with the poses of all instances of the scene's object.
 
     Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
-    name has another form, if cameras differ, or if a frame has no instance of the scene's object.
+    name does not have the form of `tejani_name`, if the frames do not have one common camera, or if a frame has no
+    instance of the scene's object.
     """
     images = _Images(folder, about)
     for model in models:

@@ -21,7 +21,7 @@ OTHER_SHARE = 0.2
 class Cause(str, Enum):
     """Reason why a labelled object was not found.
 
-    Reasons are tested in the order FOUND, REJECTED, SPLIT, OUTLINE, MERGED, FLOODED. The first true reason counts.
+    Reasons are tested in the order FOUND, REJECTED, SPLIT, OUTLINE, MERGED, FLOODED. The first one that is true counts.
     """
 
     FOUND = "found"
@@ -29,15 +29,17 @@ class Cause(str, Enum):
     REJECTED = "rejected"
     """A rejected region has an IoU above 0.7 with the labelled object."""
     MERGED = "merged"
-    """The region that covers more than 70 % of the object lies to at least 20 % on other objects."""
+    """One region covers more than 70 % of the object. At least 20 % of the region's pixels are on other objects."""
     FLOODED = "flooded"
-    """The region that covers more than 70 % of the object lies to at least 30 % outside it, but to less than 20 % on
-    other objects.
+    """One region covers more than 70 % of the object. At least 30 % of the region's pixels are outside the object, but
+    less than 20 % are on other objects.
     """
     SPLIT = "split"
     """No region covers more than 70 % of the labelled object."""
     OUTLINE = "outline off"
-    """A region covers more than 70 % of the object and lies on it to more than 70 %, but the IoU is at most 0.7."""
+    """One region covers more than 70 % of the object. More than 70 % of the region's pixels are on the object, but the
+    IoU is at most 0.7.
+    """
 
 
 @dataclass(frozen=True, slots=True)

@@ -158,8 +158,8 @@ def evaluate(
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
     """Return the existing results that are still valid, with `group` and `labelling` of the current frames.
 
-    A result with an error is left out if the files of its frame have changed. Raises FileError if the files of a frame
-    with a result without an error have changed.
+    A result with an error is left out if the files of its frame have changed. Raises FileError if files have changed
+    since the frame was evaluated without an error.
     """
     entries = {(frame.data_set, frame.name): frame for frame in frames}
     failed = _places(row for row in file.rows if row.error is not None)

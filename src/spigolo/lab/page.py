@@ -1,4 +1,4 @@
-"""Report pages of headings, text, tables and pictures, written as HTML or Markdown."""
+"""Report pages of headings, text, tables and images, written as HTML or Markdown."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Gallery:
-    """Section with pictures that can be opened and closed."""
+    """Section of images. Readers can open and close the section in HTML output."""
 
     title: str
     pictures: Sequence[Picture]

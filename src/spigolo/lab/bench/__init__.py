@@ -1,12 +1,12 @@
-"""Benchmark of spigolo and of other libraries on the same frames.
+"""Benchmark of the time and memory of spigolo, and of the time of other libraries on the same frames.
 
-Measure one frame and print the tables::
+Run the benchmark on one frame and print the tables::
 
     report = bench({"mine": frame}, QUICK)          # everything that is measured
     report.to_json()                                # with the raw rounds
     print(markdown(report))
 
-The benchmark also times all other segmentation methods in `spigolo.METHODS`.
+The benchmark times presets of the method `toscana2016`, and the other methods in `spigolo.METHODS`.
 """
 
 from __future__ import annotations

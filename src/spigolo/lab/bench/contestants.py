@@ -30,11 +30,11 @@ CONFIGS = {
 }
 """Configurations to time: each preset with 8-connected and with 4-connected pixels."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Configurations for which the step that merges pixels to regions is also timed separately."""
+"""Configurations for which the step that merges pixels into regions is also timed separately."""
 OURS = "toscana2016"
 """Name of the method that runs with the presets in `CONFIGS`.
 
-The other methods in `METHODS` run with their default parameters.
+All methods in `METHODS` except this one run with their default parameters.
 """
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
@@ -42,17 +42,19 @@ SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """Comparison of our function (`ours`) with a function of another library (`peer`) for the same task."""
+    """Comparison of a function of spigolo (`ours`) with another function for the same task (`peer`).
+
+    The peer is a function of another library, another method in `METHODS`, or the textbook algorithm.
+    """
 
     peer: str
     ours: str
     ratio: float
-    """CPU time of the peer (function of another library) divided by the CPU time of our function, median over rounds.
-    """
+    """CPU time of `peer` divided by CPU time of `ours`, median over rounds. Above 1 if `ours` is faster."""
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:
-    """Return one timed function per configuration that segments the frame with its own `Segmenter`."""
+    """Return one timed function per configuration. Each function segments the frame with its own `Segmenter`."""
     return {name: _on(Segmenter(config), frame) for name, config in configs.items()}
 
 
@@ -62,14 +64,15 @@ def baselines(frame: Frame) -> dict[str, Run]:
 
 
 def saliency(frame: Frame) -> dict[str, Run]:
-    """Return a timed function that computes our saliency map."""
+    """Return a timed function that computes the saliency map with spigolo."""
     return {SALIENCY: timed(lambda: fine_grained_saliency(frame.color, SHELF.saliency))}
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Return timed functions that merge pixels to regions on the same graphs: our function and the textbook algorithm.
+    """Return two timed functions per configuration in `MERGED`, which merge the pixels of the same graph into regions.
 
-    Raises SpigoloError if both give different regions.
+    One function calls `regions.partition`, the other calls the textbook algorithm `sort_and_merge`. Raises SpigoloError
+    if `partition` and `sort_and_merge` give different regions.
     """
     runs: dict[str, Run] = {}
     for name in MERGED:
@@ -82,17 +85,17 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """Return the name under which our function that merges regions is timed with this configuration."""
+    """Return the name of the timed function that calls `regions.partition` with this configuration."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """Return the name under which the textbook algorithm that merges regions is timed with this configuration."""
+    """Return the name of the timed function that calls the textbook algorithm with this configuration."""
     return f"textbook merging, {config}"
 
 
 def check_merging(graph: Graph, config: Config) -> None:
-    """Raise SpigoloError if our function and the textbook algorithm give different regions of a graph."""
+    """Raise SpigoloError if `partition` and `sort_and_merge` segment the graph into different regions."""
     ours = partition(graph, config.partition.gamma).labels
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):

@@ -28,7 +28,7 @@ def summarise(samples: Sequence[Sample]) -> Summary:
 
 
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
-    """Return the CPU time in `peer` divided by the CPU time in `ours`, as the median over rounds.
+    """Return the median over rounds of the ratio of CPU times, `peer` divided by `ours`.
 
     The lists `peer` and `ours` have one sample per round.
     """
@@ -37,16 +37,19 @@ def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class PowerLaw:
-    """Power law t = factor x^exponent."""
+    """Power law t = factor x^exponent for a time t and an image size x."""
 
     factor: float
     exponent: float
     residual: float
-    """Root mean square deviation of ln(t) from the fit. A value of 0.01 means about 1 % of t."""
+    """Root mean square deviation of ln(t) from the fit. A deviation of 0.01 is about 1 % of t."""
 
 
 def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
-    """Fit a power law t(x) by least squares in logarithms. Requires positive values and at least two different x."""
+    """Fit a power law t(x) by least squares in ln(x) and ln(t).
+
+    All x and t must be positive, and at least two x must differ.
+    """
     log_x, log_t = np.log(x), np.log(t)
     spread = log_x - log_x.mean()
     exponent = float(spread @ (log_t - log_t.mean()) / (spread @ spread))
@@ -56,5 +59,5 @@ def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
 
 
 def percentile(values: Sequence[float], share: float) -> float:
-    """Return the percentile of the values as an element of the list, without interpolation. share: 0..1."""
+    """Return the smallest of the values for which at least `share` (0..1) of all values are equal or smaller."""
     return float(np.quantile(values, share, method="inverted_cdf"))

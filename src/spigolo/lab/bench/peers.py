@@ -145,7 +145,7 @@ class Peers:
             worker.load(key, image)
 
     def contestants(self, key: str) -> Mapping[str, Run]:
-        """Return the functions of other libraries, to run and time on the stored image `key`."""
+        """Return timed functions, indexed by name, that run functions of other libraries on the stored image `key`."""
         return {name: _run(self._home[name], name, key) for name in self.names}
 
 
@@ -162,8 +162,8 @@ def open_peers(python: Path | None = None) -> Iterator[Peers]:
     Parameters
     ----------
     python
-        Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Libraries that this
-        interpreter cannot import are searched in the environment of the current interpreter.
+        Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Functions that this
+        interpreter cannot import run in a second worker with the current interpreter, if possible.
 
     """
     given = python if python is not None else DEFAULT_PYTHON if DEFAULT_PYTHON.is_file() else None

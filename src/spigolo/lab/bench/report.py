@@ -76,7 +76,7 @@ class Contest:
 class Report:
     """Results of a benchmark.
 
-    Only the field `contests` covers all frames. The other fields are measured on the first frame.
+    The field `contests` covers all frames. All other measurements use only the first frame.
     """
 
     machine: Machine
@@ -97,7 +97,10 @@ class Report:
     startup: Startup
 
     def to_json(self) -> dict[str, Any]:
-        """Return all measurements as a dictionary for `json.dumps`. The key `summaries` holds the medians."""
+        """Return all measurements as a dictionary for `json.dumps`.
+
+        Each frame in `contests` has the key `summaries`, which holds the median and minimum times.
+        """
         values = asdict(self)
         for contest, out in zip(self.contests, values["contests"], strict=True):
             out["summaries"] = {name: asdict(summary) for name, summary in contest.summaries.items()}
@@ -118,7 +121,8 @@ def bench(
     python
         Python interpreter of the environment with the other libraries, see `open_peers`.
     tell
-        Progress callback, called with the current measurement and the finished share of the work.
+        Progress callback, called with the name of the current measurement and the finished share (0..1) of all
+        measurements of the same kind.
 
     """
     plan = Plan() if plan is None else plan

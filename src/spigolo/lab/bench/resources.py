@@ -20,11 +20,11 @@ class Memory:
     """Memory use of a `Segmenter`, in bytes per pixel."""
 
     workspace: float
-    """Memory kept between frames, bytes per pixel."""
+    """Memory of the workspace, which the `Segmenter` keeps between frames, bytes per pixel."""
     frame: float
-    """Additional peak memory while a frame is segmented, bytes per pixel."""
+    """Additional peak memory while a frame is segmented, including the result, bytes per pixel."""
     answer: float
-    """Memory that the result of one frame keeps, bytes per pixel."""
+    """Memory of the segmentation result of one frame, bytes per pixel."""
 
 
 def measure_memory(frame: Frame, config: Config) -> Memory:
@@ -44,7 +44,7 @@ def measure_memory(frame: Frame, config: Config) -> Memory:
 
 @dataclass(frozen=True, slots=True)
 class Throughput:
-    """Throughput with one and with two threads."""
+    """Segmented frames per second with one thread and with two threads."""
 
     frames: int
     """Number of frames per thread and repeat."""
@@ -79,7 +79,7 @@ def _many(run: Segmenter, frame: Frame, frames: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Wall time per frame, ms."""
+    """Wall time of the segmentation per frame, ms."""
 
     frames: int
     """Number of measured frames."""

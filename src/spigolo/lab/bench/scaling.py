@@ -16,7 +16,7 @@ from spigolo.lab.bench.timing import Run, Sample, Tell, run_rounds, silent, time
 from spigolo.stream import Segmenter
 
 Size = tuple[int, int]
-"""Image size as width, height."""
+"""Image size (width, height) in pixels."""
 
 SIZES: tuple[Size, ...] = ((320, 240), (640, 480), (1280, 960), (1920, 1080), (2560, 1920))
 SCALED = ("TABLE 8c", "SHELF 8c")
@@ -40,7 +40,11 @@ class Growth:
 
 
 def rescaled(frame: Frame, size: Size) -> Frame:
-    """Resize a frame and its camera. Colour is averaged or interpolated, and depth is taken from the nearest pixel."""
+    """Resize the images of a frame, and scale its camera intrinsics.
+
+    Colour is averaged over areas in smaller images, and interpolated linearly in larger images. Depth is taken from the
+    nearest pixel.
+    """
     width, height = size
     shrinks = width * height < frame.depth.size
     color = cv2.resize(frame.color, size, interpolation=cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR)

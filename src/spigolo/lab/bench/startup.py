@@ -66,7 +66,7 @@ def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent)
 
 
 def _start(words: list[str], cache: Path | None = None) -> tuple[float, float]:
-    """Start one Python process. Return its start-up time and its time of `import cv2`, both in seconds."""
+    """Start one Python process, and return its start-up time and the time of `import cv2`, in seconds."""
     surroundings = dict(os.environ) if cache is None else os.environ | {"SPIGOLO_CACHE_DIR": str(cache)}
     start = time.time()
     done = subprocess.run(

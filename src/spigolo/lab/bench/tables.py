@@ -56,7 +56,10 @@ def times_table(contest: Contest) -> Table:
 
 
 def ratio_table(contest: Contest) -> Table:
-    """Return the table of CPU time ratios, with one row per preset and one column per other segmentation method."""
+    """Return the table of CPU time ratios, with one row per configuration in `CONFIGS` and one column per peer.
+
+    A peer is another method of spigolo, or a segmentation function of another library.
+    """
     ratios = {(pair.ours, pair.peer): pair.ratio for pair in contest.comparisons if pair.ours in CONFIGS}
     peers = list(dict.fromkeys(peer for _, peer in ratios))
     rows = [(name, *(f"{ratios[name, peer]:.2f}" for peer in peers)) for name in CONFIGS]
@@ -64,7 +67,7 @@ def ratio_table(contest: Contest) -> Table:
 
 
 def overall_table(contests: Sequence[Contest]) -> Table:
-    """Return the table of CPU time ratios over all frames: median, minimum and maximum."""
+    """Return the table of the median, minimum and maximum of each `Comparison.ratio` over all frames."""
     ratios: dict[tuple[str, str], list[float]] = {}
     for pair in (pair for contest in contests for pair in contest.comparisons):
         ratios.setdefault((pair.ours, pair.peer), []).append(pair.ratio)
@@ -165,7 +168,7 @@ def _ms(value: float) -> str:
 def _exponent(law: PowerLaw | None, sizes: int) -> str:
     """Format the fitted exponent with the residual of the fit.
 
-    The residual is left out for two image sizes, where it is 0.
+    For two image sizes, the residual is always 0 and is left out.
     """
     if law is None:
         return "-"

@@ -1,6 +1,6 @@
 """Reference implementation of graph-based segmentation: a stable sort of all graph edges, then union-find.
 
-The function `regions.partition` must give the same regions.
+The function `regions.partition` must give the same regions as this reference.
 """
 
 from __future__ import annotations

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 Tell = Callable[[str, float], None]
 """Progress callback.
 
-The arguments of the callback are the name of the current measurement and the finished share of the work, 0..1.
+The arguments of the callback are the name of the current measurement, and the finished share (0..1) of all measurements
+of the same kind.
 """
 
 
@@ -39,7 +40,7 @@ Run = Callable[[], Sample]
 
 
 def silent(what: str, done: float) -> None:
-    """Ignore the reported progress. This function is the default progress callback."""
+    """Ignore the reported progress (default progress callback)."""
 
 
 def timed(work: Callable[[], object]) -> Run:

@@ -62,7 +62,7 @@ class BopImage(Entry):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Paths of the colour image, the depth image, and the masks or object models."""
+        """Paths of the colour image, the depth image and the masks, or the object models if there are no masks."""
         return self.color, self.depth, *(self._masks or (self._model(obj_id) for obj_id, _, _ in self.poses))
 
     def read(self) -> Frame:
@@ -135,7 +135,7 @@ class Bop(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder is a BOP data set, which has files scene_camera.json."""
+        """Return True if a subfolder that matches `SPLITS` has a scene with a file scene_camera.json."""
         return _split(folder, None) is not None
 
     def _find(self) -> Iterator[Entry]:

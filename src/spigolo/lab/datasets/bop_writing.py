@@ -17,13 +17,13 @@ from spigolo.lab.datasets.sample import Instance, Model, Sample
 from spigolo.lab.datasets.visibility import render_depth
 
 FINE_MM, COARSE_MM = 0.1, 1.0
-"""Depth units of stored depth images, mm. The fine unit is used if the largest depth fits into 16 bits."""
+"""Depth units of stored depth images, mm. The coarse unit is used if a depth in the fine unit exceeds 16 bits."""
 FULL = 65535
 
 
 def write_models(folder: Path, models: Sequence[Model]) -> None:
-    """Write the object models as obj_000001.ply, obj_000002.ply, ..., and their sizes in millimetres as
-    models_info.json.
+    """Write the object models as obj_000001.ply, obj_000002.ply, ..., and write models_info.json with the sizes of the
+    models in millimetres.
     """
     sizes = {}
     for obj_id, model in enumerate(models, start=1):
@@ -55,7 +55,8 @@ class SceneFiles:
     def write(self, image: int, sample: Sample) -> None:
         """Write the colour image, depth image and masks of one frame.
 
-        Raises FileError if a file cannot be written. Raises FrameError if a frame does not fit the file layout.
+        Raises FileError if a file cannot be written. Raises FrameError if the frame has no camera, if the image number
+        was written before, or if an object has no model.
         """
         frame, key = sample.frame, str(image)
         if frame.camera is None or key in self._cameras:

@@ -35,7 +35,7 @@ class KnownSet:
     licence: str
     size: str
     home: str
-    """Address of the data set's web page."""
+    """URL of the data set's web page, or name of its publisher."""
     archives: tuple[Archive, ...] = ()
     """Zip files to download, empty if their hashes are unknown."""
 

@@ -24,7 +24,7 @@ from spigolo.frames.scale import check_scale
 from spigolo.lab.datasets.sample import Instance, Sample
 
 Labelling = Literal["full", "part", "none"]
-"""Labelled objects in a frame: all objects (`full`), some objects (`part`) or no objects (`none`)."""
+"""Completeness of the labels of a frame: all (`full`), some (`part`) or none (`none`) of the objects have a label."""
 
 FULL_SETS = ("osd-*", "hand-uoc")
 """Name patterns of data sets in which every object is known to be labelled."""
@@ -56,7 +56,7 @@ class Entry(ABC):
     group: str
     """Name shared by all frames of a group of near-identical frames, for example the frames of one video."""
     labelling: Labelling
-    """Labelled objects: all objects (`full`), some objects (`part`) or no objects (`none`)."""
+    """Completeness of the labels: all (`full`), some (`part`) or none (`none`) of the objects have a label."""
 
     @property
     @abstractmethod
@@ -65,7 +65,7 @@ class Entry(ABC):
 
     @property
     def reading(self) -> str:
-        """Return the reader's settings that change the labels, as text. The text is empty for default settings."""
+        """Return the reader's settings that change the labels, as a string, which is empty for default settings."""
         return ""
 
     @property
@@ -156,10 +156,10 @@ class ImageEntry(Entry):
 
 
 class DataSet(ABC):
-    """Sequence of the frames in a folder. The constructor searches for files, and images are read by `Entry.read`.
+    """Sequence of the frames in a folder. The constructor lists the files, and `Entry.read` reads the images.
 
     full: name patterns, such as "osd-*", of data sets in which every object is labelled. Raises FileError if the folder
-    does not have this file layout, or if a file of a frame is missing.
+    does not have the file layout of the class, or if a file of a frame is missing.
     """
 
     layout: ClassVar[str]
@@ -178,15 +178,15 @@ class DataSet(ABC):
     @classmethod
     @abstractmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder seems to have this file layout."""
+        """Return True if the folder has files that are typical of the file layout of this class."""
 
     @abstractmethod
     def _find(self) -> Iterable[Entry]:
-        """Yield the frames of the folder in their order."""
+        """Yield the frames of the folder, in the order of the data set's indices."""
 
     @property
     def rendered(self) -> bool:
-        """Return True if the frames are rendered."""
+        """Return True if the file rendered.json marks the frames as rendered."""
         return (self.folder / RENDERED).is_file()
 
     def __len__(self) -> int:
@@ -210,8 +210,8 @@ class DataSet(ABC):
         """Return the camera and the depth scale (metres per unit) from camera.json, or the given defaults if the file
         is missing.
 
-        Raises CameraError for an impossible scale. Raises FileError for a camera with distortion, because only images
-        would be undistorted, not labels.
+        Raises CameraError for a depth scale above 0.02 m per unit. Raises FileError for a camera with distortion,
+        because only images would be undistorted, not labels.
 
         Parameters
         ----------
@@ -220,7 +220,7 @@ class DataSet(ABC):
         scale
             Depth scale to return if there is no file camera.json, metres per unit.
         folder
-            Folder in which camera.json is searched first, before the folder of the data set.
+            Folder in which to look for camera.json first. The second choice is the folder of the data set.
 
         """
         places = [place / "camera.json" for place in (folder, self.folder) if place is not None]

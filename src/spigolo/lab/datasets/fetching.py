@@ -1,6 +1,6 @@
 """Download of published data sets.
 
-An interrupted download can be continued. Archives are verified by their SHA-256 hash.
+The next call of `fetch` continues an interrupted download. Archives are verified by their SHA-256 hash.
 
 The folder of a data set is created only after all archives have been downloaded and extracted.
 """
@@ -24,8 +24,8 @@ from spigolo.lab.datasets.catalogue import Archive, KnownSet
 Tell = Callable[[str, int, int | None], None]
 """Progress callback.
 
-The arguments of the callback are the archive's name, the number of received bytes, and the total number of bytes or
-None.
+The arguments of the callback are the archive's name, the number of received bytes, and the total number of bytes. The
+total is None if the server does not report it.
 """
 
 ATTEMPTS = 3
@@ -119,7 +119,7 @@ def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _unpack(archives: list[tuple[Archive, Path]], to: Path, name: str) -> None:
-    """Extract all archives into a temporary folder, and rename the folder at the end."""
+    """Extract all archives into a temporary folder, and move the extracted folder `name` to `to`/`name`."""
     beside = to / f".{name}-unpacking"
     shutil.rmtree(beside, ignore_errors=True)
     try:

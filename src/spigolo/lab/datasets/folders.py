@@ -8,7 +8,7 @@ frames.
     FOLDER/SET/FRAME/label.png          0 = background, 1..N = objects, 255 = ignore; absent where nothing is labelled
     FOLDER/SET/FRAME/info.json          optional: {"fully_labelled": true, "ignore_label": 255}, both optional too
 
-The path of a single folder SET or FRAME can be given, too.
+The reader also accepts the path of one data set (FOLDER/SET) or of one frame (FOLDER/SET/FRAME).
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class FrameFolder(Entry):
 
     @property
     def reading(self) -> str:
-        """Return "ignore LABEL" if the label of ignored pixels is not the default 255, else an empty text."""
+        """Return "ignore LABEL" if the label of ignored pixels is not the default 255, else an empty string."""
         return "" if self.ignore_label == IGNORE_LABEL else f"ignore {self.ignore_label}"
 
     def read(self) -> Frame:
@@ -152,13 +152,13 @@ def _groups(root: Path) -> Mapping[str, str]:
 
 
 def _is_absent(root: Path, name: str) -> bool:
-    """Return True if the folder SET exists, but there is no frame with the name SET/FRAME."""
+    """Return True if `name` is not of the form SET/FRAME, or if the folder SET exists but has no frame FRAME."""
     data_set, slash, _ = name.partition("/")
     return not slash or ((root / data_set).is_dir() and not (root / name / "rgb.png").is_file())
 
 
 def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], default: T) -> T:
-    """Return the value of a field, or the default if the field is missing.
+    """Return the value of a field of a JSON object, or the default if the field is missing.
 
     path: JSON file, for the error message. Raises FileError if the value has the wrong type.
     """

@@ -29,7 +29,7 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 
     If the folder itself has no known layout, its subfolders are searched.
 
-    Raises FileError if there is not exactly one data set, or if files are missing.
+    Raises FileError if no subfolder or more than one subfolder has a known layout, or if files are missing.
 
     Parameters
     ----------
@@ -56,7 +56,9 @@ def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
 
 
 def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SETS) -> list[Entry]:
-    """Return all frames in these folders, sorted by data set and name. `guess` detects the file layout of each folder.
+    """Return the frames of several data sets, sorted by the names of data set and frame.
+
+    `guess` detects the file layout of each folder.
 
     Raises FileError if a folder has no frames, or if two frames have the same data set and name.
 

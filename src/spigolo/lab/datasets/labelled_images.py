@@ -68,7 +68,7 @@ class Ocid(DataSet):
 
     In each sequence, objects are added to the scene one by one.
 
-        OCID/ARID20/floor/bottom/seq01/rgb/NAME.png     8 bits; ARID10 and YCB10 have more folders on the way
+        OCID/ARID20/floor/bottom/seq01/rgb/NAME.png     8 bits; ARID10 and YCB10 have more folder levels
         .../seq01/depth/NAME.png                        16 bits, millimetres, 0 = missing
         .../seq01/label/NAME.png                        0 and 1 = background, in table scenes 2 as well: the table
         OCID/camera.json                                optional, another camera than a nominal Xtion
@@ -96,9 +96,9 @@ class Ocid(DataSet):
 
 
 def _stands_on(sequence: Path, folder: Path) -> str:
-    """Infer the surface on which the objects stand from the path of a sequence. Return "table", "floor" or "".
+    """Return "table" or "floor", the surface below the objects, if the path of a sequence has a folder of this name.
 
-    Only folders inside the data set are searched for the words "table" and "floor".
+    Return "" if no folder inside the data set is named "table" or "floor".
     """
     parts = [part.lower() for part in sequence.parts]
     start = max((k for k, part in enumerate(parts) if part in SETS), default=len(folder.parts) - 1)

@@ -52,8 +52,7 @@ def write_model(path: Path, model: Model, unit_m: float = 1.0) -> None:
 
 
 def find_model(folder: Path, name: str) -> Path | None:
-    """Find the file NAME.ply, NAME.obj or NAME.stl in the folder or in its subfolder NAME, ignoring upper and lower
-    case.
+    """Find the file NAME.ply, NAME.obj or NAME.stl in `folder` or in its subfolder NAME. Case is ignored.
 
     Return None if no file is found.
     """

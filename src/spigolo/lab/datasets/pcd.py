@@ -16,11 +16,11 @@ from spigolo.kernels.lzf import unpack_lzf
 KINDS = {
     f"{kind}{size}": f"<{kind.lower()}{size}" for kind in "IUF" for size in (1, 2, 4, 8) if f"{kind}{size}" != "F1"
 }
-"""NumPy type of a field, indexed by its TYPE and SIZE in the header."""
+"""NumPy dtype of a field, indexed by its TYPE and SIZE in the header."""
 STEEPEST = 1e6
-"""Maximum ratio of X or Y to Z of a valid point."""
+"""Limit of the ratios |X| / Z and |Y| / Z. If a point reaches the limit, no camera can be fitted."""
 MAX_MISFIT_PX = 0.5
-"""Maximum distance in pixels between an image pixel and its point projected by the fitted camera."""
+"""Maximum residual of the camera fit, pixels. A larger residual raises CameraError."""
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:
@@ -62,7 +62,7 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
 
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
-    """Fit pixels = f * slopes + c.
+    """Fit pixels = f * slopes + c by least squares. The slopes are X / Z or Y / Z of the points.
 
     Return f, c and the largest residual in pixels, which is infinite if no fit is possible.
     """

@@ -21,7 +21,7 @@ Pose = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class PosedImage(ImageEntry):
-    """Frame with the poses of one object or of several instances of it."""
+    """Frame with the poses of one or more instances of the same object."""
 
     object_name: str
     poses: Path | None

@@ -8,9 +8,9 @@
     FOLDER/models/OBJECT.ply (or .obj, .stl, or in OBJECT/), metres
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
-BIN is a letter from A to L. The four shots at one position form a group of near-identical frames. Only the object in
-the file name is labelled, with label 1. The visible mask of the labelled object is rendered from its model and pose.
-Frames without a pose have no labels.
+BIN, the shelf bin, is a letter from A to L. The four shots (frames) at one camera POSITION form a group of
+near-identical frames. Only the object in the file name is labelled, with label 1. The visible mask of the labelled
+object is rendered from its model and pose. Frames without a pose have no labels.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Reader of the data set by Tejani et al., 2014, with several instances of one object among clutter.
 
-    FOLDER/test/scene_01/RGB/img_000.png                  8 bits; also scene_01/ right in FOLDER, or the object's name
+    FOLDER/test/scene_01/RGB/img_000.png                  8 bits; also scene_01/ directly in FOLDER, or object's name
     FOLDER/test/scene_01/Depth/img_000.png                16 bits, millimetres, 0 = missing
     FOLDER/annotation_new_models/scene_01/poses0.txt      number of instances, then for each 4 lines of 4 numbers,
-                                                          divided by blanks or commas: model to camera, metres
+                                                          separated by blanks or commas: model to camera, metres
     FOLDER/models/obj_01.ply                              metres; also by name, as Coffee_Cup.ply
     FOLDER/camera.json                                    optional, another camera than BOP's for this set
 
@@ -39,7 +39,7 @@ class Tejani(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder of a scene has images RGB/img_NNN.png."""
+        """Return True if the folder, or its subfolder test, contains a scene with images RGB/img_NNN.png."""
         return bool(_scenes(folder))
 
     def _find(self) -> Iterator[Entry]:

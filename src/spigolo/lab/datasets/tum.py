@@ -4,10 +4,10 @@
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
     SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
 
-Timestamps may also be in milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from their
-values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image within 20
-ms are left out. The frames have no labels. The frames of a sequence form a group of near-identical frames. A folder
-that contains several sequences can be given, too.
+Timestamps may be in seconds, milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from
+their values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image
+within 20 ms are left out. The frames have no labels. The frames of a sequence form a group of near-identical frames.
+The reader also accepts a folder that contains several sequences.
 """
 
 from __future__ import annotations
@@ -27,11 +27,15 @@ from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 DEPTH_SCALE = 1 / 5000
 MAX_APART_S = 0.02
 UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
-"""Minimum value of timestamps since 1970, and the unit (in seconds) of timestamps of at least this value."""
-GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
-"""Minimum time difference between frames, and the unit (in seconds) of timestamps with at least this difference.
+"""Pairs of a minimum timestamp and a unit in seconds, for clocks that count from 1970.
 
-The unit of clocks that start at 0 is inferred from differences, because their values are small.
+Timestamps have the unit of the first pair whose minimum is not above their median.
+"""
+GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
+"""Pairs of a minimum difference between timestamps and a unit in seconds, for clocks that start at 0.
+
+Timestamps have the unit of the first pair whose minimum is not above the median difference between frames, else
+seconds.
 """
 MANY_ALONE = 0.5
 """Share of colour images without a depth image above which a warning is given."""
@@ -117,7 +121,7 @@ def _unit_s(times: np.ndarray) -> float:
 
 
 def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield pairs of colour image and depth image with similar times.
+    """Yield pairs of a colour image and the depth image nearest in time, at most `MAX_APART_S` apart.
 
     Raises FileError if there are no pairs. Warns if most colour images have no depth image.
     """

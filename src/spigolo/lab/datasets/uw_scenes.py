@@ -6,9 +6,9 @@
     rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
     quickfind_mask_data/SCENE_K_N_mask.png                optional, next to rgbd-scenes or in it: a colour per object
 
-QuickFind's masks were drawn by hand and label 22 objects. Label k is the k-th object in `MASK_COLORS`. Mask pixels of
-other colours are ignored. Frames without a mask have no labels. The frames of one sequence SCENE_K form a group of
-near-identical frames.
+QuickFind's masks were drawn by hand and label 22 objects. Label k is the k-th object in `MASK_COLORS`. Black mask
+pixels are background. Mask pixels of other colours are left out of the evaluation. Frames without a mask have no
+labels. The frames of one sequence SCENE_K form a group of near-identical frames.
 """
 
 from __future__ import annotations

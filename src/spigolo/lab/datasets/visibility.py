@@ -19,7 +19,7 @@ from spigolo.kernels.registration import FARTHEST_PX, NEAREST_M
 from spigolo.lab.datasets.sample import Instance, Model
 
 TOLERANCE_M = 0.015
-"""Maximum distance of a visible model behind the measured surface, metres. bop_toolkit calls the value delta."""
+"""Maximum distance behind the measured surface at which a model is visible, metres. Called delta in bop_toolkit."""
 
 
 def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
@@ -49,7 +49,7 @@ def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_
     camera
         Camera intrinsics of both depth maps.
     tolerance_m
-        Maximum distance of a visible model behind the measured surface, metres.
+        Maximum distance behind the measured surface at which a model is visible, metres.
 
     """
     behind = (drawn - measured) * ray_lengths(camera)
@@ -78,7 +78,7 @@ def visible_labels(
     camera
         Camera intrinsics of the measured depth map.
     tolerance_m
-        Maximum distance of a visible model behind the measured surface, metres.
+        Maximum distance behind the measured surface at which a model is visible, metres.
 
     """
     labels = np.zeros(measured.shape, np.int32)
@@ -91,7 +91,7 @@ def visible_labels(
 
 
 def ray_lengths(camera: Camera) -> DepthMap:
-    """Return, for each pixel (H, W), the distance from the camera centre to its point at depth Z = 1."""
+    """Return the distance (H, W) from the camera centre to the point at depth Z = 1 on the ray of each pixel."""
     x = (np.arange(camera.width) - camera.cx) / camera.fx
     y = (np.arange(camera.height) - camera.cy) / camera.fy
     return np.sqrt(1 + x[None] ** 2 + y[:, None] ** 2).astype(np.float32)

@@ -67,7 +67,7 @@ def uw_scenes_name(sequence: str, number: int) -> str:
 def tejani_name(object_name: str, number: int) -> str:
     """Return the frame name for `write_tejani`.
 
-    Raises FrameError for another object.
+    Raises FrameError if `object_name` is not an object of this data set.
 
     Parameters
     ----------
@@ -83,10 +83,11 @@ def tejani_name(object_name: str, number: int) -> str:
 
 
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write frames in the file layout of the reader `Rutgers`. The pose of the object in each frame's name is written.
+    """Write frames in the file layout of the reader `Rutgers`, with the pose of the object in the frame name.
 
-    Returns the number of frames. Raises FileError if a file cannot be written. Raises FrameError if a frame does not
-    fit the file layout.
+    Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
+    name does not have the form of `rutgers_name`, if the frames do not have one common camera, or if a frame does not
+    have exactly one instance of the object in its name.
 
     Parameters
     ----------
@@ -97,7 +98,7 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
     models
         Models of all objects.
     about
-        One-sentence description of the rendering.
+        One-sentence description of the rendering for rendered.json.
 
     """
     images = _Images(folder, about)
@@ -117,8 +118,9 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
     """Write frames in the file layout of the reader `UwScenes`, with masks and bounding boxes of the objects in
     `MASK_COLORS`.
 
-    about: one-sentence description of the rendering. Returns the number of frames. Raises FileError if a file cannot be
-    written. Raises FrameError if a frame does not fit the file layout.
+    about: one-sentence description of the rendering for rendered.json. Returns the number of written frames. Raises
+    FileError if a file cannot be written. Raises FrameError if a frame name does not have the form of `uw_scenes_name`,
+    if the frames do not have one common camera, or if a frame shows an object twice.
     """
     images = _Images(folder, about)
     boxes: dict[str, dict[int, list[ObjectBox]]] = defaultdict(dict)
@@ -137,8 +139,9 @@ def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
 def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
     """Write frames in the file layout of the reader `Tejani`, with the poses of all instances of the scene's object.
 
-    Returns the number of frames. Raises FileError if a file cannot be written. Raises FrameError if a frame does not
-    fit the file layout.
+    Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
+    name does not have the form of `tejani_name`, if the frames do not have one common camera, or if a frame has no
+    instance of the scene's object.
     """
     images = _Images(folder, about)
     for model in models:
@@ -156,9 +159,10 @@ def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model
 def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
     """Write frames in the file layout of the reader `Bop`, with full and visible masks. Models are numbered from 1.
 
-    A frame named "SCENE/IMAGE", with two numbers, becomes that image of that scene. Frames with other names are
-    numbered and written to scene 1. about: one-sentence description of the rendering. Returns the number of frames.
-    Raises FileError if a file cannot be written. Raises FrameError if a frame does not fit the file layout.
+    A frame name of the form "SCENE/IMAGE" gives the numbers of scene and image, for example "3/12". Frames with other
+    names are numbered and written to scene 1. about: one-sentence description of the rendering for rendered.json and
+    dataset_info.md. Returns the number of written frames. Raises FileError if a file cannot be written. Raises
+    FrameError if a frame has no camera, if two frames have the same numbers, or if an object has no model.
     """
     write_json(folder / RENDERED, {"about": about})
     write_description(folder, models, about)

@@ -12,8 +12,8 @@ A `Row` holds the scores of one method on one frame. `RowFile` and `read_rows` s
 `pool` averages the rows of one method, and `compare` compares two methods. `folds` and `leave_one_set_out` split frames
 for cross-validation.
 
-Letters in array shapes: H, W = image height and width, N = number of true objects, S = number of predicted segments.
-The evaluation requires scipy: ``pip install "spigolo[evaluation]"``.
+Letters in array shapes: H, W = image height and width, N = number of true objects (objects of the ground truth),
+S = number of predicted segments. The evaluation requires scipy: ``pip install "spigolo[evaluation]"``.
 """
 
 from __future__ import annotations

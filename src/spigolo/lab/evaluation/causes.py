@@ -19,33 +19,42 @@ OTHER_SHARE = 0.2
 
 
 class Cause(str, Enum):
-    """Reason why a labelled object was not found. Reasons are tested in the order of their definition."""
+    """Reason why a labelled object was not found.
+
+    Reasons are tested in the order FOUND, REJECTED, SPLIT, OUTLINE, MERGED, FLOODED. The first one that is true counts.
+    """
 
     FOUND = "found"
-    """A predicted object has an IoU above 0.7 with the labelled object, so the object is not lost."""
+    """A predicted object has an IoU above 0.7 with the labelled object, so the object was found."""
     REJECTED = "rejected"
     """A rejected region has an IoU above 0.7 with the labelled object."""
     MERGED = "merged"
-    """The region that covers most of the object also covers other objects."""
+    """One region covers more than 70 % of the object. At least 20 % of the region's pixels are on other objects."""
     FLOODED = "flooded"
-    """The region that covers most of the object also covers background."""
+    """One region covers more than 70 % of the object. At least 30 % of the region's pixels are outside the object, but
+    less than 20 % are on other objects.
+    """
     SPLIT = "split"
-    """No region covers more than 70 % of the object."""
+    """No region covers more than 70 % of the labelled object."""
     OUTLINE = "outline off"
-    """A region covers most of the object and little else, but the IoU is at most 0.7."""
+    """One region covers more than 70 % of the object. More than 70 % of the region's pixels are on the object, but the
+    IoU is at most 0.7.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """Reason why one labelled object was not found, with the region of the object."""
+    """Reason why one labelled object was not found, with the region that was used to determine the reason."""
 
     label: int
     """Label of the object in the ground truth."""
     cause: Cause
     """Reason why the object was not found, or `FOUND`."""
     region: int
-    """Number of the region used to determine the cause: the region with the largest IoU, or the region that covers most
-    of the object.
+    """Number of the region used to determine the cause.
+
+    For `FOUND` and `REJECTED`, the region with the largest IoU, else the region that covers the most pixels of the
+    object.
     """
     iou: float
     """Intersection over union of the object and `region`."""
@@ -57,13 +66,13 @@ def find_fates(truth: Labels, labels: Labels, regions: Labels, ignore: Mask | No
     Parameters
     ----------
     truth
-        True labels (H, W), 0 = background.
+        Ground truth labels (H, W), 0 = background.
     labels
         Predicted labels (H, W), 0 = background.
     regions
         Region numbers (H, W) from 0, including rejected regions.
     ignore
-        Mask (H, W) of pixels to leave out.
+        Mask (H, W) of pixels to leave out of the comparison.
 
     """
     counted = np.ones(truth.shape, bool) if ignore is None else ~ignore

@@ -1,7 +1,8 @@
 """Matching of true objects with predicted segments, and of their boundary pixels.
 
-Label images must be valid. `spigolo.lab.evaluation.score_frame` validates them. Letters in array shapes: H, W = image
-height and width, N = number of true objects, S = number of predicted segments.
+Label images must be 2-D arrays of integers from 0, which `spigolo.lab.evaluation.score_frame` checks. Letters in array
+shapes: H, W = image height and width, N = number of true objects (objects of the ground truth), S = number of predicted
+segments.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ Label images with larger values are first converted to consecutive labels.
 """
 
 LARGE_PX = 16
-"""Radius in pixels above which matching uses a distance transform instead of dilation, because it is faster."""
+"""Radius in pixels above which boundary pixels are matched by a distance transform, which is faster than dilation."""
 
 NEEDS_SCIPY = 'the measures need scipy, which is not installed: pip install "spigolo[evaluation]"'
 
@@ -97,9 +98,9 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
 
 
 def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
-    """Return ascending label values, and for each pixel the index (H * W,) of its label in these values.
+    """Return an ascending array of label values, and the index (H * W,) of each pixel's label in this array.
 
-    If all labels are small, label k has index k, which avoids sorting the pixels.
+    If no label exceeds `DENSE`, label k has index k, so that the pixels need not be sorted.
     """
     highest = int(labels.max(initial=0))
     if highest <= DENSE:

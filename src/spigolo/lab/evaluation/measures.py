@@ -1,6 +1,7 @@
 """Accuracy measures of one frame.
 
-Letters in array shapes: H, W = image height and width, N = number of true objects, S = number of predicted segments.
+Letters in array shapes: H, W = image height and width, N = number of true objects (objects of the ground truth),
+S = number of predicted segments.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""Overlap above which an object counts as found. An object with an overlap equal to this value is not found."""
+"""IoU, or share of covered pixels, above which an object counts as found. An object at the limit is not found."""
 
 GOOD_F = 0.75
 """F measure above which a pair of object and segment counts in the measure F@.75."""
@@ -47,16 +48,16 @@ class Measures:
     """Harmonic mean of `overlap_precision` and `overlap_recall`."""
 
     boundary_precision: float
-    """Share of the predicted boundary pixels with a true boundary pixel at most `radius_px` away."""
+    """Share of the predicted boundary pixels that are at most `radius_px` from a boundary pixel of the ground truth."""
 
     boundary_recall: float
-    """Share of the true boundary pixels with a predicted boundary pixel at most `radius_px` away."""
+    """Share of the boundary pixels of the ground truth that are at most `radius_px` from a predicted boundary pixel."""
 
     boundary_f: float
     """Harmonic mean of `boundary_precision` and `boundary_recall`."""
 
     f75: float
-    """Share of true objects with an F measure above 0.75 with their paired segment."""
+    """Share of true objects whose F measure with the paired segment is above 0.75."""
 
 
 MEASURES = tuple(Measures.__dataclass_fields__)
@@ -66,8 +67,8 @@ MEASURES = tuple(Measures.__dataclass_fields__)
 class FrameScore(Measures):
     """Accuracy measures of one frame.
 
-    Precision, recall and F are 1 if both images have no objects, and 0 if only one image has objects. True objects and
-    predicted segments are paired by `spigolo.lab.evaluation.matching.pair_by_f`.
+    Precision, recall and F are 1 if neither ground truth nor prediction has objects, and 0 if only one of them has
+    objects. True objects and predicted segments are paired by `spigolo.lab.evaluation.matching.pair_by_f`.
     """
 
     object_ids: NDArray[np.integer[Any]]
@@ -152,9 +153,9 @@ def _by_any_segment(holds: Mask) -> Mask:
 
 
 def _shares(hits_pred: int, all_pred: int, hits_true: int, all_true: int) -> tuple[float, float, float]:
-    """Return precision, recall and F from counts of matched and of all pixels.
+    """Return precision, recall and F from the numbers of matched pixels (`hits_*`) and of all pixels (`all_*`).
 
-    Precision, recall and F are 1 if both totals are 0, and 0 if only one total is 0.
+    Precision, recall and F are 1 if `all_pred` and `all_true` are 0, and 0 if only one of them is 0.
     """
     if all_pred == 0 and all_true == 0:
         return 1.0, 1.0, 1.0

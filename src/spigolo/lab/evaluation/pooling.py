@@ -26,7 +26,7 @@ Figure = Callable[[RowScore], float]
 class Pooled:
     """Measures of one method on many frames. Undefined measures are NaN.
 
-    Precision, F and false positives are NaN if any frame has unlabelled objects.
+    Precision, overlap F, boundary F and false positives are NaN if any frame has unlabelled objects.
     """
 
     n_frames: int
@@ -88,7 +88,7 @@ class Pooled:
     """Number of regions that cover at least 5 % of an object, averaged over the labelled objects."""
 
     leaks: float
-    """Under-segmentation error of the regions, averaged over the labelled objects."""
+    """Under-segmentation error of the regions (`RowScore.leaks`), averaged over the labelled objects."""
 
     cpu_median_s: float
     cpu_mean_s: float
@@ -96,9 +96,9 @@ class Pooled:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """Differences between the measures of two methods, on the frames that both methods segmented.
+    """Measures of the second method minus measures of the first method, on the frames that both methods segmented.
 
-    The intervals are from a paired bootstrap over groups of near-identical frames.
+    The confidence intervals are from a paired bootstrap over groups of near-identical frames.
     """
 
     n_frames: int
@@ -221,6 +221,9 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 
 
 def _share(rows: Sequence[Row], count: Figure) -> float:
-    """Return the sum of a count over all frames, divided by the number of labelled objects."""
+    """Return a count divided by the number of labelled objects.
+
+    Both numbers are averaged within groups of near-identical frames and summed over the groups.
+    """
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

@@ -52,7 +52,8 @@ def bootstrap(
     Parameters
     ----------
     values
-        Values (G,), one per group of near-identical frames. For a paired comparison, pass the differences.
+        Values (G,), one per group of near-identical frames. To compare two methods on the same frames, pass the
+        differences of their values.
     weights
         Weight of each value (G,), by default 1.
     draws
@@ -104,9 +105,9 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
 
 
 def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = None) -> list[Split]:
-    """Return one split per data set, which holds out all frames of this data set. Splits are ordered by name.
+    """Return one split per data set, which holds out all frames of this data set. Splits are sorted by data set name.
 
-    Frames of other data sets that are near-identical to a held-out frame are not used.
+    Frames of other data sets that are near-identical to a held-out frame are left out of the split.
 
     Raises ValueError if there are fewer than two data sets.
 

@@ -1,4 +1,4 @@
-"""Files of evaluation results. Each line is a JSON object (row) with the scores of one method on one frame.
+"""Files of evaluation results. Each line of a file is a JSON object (row): the scores of one method on one frame.
 
 Letters in array shapes: H, W = image height and width, N = number of true objects.
 """
@@ -26,7 +26,7 @@ PIECE = 0.05
 """Minimum share of an object's pixels in a region for the region to count as a piece of the object."""
 
 Labelling = Literal["full", "part", "none"]
-"""Labelled objects in a frame: all objects (`full`), some objects (`part`) or no objects (`none`).
+"""Completeness of the labels of a frame: all (`full`), some (`part`) or none (`none`) of the objects have a label.
 
 Precision is meaningful only if all objects are labelled.
 """
@@ -135,12 +135,12 @@ class Row:
     """Number of predicted objects, including objects on ignored pixels."""
 
     rejected: dict[str, int]
-    """Number of rejected regions, indexed by the reason of rejection."""
+    """Number of rejected regions, indexed by the reason for rejection."""
 
     score: RowScore | None
     """Accuracy measures, or None if the frame has no labels.
 
-    An error of the method is scored like a prediction without objects.
+    An error is scored like a prediction without objects, or None if the frame has no labelled objects.
     """
 
     error: str | None = None
@@ -162,19 +162,21 @@ def score_row(
     ignore: ArrayLike | None = None,
     names: Mapping[int, str] | None = None,
 ) -> RowScore:
-    """Score a predicted label image (H, W) against the true label image (H, W). `score_frame` defines the measures.
+    """Compute the scores of a predicted label image by comparison with the ground truth.
+
+    `score_frame` defines the measures.
 
     Parameters
     ----------
     truth
-        True label image (H, W), 0 = background.
+        Ground truth labels (H, W), 0 = background.
     prediction
         Predicted label image (H, W), 0 = background.
     regions
         All regions of the segmentation, including rejected regions, as a label image (H, W) without 0. By default
         `prediction`.
     ignore
-        Mask (H, W) of pixels to leave out.
+        Mask (H, W) of pixels to leave out of the scores.
     names
         Names of the true objects, indexed by label.
 

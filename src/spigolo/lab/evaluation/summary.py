@@ -46,7 +46,9 @@ class DatasetScore(Measures):
 
 
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
-    """Average the scores of many frames. All frames have the same weight, and all objects have the same weight.
+    """Average the scores of many frames.
+
+    In `MEASURES`, all frames have the same weight. In the other scores, all objects have the same weight.
 
     Raises
     ------

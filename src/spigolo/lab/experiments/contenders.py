@@ -66,11 +66,11 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
 def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
     """Return the reference methods, with which all other methods are compared.
 
-    name: label, digest, preset, method or file name of the reference.
+    name: label, digest, preset or method of the reference, or a file name for all methods in this file.
 
     Without a name, the first element of `contenders` is the reference. If no name is given and several files hold the
-    same frames, all methods in the first file are references. Raises ConfigError if no method, or more than one,
-    matches the name.
+    same frames, all methods in the first file are references. Raises ConfigError if no method or file, or more than
+    one, matches the name.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]

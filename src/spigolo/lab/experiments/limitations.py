@@ -14,7 +14,7 @@ MOST = 0.5
 
 
 def limitations(contenders: Sequence[Contender]) -> list[str]:
-    """Return sentences about the limitations of these results, most important first."""
+    """Return sentences about the limitations of an evaluation, most important first."""
     rows = [row for contender in contenders for row in contender.rows]
     groups = {row.group: row.data_set for row in rows if row.score is not None}
     methods = sorted({row.method for row in rows})

@@ -16,16 +16,16 @@ from spigolo.methods import Method
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Labelled object, with the cause if it was not found."""
+    """Labelled object, with the cause if the object was not found."""
 
     data_set: str
     """Name of the data set."""
     frame: str
     """Name of the frame."""
     fate: Fate
-    """Reason why the object was not found, with the region and IoU of the object."""
+    """Reason why the object was not found, with the region used to determine the reason."""
     why: str
-    """Rule that rejected the region of the object, empty if the region was not rejected."""
+    """Rule that rejected the region `fate.region`, empty if the region was not rejected."""
 
 
 def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], None] | None = None) -> list[Loss]:
@@ -61,8 +61,9 @@ def loss_table(losses: Sequence[Loss]) -> Table:
 
 
 def lost_objects(losses: Sequence[Loss]) -> Table:
-    """Return a table of all objects that were not found, with the cause, the IoU of the region, and the rule that
-    rejected the region.
+    """Return a table of all objects that were not found, with cause, IoU and reason for rejection.
+
+    IoU and reason for rejection belong to the region that determines the cause (`Fate.region`).
     """
     lost = [loss for loss in losses if loss.fate.cause is not Cause.FOUND]
     rows = [

@@ -11,7 +11,7 @@ from spigolo.settings.config import Config
 
 
 def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method]:
-    """Create segmentation methods from their names. The method `toscana2016` is created once per configuration.
+    """Create segmentation methods from their names. The method `toscana2016` is created once per element of `configs`.
 
     Duplicates are left out. Raises ConfigError for an unknown name.
     """
@@ -26,7 +26,7 @@ def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method
 
 
 def remake(row: Row) -> Method | None:
-    """Create the method that gave this evaluation result.
+    """Create the method that produced an evaluation result.
 
     Return None if this version of spigolo no longer has the method or its parameters.
     """

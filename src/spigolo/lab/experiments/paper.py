@@ -1,6 +1,6 @@
 """Tables I to III of the paper (Toscana & Rosa 2016), with printed and measured values.
 
-In the paper's tables, an object is found if one segment covers more than 70 % of its pixels.
+In the paper's tables, an object is found if one segment covers more than 70 % of the object's pixels.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Tally:
         return _percent(self.in_regions, self.objects)
 
     def among(self, other: Tally) -> str:
-        """Return "of N" for N objects if `other` has a different number of objects, else an empty text."""
+        """Return "of N" for N objects if `other` has a different number of objects, else an empty string."""
         return "" if self.objects == other.objects else f"of {self.objects}"
 
 
@@ -138,7 +138,7 @@ def _tally(rows: Sequence[Row], printed: Printed) -> dict[Place, Tally]:
 
 
 def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
-    """Yield the table cell and the counts of each object in a frame.
+    """Yield the table cell of each object in a frame, with a `Tally` of this object only.
 
     Objects without a table cell are left out.
     """

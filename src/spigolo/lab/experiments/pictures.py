@@ -1,4 +1,4 @@
-"""Pictures of the frames with the lowest scores: prediction and ground truth side by side."""
+"""Images of the frames with the lowest scores: prediction and ground truth side by side."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def worst_rows(rows: Sequence[Row]) -> list[Row]:
 def draw_worst(
     contender: Contender, folders: Mapping[tuple[str, str], Entry], out: Path, tell: Tell | None = None
 ) -> list[Picture]:
-    """Segment the frames with the lowest scores again, and write pictures of the results into the folder
+    """Segment the frames with the lowest scores again, and write images of prediction and ground truth to
     `out`/pictures.
 
     Parameters
@@ -60,12 +60,12 @@ def draw_worst(
     contender
         Scores of the method.
     folders
-        Frames, indexed by data set and name. Frames that are not in `folders` are left out. No pictures are drawn if
-        this version of spigolo cannot create the method.
+        Frames, indexed by data set and name. Frames that are not in `folders` are left out. No images are written if
+        this version of spigolo cannot create the method with the parameters of `contender`.
     out
         Folder of the report.
     tell
-        Progress callback. The arguments of the callback are the number of finished pictures and the total number.
+        Progress callback. The arguments of the callback are the number of finished images and the number of all images.
 
     """
     rows = [row for row in worst_rows(contender.rows) if (row.data_set, row.frame) in folders]

@@ -63,7 +63,8 @@ CATEGORIES = {
 def _run(frame: str, name: str) -> Place:
     """Return the cell of Table I for an object of a Rutgers APC frame.
 
-    Frames are named OBJECT-BIN-CLUTTER-POSITION-SHOT. The value of CLUTTER determines the run.
+    Frames are named OBJECT-BIN-CLUTTER-POSITION-SHOT. The table has one line per run, and CLUTTER + 1 is the number of
+    the run.
     """
     found = re.fullmatch(r".+-[A-L]-(\d+)-\d+-\d+", frame)
     return (f"Run_{int(found[1]) + 1}" if found else ""), ALL

@@ -26,7 +26,7 @@ def write_report(
     against: str | None = None,
     tell: Tell | None = None,
 ) -> None:
-    """Write a report as index.html and report.md into the folder `out`, with pictures of the frames with the lowest
+    """Write a report as index.html and report.md into the folder `out`, with images of the frames that have the lowest
     scores.
 
     Raises ConfigError if no method matches `against`. Raises FileError if a file cannot be written.
@@ -38,12 +38,12 @@ def write_report(
     out
         Folder to write to.
     frames
-        Frames for the pictures. Without frames, no pictures are drawn.
+        Frames to show as images in the report. Without frames, the report has no images.
     against
         Name of the reference method, see `find_references`.
     tell
-        Progress callback. The arguments of the callback are the number of finished pictures and the total number for
-        one method.
+        Progress callback. The arguments of the callback are the number of finished images and the number of all images
+        of one method.
 
     """
     references = find_references(contenders, against)

@@ -26,7 +26,8 @@ from spigolo.objects.segmentation import Segmentation
 Tell = Callable[[int, int, Row | None], None]
 """Progress callback.
 
-The arguments of the callback are the number of finished evaluations, the total number, and the latest result or None.
+The arguments of the callback are the number of finished evaluations, the number of evaluations to run, and the latest
+result (None at the start). Evaluations that the file already has are not counted.
 """
 
 
@@ -112,7 +113,7 @@ def evaluate(
     Return the results of all methods on all frames.
 
     Evaluations that the file already has are not repeated. An evaluation is repeated if its worker process died, or if
-    its frame failed and has been changed since. Only one process may use the file at a time.
+    it raised an error and the files of the frame have changed since. Only one process may use the file at a time.
 
     Raises SpigoloError if scipy is not installed. Raises FileError if the file is invalid, or has results of other
     frames with the same names.
@@ -155,10 +156,10 @@ def evaluate(
 
 
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
-    """Return the existing results that are still valid, with the current data of their frames.
+    """Return the existing results that are still valid, with `group` and `labelling` of the current frames.
 
-    A result with an error is left out if the files of its frame have changed. Raises FileError if a frame of another
-    content has the same name.
+    A result with an error is left out if the files of its frame have changed. Raises FileError if files have changed
+    since the frame was evaluated without an error.
     """
     entries = {(frame.data_set, frame.name): frame for frame in frames}
     failed = _places(row for row in file.rows if row.error is not None)
@@ -185,7 +186,7 @@ def _places(rows: Iterable[Row]) -> set[tuple[str, str]]:
 
 
 def _readable_content(frame: Entry) -> str:
-    """Return the checksum of a frame's files, or an empty text if a file cannot be read."""
+    """Return the checksum of a frame's files, or an empty string if a file cannot be read."""
     try:
         return frame.content
     except FileError:

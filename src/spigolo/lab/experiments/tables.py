@@ -1,4 +1,4 @@
-"""Tables of the evaluation report: accuracy, CPU time, differences and reasons of rejection."""
+"""Tables of the evaluation report: accuracy, CPU time, differences and reasons for rejection."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def change_table(pairs: Sequence[tuple[Contender, Contender]]) -> Table:
 
 
 def rejection_table(contenders: Sequence[Contender]) -> Table:
-    """Return a table with the number of rejected regions per frame, with one column per reason of rejection."""
+    """Return a table with the number of rejected regions per frame, with one column per reason for rejection."""
     totals = {c.label: sum((Counter(row.rejected) for row in c.rows), Counter[str]()) for c in contenders}
     reasons = sorted(set().union(*totals.values()), key=lambda r: -max(t[r] for t in totals.values()))
     rows = [

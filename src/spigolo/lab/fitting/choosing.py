@@ -91,10 +91,10 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
     """Score every data set with the parameter values that are best on the other data sets.
 
-    The scores estimate the accuracy with another camera or place.
+    The scores estimate the accuracy with another camera or in another environment. The trials in the field `chosen` are
+    sorted by data set name.
 
-    The result is ordered by the name of the data set. Raises SpigoloError if there are not at least two different data
-    sets.
+    Raises SpigoloError if `set_splits` finds no splits.
     """
     splits = set_splits(search)
     if not splits:

@@ -21,7 +21,8 @@ from spigolo.methods import Method
 Tell = Callable[[int, int, Trial | None], None]
 """Progress callback.
 
-The arguments of the callback are the number of finished trials, the total number of trials, and the latest trial.
+The arguments of the callback are the number of finished trials, the number of trials to run, and the latest trial (None
+at the start). Trials that the file already has are not counted.
 """
 
 
@@ -56,7 +57,7 @@ def search(
     Parameter values that the file `out` already has scores for are not scored again.
 
     Raises SpigoloError if optuna or scipy is not installed, or if a worker process dies. Raises FileError if no frame
-    has labels, or if the file belongs to another search.
+    has labels, or if `out` belongs to another search.
 
     Parameters
     ----------
@@ -73,8 +74,8 @@ def search(
     jobs
         Number of worker processes.
     tell
-        Progress callback. The arguments of the callback are the number of finished trials, the total number, and the
-        latest trial.
+        Progress callback. The arguments of the callback are the number of finished trials, the number of trials to run,
+        and the latest trial (None at the start).
     engine
         Executor of the trials, instead of `jobs` worker processes.
 

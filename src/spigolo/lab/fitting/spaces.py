@@ -1,4 +1,4 @@
-"""Search spaces: the parameters of a method to fit, with their ranges.
+"""Search spaces: the parameters to fit for each method, with their ranges.
 
 A search space maps dotted parameter names to ranges, choices and switches. A switch turns an optional stage on or off.
 If a switch turns a stage off, the parameters of this stage are ignored.
@@ -42,7 +42,7 @@ class Choice:
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """Switch of an optional stage."""
+    """Switch that turns an optional stage on or off."""
 
     on: Mapping[str, Any] = field(default_factory=dict)
     """Parameter values of the optional stage if it is switched on."""
@@ -230,5 +230,5 @@ def complete(drawn: Setting, space: Space) -> Setting:
 
 
 def apply(setting: Setting, method: Method) -> Method:
-    """Return the method with these parameter values. Raises ConfigError for invalid values."""
+    """Return the method with the parameter values of `setting`. Raises ConfigError for invalid values."""
     return method.replace(**setting) if setting else method

@@ -64,8 +64,8 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag the pixels of an image row whose label differs from the label of the next pixel, or of the pixel below in
-    the row `other`.
+    """Flag each pixel of an image row whose label differs from that of the next pixel or of the pixel below. other: the
+    row below.
     """
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])

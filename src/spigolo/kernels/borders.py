@@ -95,9 +95,8 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
     positive where the surface is concave (behind the chord), and negative where the surface is convex.
 
     A chord is the straight line between the ends of a run of pixels of one region in one image row. The ends of a chord
-    are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. A chord is skipped if the surface is
-    more than MOST_ROUND times the chord's width away from the middle of the chord, because such a chord spans two
-    surfaces.
+    are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. A chord is also skipped if its middle
+    is farther from the surface than MOST_ROUND times its width. Such a chord spans two surfaces.
 
     sums (S, 2) float64, initially zero: sum of the distances (m) and sum of the lengths of the chords (m) of each
     region.

@@ -19,8 +19,8 @@ WORD = 8
 
 @kernel
 def fill_shadows(depth, max_run, out):
-    """Fill each run of missing pixels in an image row with the depth of the background, which is the larger of the two
-    depths next to the run.
+    """Fill each run of missing pixels in an image row with the depth of the background. The depth of the background is
+    the larger of the two depths next to the run.
 
     Runs of more than max_run pixels and runs at the image border stay 0. depth, out (H, W) in metres.
     """

@@ -2,8 +2,8 @@
 equations 2, 3).
 
 A packed edge has 64 bits: 32 bits for its float32 weight, 30 bits for its pixel and 2 bits for its direction. The
-record of a region has 32 bits for its number of pixels and 32 bits for its merge bound, which is the maximum weight of
-an edge that merges the region. docs/performance.md explains the algorithm.
+record of a region has 32 bits for its number of pixels and 32 bits for its merge bound. The merge bound is the maximum
+weight of an edge that merges the region. The algorithm is explained in docs/performance.md.
 """
 
 from __future__ import annotations

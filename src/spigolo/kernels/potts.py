@@ -37,7 +37,7 @@ def draw(seed, sweep, pixel, which):
 
 @inlined
 def color_interaction(distance, mean, repulsion):
-    """Return the interaction J of two colours: 1 for equal colours, 0 at the mean colour distance, and at least
+    """Return the interaction J of two colours: 1 for equal colours, 0 at the colour distance `mean`, and at least
     `-repulsion`.
     """
     return max(np.float32(1.0) - distance / mean, -repulsion)

@@ -49,8 +49,8 @@ def middle(a, b):
 
 @inlined
 def triangle(a, b, c):
-    """Return corner a of a triangle of projected points (u, v, 1 / Z), its sides from a to b and from a to c, and a
-    scale. The scale is 1 / (twice the signed area), or 0 for a tiny triangle.
+    """Return corner a of a triangle, its sides from a to b and from a to c, and a scale. Corners are projected points
+    (u, v, 1 / Z). The scale is 1 / (twice the signed area), or 0 for a tiny triangle.
     """
     b_x, b_y, c_x, c_y = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
     area = b_x * c_y - b_y * c_x
@@ -133,8 +133,8 @@ def project_row(depth, y, P, points):
 
 @kernel
 def splat_depth(depth, P, step_m, step_share, out):
-    """Draw the surfaces of a depth map into the depth map of another camera. Where surfaces overlap, the nearest is
-    kept.
+    """Draw the surfaces of a depth map into the depth map of another camera. If several surfaces cover a pixel, the
+    nearest surface is kept.
 
     Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. If the four depths
     contain a depth step of more than max(step_m, step_share * nearest depth), each pixel draws only its own quarter. At

@@ -9,8 +9,9 @@ The method is that of Toscana & Rosa 2016, "Fast Graph-Based Object Segmentation
         print(o.area_px, o.centroid_m)
 
 Conventions: H, W = image rows and columns, R = number of regions. Colour is RGB. Depth is float32 in metres, 0 where
-missing. The camera's axes are X right, Y down and Z forward. Image points are (y, x). Names end with their unit, such
-as _m, _px, _deg or _ns. Numba, OpenCV and pydantic are loaded on first use, so that `import spigolo` is fast.
+missing. The camera's axes are X right, Y down and Z forward. Image points are (y, x). Names of variables and fields end
+with their unit, such as _m, _px, _deg or _ns. Numba, OpenCV and pydantic are loaded on first use, so that `import
+spigolo` is fast.
 """
 
 from __future__ import annotations

@@ -22,14 +22,14 @@ T = TypeVar("T")
 
 
 class Lap(NamedTuple):
-    """Duration of one run of a stage in seconds. cpu_s: CPU time of the process. wall_s: wall time."""
+    """Duration of one run of a stage. cpu_s: CPU time of the process in seconds. wall_s: wall time in seconds."""
 
     cpu_s: float
     wall_s: float
 
 
 Times = dict[str, list[Lap]]
-"""Durations of all runs of each stage in their order, indexed by the name of the stage."""
+"""Durations of the runs of each stage, first run first, indexed by the name of the stage."""
 
 _times: ContextVar[Times | None] = ContextVar("times", default=None)
 
@@ -46,7 +46,9 @@ def stopwatch() -> Iterator[Times]:
 
 
 def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Return a decorator that measures a function as the stage `name`, but only inside a `stopwatch` block."""
+    """Return a decorator that measures the duration of each call of a function inside a `stopwatch` block. The
+    durations are listed under the stage `name`.
+    """
 
     def named(function: Callable[P, T]) -> Callable[P, T]:
         @functools.wraps(function)
@@ -66,7 +68,7 @@ def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
 
 class Pace:
-    """Frame rate and latency of the last frames of a stream."""
+    """Frame rate and latency of the last `kept` frames of a stream."""
 
     def __init__(self, kept: int = 1000) -> None:
         self._latencies_s: deque[float] = deque(maxlen=kept)
@@ -82,13 +84,13 @@ class Pace:
 
     @property
     def frames_per_s(self) -> float:
-        """Return the mean frame rate in frames per second, or 0 for fewer than two frames."""
+        """Return the mean frame rate of the last `kept` frames in frames per second, or 0 for fewer than two frames."""
         if len(self._ends_s) < 2 or self._ends_s[-1] == self._ends_s[0]:
             return 0.0
         return (len(self._ends_s) - 1) / (self._ends_s[-1] - self._ends_s[0])
 
     def latency_ms(self, percentile: float = 50) -> float:
-        """Return a percentile of the latency in milliseconds, or 0 if no frame was added."""
+        """Return the given percentile of the latencies in milliseconds, or 0 if no frame was added."""
         ordered = sorted(self._latencies_s)
         return 1000 * ordered[round(percentile / 100 * (len(ordered) - 1))] if ordered else 0.0
 

@@ -9,7 +9,7 @@ import sys
 import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
-"""Folder of this package, with which the paths of all its source files begin."""
+"""Folder of this package with a final separator: the beginning of the path of each source file of the package."""
 
 
 class SpigoloError(Exception):
@@ -37,7 +37,7 @@ class UnitWarning(UserWarning):
 
 
 def warn(message: str, kind: type[Warning] = UserWarning) -> None:
-    """Issue a warning that shows the user's line of code that called this package."""
+    """Issue a warning that points to the line of the user's code that called this package."""
     frame, level = sys._getframe(1), 2
     while frame.f_back is not None and frame.f_code.co_filename.startswith(PACKAGE):
         frame, level = frame.f_back, level + 1

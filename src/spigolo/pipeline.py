@@ -1,4 +1,4 @@
-"""Segmentation method: from a frame to cues, graph, regions and objects.
+"""Segmentation of a frame: the pipeline computes cues, a graph, regions and finally objects.
 
 Comments in `_run` give the equations of each step, or "ours" for our additions.
 """
@@ -41,7 +41,7 @@ class Trace:
     frame: Frame
     """Input frame."""
     config: Config
-    """Parameters of the segmentation, with lengths and areas as given."""
+    """Parameters of the segmentation, with lengths and areas that are not scaled to the size of the frame."""
     plane: Plane | None
     """Support plane (our addition). None if no plane was found."""
     weighing: Weighing

@@ -1,6 +1,8 @@
-"""Compiled loops over arrays. The loops run on one thread and release Python's global interpreter lock.
+"""Compiled loops over arrays. The compiled loops, called kernels, run on one thread and release Python's global
+interpreter lock.
 
-H, W = image rows and columns. P = number of directions from a pixel to its neighbours, 2 or 4. E = P H W = number of
-edges. R = number of regions. The edges of all pixels in one direction are called a plane. Every kernel has a slow
-reference version with equal results in tests/naive.py. Kernels do not validate their arguments.
+H, W = image rows and columns. P = number of directions in which edges are stored: 2 for 4-connectivity, 4 for
+8-connectivity. E = P H W = number of edges. R = number of regions. A plane is an array (H, W) of all edges that have
+one direction. For every kernel, tests/naive.py has a slow reference version that returns equal results. Kernels do not
+validate their arguments.
 """

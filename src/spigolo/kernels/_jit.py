@@ -1,7 +1,7 @@
-"""Interface to the compiler numba. The decorator `kernel` compiles a function on its first call and caches the compiled
+"""Interface to the Numba compiler. The decorator `kernel` compiles a function on its first call and caches the compiled
 code.
 
-Each kernel module has its own cache folder, because numba does not notice changes of called functions. The folder name
+Each kernel module has its own cache folder, because Numba does not notice changes of called functions. The folder name
 contains a hash of the module's source and of all kernel modules that the module imports.
 """
 
@@ -59,7 +59,7 @@ CAN_WRITE = _can_write(CACHE_FOLDER)
 
 @functools.cache
 def module_key(name: str) -> str:
-    """Return a hash of a kernel module, of the kernel modules that it imports, and of the versions of numba and
+    """Return a hash of a kernel module, of the kernel modules that it imports, and of the versions of Numba and
     spigolo.
     """
     digest = hashlib.sha256(f"{numba.__version__} {VERSION}".encode())
@@ -71,9 +71,9 @@ def module_key(name: str) -> str:
 
 
 def _content(name: str) -> tuple[bytes, Iterable[str]]:
-    """Return the content of a kernel module, and the names of the kernel modules that it imports.
+    """Return the source code of a kernel module, and the names of the kernel modules that it imports.
 
-    In an application without source files, the bytecode of all kernel modules is returned as the content.
+    In an application without source files, the bytecode of all kernel modules is returned instead of the source code.
     """
     spec = importlib.util.find_spec(f"{PACKAGE}.{name}")
     try:
@@ -91,7 +91,7 @@ def _content(name: str) -> tuple[bytes, Iterable[str]]:
 
 
 class _Locator(_CacheLocator):
-    """Locator that gives numba the cache folder of a kernel's module, whose name contains a hash of the source."""
+    """Locator that gives Numba the cache folder of a kernel module. The folder name contains `module_key`."""
 
     def __init__(self, py_func: Callable[..., Any], py_file: str) -> None:
         self._line = py_func.__code__.co_firstlineno
@@ -153,7 +153,7 @@ if CACHE_FOLDER is None:
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorate a function to be compiled on its first call, to code that releases the global interpreter lock."""
+    """Compile the decorated function on its first call. The compiled code releases Python's global interpreter lock."""
     compiled = numba.njit(nogil=True, error_model="numpy")(function)
     if CACHE_FOLDER is not None and not numba.config.DISABLE_JIT:
         compiled._cache = _Cache(function)
@@ -161,13 +161,13 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorate a function to be compiled inline into the kernels that call the function."""
+    """Compile the decorated function inline into each kernel that calls the function."""
     return cast(Callable[..., Any], numba.njit(nogil=True, error_model="numpy", inline="always")(function))
 
 
 @intrinsic
 def prefetch(typing_context, array, index):
-    """Load the memory of array[index] into the processor's cache before it is used."""
+    """Load array[index] into the processor's cache, before the element is read."""
 
     def generate(context, builder, signature, arguments):
         data = context.make_array(signature.args[0])(context, builder, arguments[0]).data

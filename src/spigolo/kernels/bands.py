@@ -1,6 +1,7 @@
-"""Kernels that mark the band of pixels along the borders of objects whose label is assigned anew.
+"""Kernels that mark a band of pixels along the borders of objects. `kernels.seeding` gives these pixels new labels.
 
-The width of the band follows the ramps of the depth map. Pixels in the band are called open.
+The width of the band depends on the width of ramps. A ramp is a run of pixels with depths between both sides of a depth
+step, where the depth map smears the step. Pixels in the band are called open.
 """
 
 from __future__ import annotations
@@ -11,17 +12,21 @@ from spigolo.kernels._jit import inlined, kernel
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
-"""Lower and upper limit of depth values on the ramp of a depth step, as a share of the height of the step."""
+"""Exclusive limits of the depths on a ramp, relative to a depth step: 0 is the depth of the nearer side, 1 of the
+farther side.
+"""
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
-"""Bits that mark a pixel as open, as in the first image column, and as in the last image column."""
+"""Bits of the flags of a pixel: OPEN, and the position in the first or in the last image column."""
 WORD = 8
 """Number of pixel flags that are compared with 0 in one step, for speed."""
 
 
 @inlined
 def outermost(depth, start, step, count):
-    """Return the first valid depth among the `count` pixels start, start + step, ..., or 0 if all are missing."""
+    """Return the first valid depth at the `count` indices start, start + step, ..., or 0 if depth is missing at all of
+    them.
+    """
     for k in range(count):
         z = depth[start + k * step]
         if z > f32(0.0):
@@ -31,15 +36,15 @@ def outermost(depth, start, step, count):
 
 @kernel
 def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
-    """Measure the width in pixels over which depth steps on the borders of objects are smeared (ramps).
+    """Count the depth steps on the borders of objects, and the pixels on the ramps of these steps.
 
-    For each pair of neighbours with different labels, a depth profile of reach_px pixels to both sides is read along
-    the image row or column. A profile counts if the depth at its ends differs by more than max(step_m, step_share *
-    nearer depth).
+    For each pair of neighbouring pixels with different labels, a depth profile is read along the image row or column.
+    The profile has reach_px pixels on each side of the border. A profile counts if the depth at its ends differs by
+    more than max(step_m, step_share * nearer depth).
 
     - labels (H, W) int32, 0 = background.
     - depth (H, W) float32 metres, 0 = missing.
-    - sums (2,) int64, initially zero: number of profiles, number of pixels between both depths of a step.
+    - sums (2,) int64, initially zero: number of profiles that count, number of ramp pixels in these profiles.
     """
     height, width = labels.shape
     flat = depth.reshape(-1)
@@ -59,7 +64,9 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag the pixels of an image row whose label differs from the next pixel or from the pixel of the other row."""
+    """Flag each pixel of an image row whose label differs from that of the next pixel or of the pixel below. other: the
+    row below.
+    """
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
     flags[row.size - 1] = row[-1] != other[-1]
@@ -89,7 +96,9 @@ def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, su
 
 @inlined
 def mark_borders(labels, layer):
-    """Set layer to 1 at the pixels next to another label. Return the indices y * width + x of the pixels in layer 1."""
+    """Set layer to 1 at the pixels that have a 4-neighbour with another label. Return the indices y * width + x of the
+    pixels in layer 1.
+    """
     height, width = labels.shape
     queue, size = np.empty(labels.size, np.int64), 0
     flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
@@ -119,7 +128,7 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
 
     - labels (H, W) int32: label of each pixel.
     - near_hole (H, W) uint8: nonzero near missing depth.
-    - layer (H, W) uint8: 255 in pixels beyond the maximum layer.
+    - layer (H, W) uint8: layer of each pixel, from 1, or 255 for pixels beyond the maximum layer.
     - inner (N,) int32: number of layers of each label, or 255 if the label has pixels beyond the maximum layer.
     """
     height, width = labels.shape

@@ -12,8 +12,8 @@ from spigolo.kernels.contours import hollow
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
 MOST_ROUND = 0.6
-"""Maximum distance between the middle of a chord and the surface, as a share of the chord's length. For a half-circle,
-the share is 0.5.
+"""Maximum distance between the middle of a chord (`sum_hollows`) and the surface, as a share of the chord's width. For
+a half-circle, this distance is 0.5 of the width.
 """
 
 
@@ -39,16 +39,16 @@ def sample_border(labels, y, x, v, u, reach):
 
 @kernel
 def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
-    """Sum measurements along the border between every two numbered regions.
+    """Sum depth differences and boundary values along the border between every two numbered regions.
 
     For each pair of neighbouring pixels on a border, depth is sampled `reach` pixels to both sides. A pair counts only
     if both samples lie inside the image and in the two regions of the border. Depth differences are clipped to
-    gap_limit. Depths of the border behind the line between both samples are clipped to bend_limit.
+    gap_limit. The distance of a border pixel behind the straight line between both samples is clipped to bend_limit.
 
     - labels (H, W) int32: region of each pixel.
     - number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped.
     - depth (H, W): depth map in metres.
-    - boundary (H, W): boundary map.
+    - boundary (H, W): boundary map, from 0 to 1.
     - sums (S, S, 6) float64, initially zero: result.
 
     The array sums[a, b] contains six values of the border between regions a and b:
@@ -57,7 +57,7 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     - number of pairs with depth at both samples and at the border
     - sum of absolute depth differences between both samples (m)
     - sum of distances of region b behind region a (m)
-    - sum of depths of the border behind the straight line between both samples (m)
+    - sum of distances of border pixels behind the straight line between both samples (m)
     - sum of the larger boundary value of each pair
     """
     height, width = labels.shape
@@ -91,15 +91,15 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
 
 @kernel
 def sum_hollows(labels, number, depth, fx, margin, sums):
-    """Sum the depth of each numbered region behind its chords along image rows: positive if concave, negative if
-    convex.
+    """Sum the distances between the surface of each numbered region and the middles of its chords. A distance is
+    positive where the surface is concave (behind the chord), and negative where the surface is convex.
 
     A chord is the straight line between the ends of a run of pixels of one region in one image row. The ends of a chord
-    are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. Chords whose middle is farther from
-    the surface than in a half-circle are skipped, because such chords span two surfaces.
+    are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. A chord is also skipped if its middle
+    is farther from the surface than MOST_ROUND times its width. Such a chord spans two surfaces.
 
-    sums (S, 2) float64, initially zero: depth of the middle of each run behind its chord (m), and length of the chord
-    (m).
+    sums (S, 2) float64, initially zero: sum of the distances (m) and sum of the lengths of the chords (m) of each
+    region.
     """
     height, width = labels.shape
     for y in range(height):
@@ -125,9 +125,9 @@ def collect_pairs(labels, boundary, pairs, strength):
     A pair is stored as lower region number * 2^32 + higher region number.
 
     - labels (H, W) int32: region of each pixel.
-    - boundary (H, W): boundary map.
-    - pairs (K,) int64: pairs of regions.
-    - strength (K,): larger boundary value of each pair.
+    - boundary (H, W): boundary map, from 0 to 1.
+    - pairs (K,) int64: output buffer for the pairs.
+    - strength (K,): output buffer for the larger boundary value of each pair.
 
     Returns the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.
     """

@@ -1,9 +1,11 @@
-"""Selection of the edges that are sorted. Edges that cannot merge two regions are skipped (see docs/performance.md).
+"""Selection of the edges that are sorted and then used to merge regions. Edges that cannot merge two regions are
+skipped to save time (see docs/performance.md). The merge bound of a region is the maximum weight of an edge that merges
+the region (`kernels.merging.merge_bound`).
 
 Three kinds of edges cannot merge two regions:
 
 - edges inside one region
-- edges at a final region, which is a region whose remaining edges are all heavier than its merge bound
+- edges at a final region: all remaining edges of the region are heavier than its merge bound
 - detours, which are edges whose two pixels are connected by lighter edges
 """
 
@@ -22,16 +24,16 @@ BLOCK = 4096
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
-    """Pack the edges with low <= weight < high between two regions. At least `least` of the two pixels of an edge must
-    be flagged.
+    """Select and pack the edges that connect two regions and have low <= weight < high. The number of flagged pixels of
+    an edge, 0 to 2, must be at least `least`.
 
-    Edges keep the order of their numbers. With `detours=False`, the heaviest edge of each triangle or square of
-    neighbouring pixels is skipped.
+    The packed edges are in the order of the planes and, in a plane, of the pixels. With `detours=False`, the heaviest
+    edge of each triangle or square of neighbouring pixels is skipped.
 
     - weights (P, H W) float32: edge weights.
     - width: number of image columns.
-    - parent (H W,): root of every pixel.
-    - flags (H W,) uint8, 0 or 1.
+    - parent (H W,): root of the region of every pixel.
+    - flags (H W,) uint8: 1 for flagged pixels, 0 for other pixels (see `flag_open` and `flag_small`).
     - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
     - out: buffer for the packed edges, with room for one additional edge.
 
@@ -72,8 +74,9 @@ def choose(weights, low, high, parent, flags, least, offset, first, last, chosen
 def drop_detours(weights, plane, width, first, last, chosen):
     """Unmark the heaviest edge of each triangle of neighbouring pixels or, with 4-connectivity, of each square.
 
-    Among edges of equal weight, the edge with the highest number is unmarked: down after right, diagonals after both.
-    Some edges at the image border are not tested and stay marked.
+    Among edges of equal weight, the edge with the highest number is unmarked. Edges to the right have lower numbers
+    than downward edges, and diagonal edges have the highest numbers. Some edges at the image border are not tested and
+    stay marked.
     """
     right, down, pixels = weights[0], weights[1], weights.shape[1]
     begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
@@ -98,7 +101,7 @@ def drop_detours(weights, plane, width, first, last, chosen):
 def drop_right(right, down, width, n, kept):
     """Unmark edges to the right that are the heaviest edge of the square of pixels above or below.
 
-    The arrays right and down begin one image row before the n edges.
+    The arrays right and down begin one image row before the first of the n tested edges.
     """
     weight, above, below = right[width:], right, right[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
@@ -112,7 +115,7 @@ def drop_right(right, down, width, n, kept):
 def drop_down(right, down, width, n, kept):
     """Unmark downward edges that are the heaviest edge of the square of pixels on the left or right.
 
-    The arrays right and down begin one pixel before the n edges.
+    The arrays right and down begin one pixel before the first of the n tested edges.
     """
     weight, before, after = down[1:], down, down[2:]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
@@ -133,7 +136,7 @@ def drop_diagonal(weight, first, second, third, fourth, n, kept):
 def drop_right_8(right, down, falling, rising, width, n, kept):
     """Unmark edges to the right whose two pixels are connected by lighter edges through a pixel above or below.
 
-    All edge arrays begin one image row before the n edges.
+    All edge arrays begin one image row before the first of the n tested edges.
     """
     weight, falling_here = right[width:], falling[width:]
     rising_here, rising_below = rising[width:], rising[2 * width :]
@@ -148,7 +151,7 @@ def drop_right_8(right, down, falling, rising, width, n, kept):
 def drop_down_8(right, down, falling, rising, width, n, kept):
     """Unmark downward edges whose two pixels are connected by lighter edges through a pixel on the left or right.
 
-    All edge arrays begin one pixel before the n edges.
+    All edge arrays begin one pixel before the first of the n tested edges.
     """
     weight, falling_here, rising_left, rising_here = down[1:], falling[1:], rising[width:], rising[width + 1 :]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
@@ -192,7 +195,8 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 def is_heavy(edge, offsets, parent, records):
     """Test if an edge is heavier than the merge bounds of the two regions that it connects.
 
-    The result is one flag for the first region, one flag for the second region, and the roots of both regions.
+    The result is a flag for the first region, a flag for the second region, and the roots of both regions. A flag is
+    True if the edge is heavier than the bound of the region.
     """
     here, there = ends(edge, offsets)
     a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), weight_bits(edge)
@@ -203,10 +207,10 @@ def is_heavy(edge, offsets, parent, records):
 def drop_final(edges, offsets, parent, records, useful):
     """Remove the packed edges (K,) at final regions. Return the number of remaining edges.
 
-    A region is final if its lightest edge is heavier than its merge bound. If few edges are heavier than the bounds,
-    the array stays unchanged to save time.
+    A region is final if its lightest edge is heavier than its merge bound. If only few edges are heavier than the merge
+    bound of one of their regions, the array stays unchanged to save time.
 
-    parent (H W,): root of every pixel. useful (H W,) uint8: scratch memory.
+    parent (H W,): root of the region of every pixel. useful (H W,) uint8: scratch memory.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):
@@ -233,7 +237,8 @@ def drop_final(edges, offsets, parent, records, useful):
 def flag_open(low_bits, parent, records, flags):
     """Set the parent of every pixel to the root of its region, and flag the regions that can still merge.
 
-    flags (H W,): 1 for pixels of regions whose merge bound has at least the bits `low_bits`, else 0.
+    low_bits: bits of a float32 weight. flags (H W,): 1 for pixels of regions whose merge bound is at least this weight,
+    else 0.
     """
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)

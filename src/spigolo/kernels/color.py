@@ -12,12 +12,16 @@ TINY = f32(1e-20)
 
 COS2, COS4, COS6, COS8 = f32(-0.54831135), f32(0.05010745), f32(-0.0018310980), f32(3.5003934e-05)
 SIN1, SIN3, SIN5, SIN7 = f32(1.0471975), f32(-0.19139575), f32(0.010489378), f32(-0.00026577872)
-"""Coefficients of polynomials in t for cos(t pi / 3) - 1 and sin(t pi / 3) on [-1, 1], with an error below 4e-8."""
+"""Coefficients of polynomials that approximate cos(t pi / 3) - 1 and sin(t pi / 3) for t in [-1, 1], with an error
+below 4e-8.
+"""
 
 
 @inlined
 def hue_in_sector(r, g, b, value, chroma):
-    """Return the hue as an angle from the nearest of red, green and blue, from -1 to 1 in units of 60 degrees."""
+    """Return the angle between a hue and the hue of the nearest primary colour (red, green or blue). The unit is 60
+    degrees, and the angle lies between -1 and 1.
+    """
     difference = g - b if value == r else (b - r if value == g else r - g)
     return difference / (chroma if chroma > TINY else TINY)
 
@@ -57,7 +61,7 @@ def hsv_points(rgb, k_dv, k_ds, out):
 
     The point is (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2) for hue h, saturation s and value v.
 
-    rgb (H, W, 3) float32 in 0..255. out (3, H, W) float32.
+    rgb (H, W, 3) float32: colours from 0 to 255. out (3, H, W) float32: points.
     """
     height, width, _ = rgb.shape
     norm = np.sqrt(k_dv * k_dv + k_ds * k_ds)

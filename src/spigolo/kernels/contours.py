@@ -1,4 +1,4 @@
-"""Kernels that find contours in the depth map only: depth steps and concave creases."""
+"""Kernels that find contours in the depth map, without the colour image: depth steps and concave creases."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""Relative and absolute margin of a fast test in float32. Values within the margin are tested again in float64."""
+"""Margins of the float32 tests that select candidates for contours: CLOSE is a factor of the threshold, ROUNDING a
+share of the depth. Candidates are tested again in float64.
+"""
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8
 """Number of pixel marks that are compared with 0 in one step, for speed."""
@@ -17,8 +19,8 @@ WORD = 8
 
 @kernel
 def fill_shadows(depth, max_run, out):
-    """Fill each run of missing pixels in an image row with the depth of the background, the larger depth at both ends
-    of the run.
+    """Fill each run of missing pixels in an image row with the depth of the background. The depth of the background is
+    the larger of the two depths next to the run.
 
     Runs of more than max_run pixels and runs at the image border stay 0. depth, out (H, W) in metres.
     """
@@ -63,11 +65,12 @@ def hollow(before, here, after):
 
 @inlined
 def least_hollow(camera, shape, crease_px, crease_high_deg):
-    """Return a lower bound of the distance of a crease behind the chord between its two sides, as a share of its depth.
+    """Return the minimum distance of a crease behind its chord, divided by the depth of the crease. The chord connects
+    the samples crease_px pixels away on both sides.
 
     The bound holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at least
-    crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle / 2). The
-    angle is not computed at pixels below the bound.
+    crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle / 2). At
+    pixels whose distance is below this bound, the angle is not computed.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -116,7 +119,7 @@ def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosi
 
 @inlined
 def is_hole(depth, y, x, v, u):
-    """Return True if depth is missing at a pixel and at both samples, (v, u) before and (v, u) after the pixel."""
+    """Return True if depth is missing at the pixel (y, x) and at both samples, (y - v, x - u) and (y + v, x + u)."""
     return depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0
 
 
@@ -137,9 +140,11 @@ def mark_contours(
 ):
     """Mark depth steps and concave creases in four directions: horizontal, vertical and both diagonals.
 
-    At a depth step, the second difference of samples step_px away is at least max(step_m, step_per_m d^2). At a crease,
-    samples crease_px away form a contact (equations 14-19), and the pixel lies behind their chord by at least
-    noise_per_m d^2. A pixel is not marked if depth is missing at the pixel and at both samples step_px away.
+    At a depth step, the second difference of depth is at least max(step_m, step_per_m d^2), where d is the depth of the
+    pixel. The samples for this difference lie step_px pixels away on both sides. At a crease, the surfaces between the
+    pixel and the samples crease_px pixels away form a contact (equations 14-19). The pixel also lies behind the chord
+    of these samples by at least noise_per_m d^2. A pixel is not marked if depth is missing at the pixel and at both
+    samples step_px away.
 
     - depth (H, W): depth map in metres.
     - filled (H, W): depth with filled shadows, from which the samples are taken.

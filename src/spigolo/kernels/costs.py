@@ -36,7 +36,7 @@ def depth_difference(a, b, scale, noise):
 
 @inlined
 def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
-    """Eq. 22. Return the first cost function: the weight of an edge, from 0 to 1."""
+    """Eq. 22. Return the weight of an edge, from 0 to 1, by the cost function that reads saliency."""
     alone = k_y * log2_1p(d_hsv) + k_x * log2_1p(d_depth) + k_s * log2_1p(d_sal)
     coupled = d_depth * (power(d_sal, ONE + d_depth) + power(d_hsv, ONE + d_depth))
     cost = (alone + coupled) / (TWO + k_x + k_y + k_s)
@@ -45,7 +45,7 @@ def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
 
 @inlined
 def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
-    """Eq. 23. Return the second cost function: the weight of an edge, from 0 to 1."""
+    """Eq. 23. Return the weight of an edge, from 0 to 1, by the cost function that reads the boundary map."""
     cost = (k_x * d_depth * log2_1p(d_hsv) + k_b * d_bound) / (k_x + k_b)
     return cost if cost < ONE else ONE
 

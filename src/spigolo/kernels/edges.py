@@ -10,14 +10,14 @@ SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
 """Value of tan 22.5 degrees."""
 ROUNDING = 1e-9
-"""Relative rounding error of a cosine. If a cosine differs from a threshold by less, the angle is compared with the
-threshold instead of the cosine.
+"""Relative rounding error of a cosine. If the cosine of an angle differs from a limit by less than this error, the
+angle is compared instead of the cosine.
 """
 
 
 @kernel
 def steepest(gx, gy):
-    """Return the largest squared length of the gradient (gx, gy), two arrays (H, W) int16."""
+    """Return the maximum over all pixels of gx^2 + gy^2, for gradients gx, gy (H, W) int16."""
     largest = np.int32(0)
     for y in range(gx.shape[0]):
         along_x, along_y = gx[y], gy[y]
@@ -49,7 +49,9 @@ def depth_gradient(depth, y, x, v, u):
 
 @inlined
 def is_depth_boundary(rho_plus, rho_minus, step_m, signed):
-    """Eq. 13. Return True for a depth boundary, where at least one of two depth gradients reaches the threshold."""
+    """Eq. 13. Return True for a depth boundary, where the depth gradient to at least one side of the edge is step_m or
+    more.
+    """
     if not signed:
         rho_plus, rho_minus = abs(rho_plus), abs(rho_minus)
     return not ((rho_plus < step_m) & (rho_minus < step_m))
@@ -124,7 +126,7 @@ def is_contact(angle_deg, low_deg, high_deg):
 def cosine_limits(low_deg, high_deg):
     """Return the largest and the smallest cosine of angles between two thresholds in degrees.
 
-    For a threshold outside of 0..180 degrees, the cosine is replaced by 2 or -2.
+    For a threshold outside of 0..180 degrees, the limit is 2 or -2, which no cosine reaches.
     """
     largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
     smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
@@ -169,8 +171,8 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
 
     Edge pixels whose samples would lie outside the image are skipped.
 
-    - edges (H, W) uint8: edge pixels, nonzero.
-    - gx, gy (H, W) int16: colour gradient.
+    - edges (H, W) uint8: nonzero at edge pixels.
+    - gx, gy (H, W) int16: gradients of the grey image along x and y.
     - depth (H, W): depth map in metres.
     - camera (fx, fy, cx, cy): intrinsics.
     - depth_boundary, contact (H, W) uint8, initially zero: marks of both kinds of boundaries.

@@ -1,6 +1,7 @@
 """Kernels that fill small holes in the depth map, and find and measure connected areas of missing depth (gaps).
 
-Each gap consists of runs, which are missing pixels (row, first column, last column + 1) in one image row.
+Each gap consists of runs. A run is an uninterrupted series of missing pixels in one image row, stored as (row, first
+column, last column + 1).
 """
 
 from __future__ import annotations
@@ -86,7 +87,7 @@ def root_of(parent, run):
 
 @kernel
 def join_runs(runs, parent, gaps):
-    """Join the runs of missing pixels to 8-connected gaps, and number the gaps from 0. Return the number of gaps.
+    """Join the runs of missing pixels into 8-connected gaps, and number the gaps from 0. Return the number of gaps.
 
     runs (N, 3): runs of `find_runs`. parent (N,) int32: scratch memory. gaps (N,) int32: number of the gap of each run.
     """
@@ -138,7 +139,7 @@ def measure_gaps(depth, runs, gaps, area, near, far, on_border):
 
 @kernel
 def widest(distance, runs, gaps, radius):
-    """Compute the radius of each gap, which is the largest distance in the gap to a pixel with depth.
+    """Compute the radius of each gap: the maximum over its pixels of the distance to the nearest pixel with depth.
 
     distance (H, W): distance of each pixel to the nearest pixel with depth. radius (G,) float32, initially zero.
     """

@@ -1,9 +1,9 @@
-"""Kernels that merge pixels into regions by their internal difference (Felzenszwalb & Huttenlocher 2004, equations 2,
-3).
+"""Kernels that merge pixels into regions by the internal difference of the regions (Felzenszwalb & Huttenlocher 2004,
+equations 2, 3).
 
 A packed edge has 64 bits: 32 bits for its float32 weight, 30 bits for its pixel and 2 bits for its direction. The
-record of a region has 32 bits for its number of pixels and 32 bits for its merge bound. docs/performance.md explains
-the algorithm.
+record of a region has 32 bits for its number of pixels and 32 bits for its merge bound. The merge bound is the maximum
+weight of an edge that merges the region. The algorithm is explained in docs/performance.md.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
 """Shift and mask of the lower 32 bits of packed edges and records."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""Number of edges ahead of the current edge whose memory is prefetched: `NODES_AHEAD` for parents of pixels,
-`ROOTS_AHEAD` for records of regions.
+"""Distance, in edges, between the current edge and the edge for which memory is prefetched: `NODES_AHEAD` for parents
+of pixels, `ROOTS_AHEAD` for records of regions.
 """
 
 
@@ -95,13 +95,13 @@ def record(size, bound):
 
 @inlined
 def size_of(node):
-    """Return the number of pixels in the record of a region."""
+    """Return the number of pixels of a region from its record."""
     return node >> np.uint64(HALF_BITS)
 
 
 @inlined
 def bound_bits(node):
-    """Return the bits of the merge bound in the record of a region."""
+    """Return the bits of the merge bound of a region from its record."""
     return node & np.uint64(LOW_HALF)
 
 
@@ -128,14 +128,14 @@ def ask_ahead(edges, k, offsets, parent, records):
 
 @kernel
 def plant(weights, width, gamma, parent, records, flags):
-    """Merge pixels that are connected by horizontal or vertical edges of weight 0 into regions.
+    """Merge pixels into regions along horizontal and vertical edges of weight 0.
 
     Edges of weight 0 always merge two regions (equation 3), so that their order does not matter.
 
     - weights (P, H W) float32: edge weights.
-    - parent (H W,) uint32: root of each pixel.
+    - parent (H W,) uint32: root of the region of each pixel.
     - records (H W,) uint64: records of the roots.
-    - flags (H W,) uint8: set to 1.
+    - flags (H W,) uint8: set to 1 at all pixels, because all regions can still merge.
     """
     right, down = weights[0], weights[1]
     for pixel in range(np.uint64(parent.size)):
@@ -163,12 +163,12 @@ def hang_below_first(parent, a, b):
 
 @kernel
 def merge(edges, offsets, gamma, stop, parent, records):
-    """Eqs. 2, 3. Merge regions over packed edges (K,) in the order of their weights.
+    """Eqs. 2, 3. Merge regions along packed edges (K,), which must be sorted by weight.
 
     The internal difference I(R) of a region R is the weight of the last edge that merged R, because edges are sorted.
 
     - offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64.
-    - stop: end at the first edge that does not merge its two regions.
+    - stop: True to end at the first edge that equation 3 does not allow to merge its two regions.
 
     Returns the number of processed edges.
     """
@@ -190,8 +190,8 @@ def merge(edges, offsets, gamma, stop, parent, records):
 
 @kernel
 def absorb_small(edges, offsets, min_size, parent, records):
-    """Merge regions of fewer than min_size pixels with the neighbour at their lightest edge. Edges are sorted by
-    weight.
+    """Merge each region of fewer than min_size pixels with the neighbour at its lightest edge. The packed edges must be
+    sorted by weight.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:

@@ -1,4 +1,6 @@
-"""Kernels that find steps of depth and height across the outlines of regions, also if a shadow lies between."""
+"""Kernels that find steps of depth and height across the outlines of regions. A shadow may lie between both sides of an
+outline.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,8 @@ SUMS = 6
 
 @inlined
 def first_measured(depth, y, x, dy, dx, most):
-    """Return the first pixel with depth from (y, x) in the direction (dy, dx), at most `most` steps away.
+    """Return the first pixel that has depth on the line from (y, x) in the direction (dy, dx), after at most `most`
+    steps.
 
     If no such pixel exists, the result is (-1, -1).
     """
@@ -54,14 +57,14 @@ def sum_outlines(
     - depth (H, W) float32: depth map in metres.
     - sums (R, 6) float64, initially zero: result.
 
-    The columns of sums are numbers of:
+    The columns of sums count:
 
     - pairs of 4-neighbours across the outline
     - pairs with depth at both samples
     - pairs whose outer sample is farther by more than step_m + step_share * depth + change of depth by the slope
     - pairs whose outer sample is nearer by more than step_m + step_share * depth + change of depth by the slope
     - pairs whose height changes by more than max(ledge_m, ledge_per_m * depth^2)
-    - sides of the region's pixels on the image border
+    - sides of pixels of the region that lie on the image border
     """
     height, width = labels.shape
     for y in range(height):

@@ -68,7 +68,7 @@ def sum_normals(labels, depth, wanted, camera, reach, sums):
     - wanted (R,) uint8: 0 for regions that are skipped.
     - camera (4,): fx, fy, cx, cy.
     - sums (R, 7) float64, initially zero: number of pixels with a normal, sum of normals (X, Y, Z), sum of unit vectors
-    of the lines of sight.
+      along the lines of sight.
     """
     fx, fy, cx, cy = camera
     for y in range(reach, labels.shape[0] - reach):

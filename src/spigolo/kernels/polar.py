@@ -28,12 +28,12 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
     weight `weak`, and other pixels the weight 1. The pixels on each side of the edge must have a total weight of at
     least `least`.
 
-    - edges (H, W) uint8: edge pixels, nonzero.
-    - direction (H, W) uint8: index into normals.
+    - edges (H, W) uint8: nonzero at edge pixels.
+    - direction (H, W) uint8: row of `normals` with the normal of the edge at each pixel.
     - normals (K, 2) float64: unit vectors (n_y, n_x).
     - disparity (H, W) float32, 0 where missing.
-    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel, first on the side of the normal,
-    then on the other side. All four values stay 0 if a side has too little weight.
+    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel on the side of the normal, then
+      both on the other side. All four values stay 0 if a side has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -71,9 +71,9 @@ def advance(total, across, low, high, reached, origin):
     """Compute the cheapest path from any radius on one ray to each radius low..high - 1 on the next ray.
 
     - total: cost of the path to each radius on this ray.
-    - across: cost of a step between radius k and k + 1.
+    - across: cost of a step between the radii k and k + 1, between both rays.
     - reached: cost of the path to each radius on the next ray.
-    - origin: radius on this ray from which that path comes.
+    - origin: radius on this ray that the path to each radius on the next ray passes.
     """
     best, source = np.inf, low
     for k in range(low, high):
@@ -111,8 +111,9 @@ def go_around(radial, angular, low, high, total, reached, origin):
 def closed_path(radial, angular, least, most, best):
     """Find the cheapest closed path around the origin of a polar map, with a radius in least..most on every ray.
 
-    The search is divided by the cheapest path through one radius on ray 0, because cheapest paths need not cross each
-    other. A start radius is skipped if a lower bound of its cost exceeds the cost of the best path.
+    The cheapest path through one radius on ray 0 divides the search. Cheapest paths need not cross each other. Paths
+    with a smaller radius on ray 0 are therefore searched only inside this path, and paths with a larger radius only
+    outside. A start radius is skipped if a lower bound of its cost exceeds the cost of the best path.
 
     - radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k.
     - angular (T, R) float32, not negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the

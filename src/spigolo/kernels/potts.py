@@ -29,7 +29,7 @@ def scatter_bits(value):
 
 @inlined
 def draw(seed, sweep, pixel, which):
-    """Return 32 pseudo-random bits that depend only on the four arguments, not on the order of calls."""
+    """Return 32 pseudo-random bits that depend only on seed, sweep, pixel and which, but not on the order of calls."""
     first = scatter_bits((np.uint64(seed) * ODD_A + np.uint64(sweep)) & LOW_BITS)
     second = scatter_bits((first * ODD_A + np.uint64(pixel)) & LOW_BITS)
     return scatter_bits((second * ODD_A + np.uint64(which)) & LOW_BITS)
@@ -37,7 +37,7 @@ def draw(seed, sweep, pixel, which):
 
 @inlined
 def color_interaction(distance, mean, repulsion):
-    """Return the interaction J of two colours: 1 for equal colours, 0 at the mean colour distance, and at least
+    """Return the interaction J of two colours: 1 for equal colours, 0 at the colour distance `mean`, and at least
     `-repulsion`.
     """
     return max(np.float32(1.0) - distance / mean, -repulsion)
@@ -54,7 +54,8 @@ def is_step(z_here, z_there, step, step_per_m):
 def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalty, dy, dx, out):
     """Compute the interaction J of all pairs of pixels with the offset (dy, dx).
 
-    Across a depth step of more than max(step, step_per_m d^2), the interaction is `-penalty`.
+    Across a depth step of more than max(step, step_per_m d^2), the interaction is `-penalty`, where d is the smaller
+    depth of the pair.
 
     - distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image.
     - depth (H, W) metres, 0 = missing.
@@ -99,7 +100,9 @@ def look_around(spins, planes, y, x, spin, force):
 
 @inlined
 def energy(spin, force, of):
-    """Return the energy that a pixel with the spin `of` adds, from the spins and interactions of its neighbours."""
+    """Return the part of the energy E that depends on one pixel, if its spin is `of`, from the spins and interactions
+    of its neighbours.
+    """
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
         if spin[k] == of:
@@ -131,7 +134,7 @@ def sweep(spins, planes, values, temperature, seed, number):
 
     - spins (H, W) int32: spins from 0 to values - 1, changed in place.
     - planes (4, H, W) float32: interactions.
-    - seed, number: seed and number of the sweep, which determine the random bits.
+    - seed, number: seed of the random bits, and number of this sweep.
 
     Returns the number of changed spins.
     """

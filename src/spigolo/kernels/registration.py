@@ -13,7 +13,7 @@ FARTHEST_PX = 1e9
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
-"""Minimum of twice the area of a drawn triangle, px^2."""
+"""Minimum of twice the area of a triangle in the image, px^2. Smaller triangles are not drawn."""
 
 
 @inlined
@@ -43,14 +43,14 @@ def one_surface(a, b, step_m, step_share):
 
 @inlined
 def middle(a, b):
-    """Return the depth at the image point halfway between two pixels of a plane with the depths a and b."""
+    """Return the depth at the image point halfway between two pixels with the depths a and b that lie on one plane."""
     return 2.0 * a * b / (a + b)
 
 
 @inlined
 def triangle(a, b, c):
-    """Return corner a of a triangle, its sides from a to b and to c, and 1 / (twice its area), or 0 for a tiny
-    triangle.
+    """Return corner a of a triangle, its sides from a to b and from a to c, and a scale. Corners are projected points
+    (u, v, 1 / Z). The scale is 1 / (twice the signed area), or 0 for a tiny triangle.
     """
     b_x, b_y, c_x, c_y = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
     area = b_x * c_y - b_y * c_x
@@ -91,7 +91,7 @@ def draw_quad(a, b, c, d, out):
 
 @inlined
 def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
-    """Draw one quarter of the square around pixel (y, x), towards the neighbours to_y rows and to_x columns away.
+    """Draw one quarter of the square of pixel (y, x): the quarter towards the neighbour (y + to_y, x + to_x).
 
     The depth at each corner is interpolated between the pixel and its neighbours on the same surface.
     """
@@ -133,11 +133,12 @@ def project_row(depth, y, P, points):
 
 @kernel
 def splat_depth(depth, P, step_m, step_share, out):
-    """Draw the surfaces of a depth map into the depth map of another camera, where the nearest surface is kept.
+    """Draw the surfaces of a depth map into the depth map of another camera. If several surfaces cover a pixel, the
+    nearest surface is kept.
 
-    Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. At a depth step of
-    more than max(step_m, step_share Z), each pixel draws only its own quarter. At a depth step, a surface ends half a
-    pixel beyond its last pixel.
+    Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. If the four depths
+    contain a depth step of more than max(step_m, step_share * nearest depth), each pixel draws only its own quarter. At
+    a depth step, a surface ends half a pixel beyond its last pixel.
 
     - depth (h, w): depth map in metres.
     - P (3, 4): projection (u Z, v Z, Z) = P (x z, y z, z, 1).

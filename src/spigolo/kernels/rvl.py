@@ -13,7 +13,8 @@ MAX_GROUPS = 11
 
 @inlined
 def _number(words, at):
-    """Decode the number that starts at nibble `at` of the words. Return the number and the index of the next nibble.
+    """Decode the number that starts at nibble `at` of the 32-bit words, which have eight nibbles of four bits each.
+    Return the number and the index of the next nibble.
 
     The returned index is -1 if the words end or the number has more than 32 bits. The upper bit of a nibble is set if
     another nibble of the number follows. The other three bits belong to the number, the lowest bits first.
@@ -32,7 +33,7 @@ def _number(words, at):
 
 @kernel
 def unpack_rvl(words, out):
-    """Decompress words (N,) uint32 into out (M,) uint16. Return True if out could be filled.
+    """Decompress words (N,) uint32 into out (M,) uint16. Return True if the data contains all M values of out.
 
     Runs of zeros and runs of nonzero values alternate, and the length of each run is stored before the run. Each
     nonzero value is stored as the difference to the last nonzero value, with the sign in the lowest bit.

@@ -15,9 +15,9 @@ def whole_quotient(dividend, inverse):
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Compute the sums of a band of image rows up to each column, from two rows of an integral image.
+    """Compute the sum of a band of image rows over all columns before each column, from two rows of an integral image.
 
-    pad: number of repeated values at both ends of the result.
+    pad: number of values that are added at both ends of the result: 0 at the beginning, and the total sum at the end.
     """
     columns = above.size
     strip[:pad] = 0
@@ -50,8 +50,8 @@ def difference_row(gray, left, right, areas, inverses, out):
 
 @kernel
 def center_surround(gray, integral, surrounds, on, off):
-    """Compute how much brighter (on) and darker (off) each pixel is than its surrounds, summed over several window
-    sizes.
+    """Sum, over several window sizes, the grey-level difference between each pixel and its surround: on for brighter
+    pixels, off for darker pixels.
 
     The surround of size n is the window of rows y-n+1..y+n and columns x-n+1..x+n, clipped to the image, without the
     pixel. Each difference is truncated to whole grey levels.

@@ -1,4 +1,5 @@
-"""Kernels that assign open pixels (`kernels.bands`) anew, by a spanning forest that grows from the other pixels.
+"""Kernels that give open pixels new labels, by a spanning forest that grows from the other pixels. Open pixels are the
+pixels in the band along borders that `kernels.bands` marks.
 
 Labelled pixels next to open pixels are called seeds.
 """
@@ -12,7 +13,7 @@ from spigolo.kernels.bands import FIRST_COLUMN, LAST_COLUMN
 
 f32 = np.float32
 LEVELS = 2048
-"""Number of integer weights that are distinguished, in grey levels. Larger weights count as LEVELS - 1."""
+"""Number of different edge weights: whole grey levels from 0 to LEVELS - 1. Larger weights count as LEVELS - 1."""
 MARGIN = f32(0.01)
 """Upper bound of the rounding error of a weight, in grey levels."""
 
@@ -40,7 +41,7 @@ def step_cost(z, other, full, step_weight):
 def neighbour(p, k, flags, width, size):
     """Return the index of the k-th of the four neighbours of an open pixel p, or a negative number outside the image.
 
-    flags: flags of pixel p.
+    flags: flags of pixel p, which mark pixels in the first and last image column (`kernels.bands`).
     """
     if k == 0:
         return -1 if flags & LAST_COLUMN else p + 1
@@ -72,7 +73,9 @@ def offer(bucket, p, s, size, least, head, tail, edges):
 
 @inlined
 def sow(points, flat, state, step_m, step_per_m, step_weight, width, least, head, tail, edges, tree, source_of):
-    """Add all edges from labelled to open pixels to the queue. Return the number of edges and the lightest weight."""
+    """Add all edges from labelled to open pixels to the queue. Return the number of edges in the queue, and the
+    smallest weight of these edges.
+    """
     size, level = 0, LEVELS
     for p in range(state.size):
         for k in range(4 if state[p] else 0):

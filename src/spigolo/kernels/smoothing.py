@@ -27,8 +27,8 @@ def mark_steps(depth, error_per_m, step_factor, out):
 
 @inlined
 def down_and_up(mask, cap, steps):
-    """Compute the distance in rows to the nearest zero of `mask` (H, W) in the same column, at most `cap`. steps (H, W)
-    int16.
+    """Compute steps (H, W) int16, the distance of each pixel to the nearest zero of `mask` (H, W) in the same column.
+    Distances are in rows and at most `cap`.
     """
     height, width = mask.shape
     for y in range(height):
@@ -105,9 +105,9 @@ def box_row(integral, y, x, r, n, out):
 
 @kernel
 def count_boxes(integral, radius, out):
-    """Eq. 7. Count the pixels of the mask I_B in the smoothing window of each pixel (gamma_0).
+    """Eq. 7. Count the pixels of a mask in the smoothing window of each pixel (gamma_0).
 
-    integral: integral image of I_B. radius (H, W): half-width of each window, px.
+    integral (H+1, W+1): integral image of the mask. radius (H, W): half-width of each window, px.
     """
     height, width = radius.shape
     for y in range(height):

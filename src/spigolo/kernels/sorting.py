@@ -14,7 +14,9 @@ from spigolo.kernels.merging import weight_bits
 
 @inlined
 def digit_of(edge, base, shift, mask):
-    """Return one digit of (bits of the weight - base) of a packed edge, for the radix sort."""
+    """Return one digit of a packed edge for the radix sort. The digits are those of the bits of the weight minus
+    `base`.
+    """
     return ((weight_bits(edge) - base) >> shift) & mask
 
 
@@ -22,7 +24,7 @@ def digit_of(edge, base, shift, mask):
 def scatter(edges, base, shift, mask, starts, out):
     """Run one stable pass of a radix sort, which sorts packed edges (E,) by one digit of their weight.
 
-    - base: uint64, subtracted from the bits of the weight.
+    - base: bits of the smallest possible weight, uint64, which are subtracted from the bits of each weight.
     - shift: position of the digit in bits.
     - mask: 2^b - 1 for digits of b bits.
     - starts (2^b,) uint32: scratch memory.

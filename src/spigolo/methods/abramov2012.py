@@ -1,8 +1,8 @@
 """Abramov et al., 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
-Only the abstract and the timings of the papers were available. The interactions, the penalty of a depth step and the
-joining of domains follow a public re-implementation. The default parameters are our choice. Frames are processed
-independently, without the papers' tracking of labels by optical flow.
+Only the abstract and the timings of the method's papers were available. The interactions, the penalty of a depth step
+and the joining of domains (connected areas of equal spin) follow a public re-implementation. The default parameters are
+our choice. Frames are processed independently. The tracking of labels by optical flow, as in the papers, is left out.
 """
 
 from __future__ import annotations
@@ -38,45 +38,59 @@ class AbramovConfig(MethodConfig):
     320x240.
     """
     sigma_px: NotNegative = 0.0
-    """Standard deviation of the Gaussian smoothing of colour, in pixels of the reduced image. 0 does not smooth (our
-    choice).
+    """Standard deviation of the Gaussian smoothing of colour, in pixels of the reduced image. 0 switches smoothing off
+    (our choice).
     """
     alpha: Positive = 2.5
     """Colour difference at which two neighbours neither attract nor repel each other, as a multiple of the mean
-    difference of neighbours. Larger values make larger regions (our choice, the public re-implementation: 1 to 1.35).
+    difference of neighbours. Larger values make larger regions. The default is our choice. The public re-implementation
+    uses 1 to 1.35.
     """
     repulsion: NotNegative = 1.0
     """Maximum repulsion of two neighbours with different colours. Smaller values make larger regions. The paper gives
     no value.
     """
     step_m: Positive | None = 0.02
-    """Minimum depth difference in metres at which neighbours repel each other regardless of colour. None ignores depth
-    (our choice, the public re-implementation: 0.3).
+    """Minimum depth difference in metres at which neighbours repel each other regardless of colour. None ignores depth.
+    The default is our choice. The public re-implementation uses 0.3.
     """
     step_per_m: NotNegative = 0.0083
     """Minimum depth difference per squared distance at which neighbours repel each other, 1/m. The larger of two limits
     applies: `step_m`, or `step_per_m` times the squared distance. The paper gives no value.
     """
     penalty: NotNegative = 20.0
-    """Repulsion of two neighbours across a depth step (our choice, the public re-implementation: 250)."""
+    """Repulsion of two neighbours across a depth step. The default is our choice. The public re-implementation uses
+    250.
+    """
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
-    """Number of different spins (as in the paper)."""
+    """Number of different spins. The initial spins divide the depth range into this number of levels. The default is
+    that of the paper.
+    """
     temperature: Positive = 1.0
-    """Temperature of the first Metropolis sweep. The paper gives no value."""
+    """Temperature of the first Metropolis sweep. Higher temperatures accept more changes of spins that increase the
+    energy. The paper gives no value.
+    """
     cooling: Annotated[float, Field(gt=0, le=1)] = 0.9
     """Factor by which the temperature is multiplied after each Metropolis sweep. The paper gives no value."""
     sweeps: Annotated[int, Field(ge=0, le=10_000)] = 60
-    """Number of Metropolis sweeps before domains are joined. The paper gives no value."""
+    """Number of Metropolis sweeps before domains (connected areas of equal spin) are joined. The paper gives no value.
+    """
     last_sweeps: Annotated[int, Field(ge=0, le=10_000)] = 10
-    """Number of Metropolis sweeps after domains are joined (as in the public re-implementation)."""
+    """Number of Metropolis sweeps after domains (connected areas of equal spin) are joined. The default is that of the
+    public re-implementation.
+    """
     last_temperature: Positive = 0.05
-    """Temperature of the Metropolis sweeps after domains are joined. The paper gives no value."""
+    """Temperature of the Metropolis sweeps after domains (connected areas of equal spin) are joined. The paper gives no
+    value.
+    """
     piece_px2: Area_px2 = 20000.0
-    """Maximum area of two small regions that are joined with each other, px^2, such as the pieces of a print. 0
-    switches the joining of small regions off (our addition).
+    """Maximum area (exclusive) of two neighbouring regions that can join, px^2, for example of two parts of a textured
+    object. 0 switches the joining of small regions off (our addition).
     """
     piece_above: float = -2.0
-    """Minimum mean interaction across the border of two small regions that are joined (our addition)."""
+    """Minimum mean interaction (exclusive) across the border of two small regions that join (our addition). Larger
+    values join fewer regions.
+    """
     min_size_px2: Area_px2 = 1500.0
     """Minimum area of a region, px^2. Smaller regions join the neighbour with the largest mean interaction (our
     choice).
@@ -93,8 +107,8 @@ class Abramov2012(Baseline[AbramovConfig]):
     config: AbramovConfig = field(default_factory=AbramovConfig)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of equal spin, enlarged to the size of the frame. The border strength of a pixel is its
-        repulsion.
+        """Return the regions of equal spin, enlarged to the size of the frame. The border strength of a pixel is the
+        repulsion between the pixel and its right or lower neighbour.
         """
         height, width = frame.shape
         size = max(width // self.config.shrink, 1), max(height // self.config.shrink, 1)

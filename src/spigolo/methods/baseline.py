@@ -54,14 +54,16 @@ class Division(NamedTuple):
 
 @dataclass(frozen=True)
 class Baseline(Configured[C], ABC):
-    """Base class of methods that divide a frame into regions, of which common rules then select the objects."""
+    """Base class of methods that divide a frame into regions. The same rules then select the objects among these
+    regions.
+    """
 
     name: ClassVar[str]
     preset: ClassVar[str] = ""
 
     @abstractmethod
     def divide(self, frame: Frame) -> Division:
-        """Return all regions of a frame, of the background and of objects."""
+        """Return all regions of a frame, including the regions of the background."""
 
     def __call__(self, frame: Frame) -> Segmentation:
         """Segment a frame into objects."""

@@ -1,4 +1,4 @@
-"""Base class of segmentation methods whose parameters are one configuration."""
+"""Base class of segmentation methods that keep their parameters in one configuration object."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ M = TypeVar("M", bound="Configured[Any]")
 
 @dataclass(frozen=True)
 class Configured(Generic[C]):
-    """Segmentation method whose parameters are one configuration."""
+    """Segmentation method that keeps its parameters in one configuration object."""
 
     config: C
     """Parameters of the method."""

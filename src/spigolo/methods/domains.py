@@ -1,7 +1,7 @@
 """Domains, which are connected areas of equal spin, and joining of neighbouring domains by their interactions.
 
 Spins have the shape (H, W). Interactions have the shape (4, H, W), one plane for each offset of `graph.OFFSETS`. B =
-number of borders.
+twice the number of borders between domains, because every border is listed twice.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def connected_areas(spins: Spins) -> Regions:
 class Borders(NamedTuple):
     """Borders between neighbouring domains. Every border is listed twice, once from each side.
 
-    - domain: (2, B), number of this domain and of the other domain.
-    - area: (2, B), numbers of pixels of both domains.
+    - domain: (2, B), number of the domain on this side of the border, and of the domain on the other side.
+    - area: (2, B), number of pixels of each of these two domains.
     - mean: (B,), mean interaction of the pixel pairs across the border.
     """
 
@@ -45,7 +45,7 @@ class Borders(NamedTuple):
 
 
 def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders], Mask]) -> Regions:
-    """Join neighbouring domains until `may_join` allows no further border.
+    """Join neighbouring domains until `may_join` allows no further border to be removed.
 
     In each round, every domain joins the allowed neighbour with the largest mean interaction. The mean interactions are
     computed again after each round.

@@ -44,7 +44,8 @@ def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.fl
 def feature_graph(features: Features, connectivity: int, k_xy: float = 0.0) -> Graph:
     """Return the graph whose edge weights are the distances of features (C, H, W) of neighbours (equation 1).
 
-    connectivity: 4 or 8 neighbours. k_xy: weight of the pixel coordinates among the features, per pixel.
+    connectivity: 4 or 8 neighbours. k_xy: weight of the pixel coordinates, as the feature difference that corresponds
+    to a distance of one pixel.
     """
     weights = np.empty((connectivity // 2, *features.shape[1:]), np.float32)
     for plane, (dy, dx) in zip(weights, OFFSETS, strict=False):

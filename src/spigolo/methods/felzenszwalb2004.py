@@ -30,8 +30,8 @@ class FelzenszwalbConfig(MethodConfig):
     regions. The paper uses 150 to 500. The default was the best of several values in tests on real frames.
     """
     k_xy: NotNegative = 0.0
-    """Weight of the pixel coordinates in equation 1, per pixel. With 0, only colour counts, as in Felzenszwalb &
-    Huttenlocher 2004. Toscana & Rosa 2016 print the weight 1.
+    """Weight of the pixel coordinates in equation 1: the colour difference that corresponds to a distance of one pixel.
+    With 0, only colour counts, as in Felzenszwalb & Huttenlocher 2004. Toscana & Rosa 2016 print the weight 1.
     """
     connectivity: Literal[4, 8] = 8
     """Number of neighbours of a pixel, 4 or 8. The paper uses 8 neighbours."""

@@ -40,14 +40,20 @@ class FixationConfig(BoundaryConfig):
     blur_px: Positive = 1.0
     """Standard deviation of the Gaussian that widens edges before the polar transform, px."""
     frame_edge: Share = 20 / 255
-    """Boundary value at the image border, from 0 to 1. The value is from the authors' code."""
+    """Minimum boundary value at the image border, from 0 to 1. Larger values let contours follow the image border at a
+    lower cost. The value is from the authors' code.
+    """
     weakest: Share = 5 / 255
-    """Minimum boundary value of an edge, from 0 to 1. The value is from the authors' code."""
+    """Minimum boundary value of an edge, from 0 to 1. Contour points with a smaller value cost `gap_cost`. The value is
+    from the authors' code.
+    """
     gap_cost: NotNegative = 50.0
-    """Cost of a contour point without an edge. The value is from the authors' code."""
+    """Cost of a contour point without an edge. Larger values lead to fewer such points. The value is from the authors'
+    code.
+    """
     sharpness: NotNegative = 5.0
-    """Sharpness in the cost exp(-sharpness p) of an edge with the boundary value p. The default is that of a public
-    re-implementation (the released code: 20).
+    """Decrease of the cost exp(-sharpness p) of an edge with its boundary value p. Larger values make strong edges
+    cheaper. The default is that of a public re-implementation. The released code uses 20.
     """
 
 

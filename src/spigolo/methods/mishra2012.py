@@ -4,9 +4,9 @@ A depth border belongs to the surface on its nearer side, called the owner of th
 probably lies inside an object. The method `mishra2009` finds the region around such a point. A region is accepted as an
 object if its contour consists mostly of contact boundaries and of borders that the region owns.
 
-Only an outline of the paper was available. The choice of points, the acceptance of objects and the default parameters
-are our interpretation. The paper detects contact with the table from the camera's pose. In this implementation, a
-contact is a valley in the depth map.
+Only a short description of the paper was available. The choice of points, the acceptance of objects and the default
+parameters are our interpretation. The paper detects contact with the table from the camera's pose. In this
+implementation, a contact is a valley in the depth map.
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
 
 
 class Judge:
-    """Segmentation around single points, with a test of the contour."""
+    """Callable object that segments the object around a point, and tests the area and the contour of the object."""
 
     def __init__(self, boundary: Boundary, config: SimpleConfig) -> None:
         self.boundary, self.config = boundary, config

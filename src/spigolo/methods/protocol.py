@@ -13,9 +13,9 @@ class Method(Protocol):
     """Interface of a segmentation method with its parameters. Methods can be pickled for worker processes.
 
     - name: name of the method.
-    - preset: name of the parameters, or "".
+    - preset: name of the preset that the parameters come from, or "".
     - digest: hash of the parameter values.
-    - parameters: parameter values as a mapping that can be written as JSON.
+    - parameters: parameter values as a dict that can be written as JSON.
     """
 
     @property

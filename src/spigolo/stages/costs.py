@@ -52,7 +52,7 @@ def possible_costs(cost: Cost) -> tuple[PixelCost, ...]:
 
 
 def choose_cost(cost: Cost, missing: float | None) -> PixelCost:
-    """Return the cost function for a frame. missing: share of the frame without depth within the working range."""
+    """Return the cost function for a frame. missing: share of missing depth within the working range."""
     if not isinstance(cost, AutoCost):
         return cost
     return cost.full if missing is not None and missing <= cost.max_missing else cost.shadows

@@ -28,7 +28,9 @@ class Weighing:
     cost: PixelCost
     """Parameters of the cost function."""
     missing: float | None
-    """Share of the frame without depth within the working range. None if the cost function is fixed."""
+    """Share of missing depth within the working range (`stages.depth.missing_share`). None if the cost function is
+    fixed.
+    """
     gamma: float
     """Threshold gamma of equation 3 for this cost function."""
 
@@ -65,7 +67,7 @@ class Cues:
 def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
     """Choose the cost function and the threshold gamma for a frame (section III-E).
 
-    depth: prepared depth map (H, W) in metres.
+    depth: depth map (H, W) of `prepare_depth` in metres.
     """
     missing = missing_share(depth, config.rejection.max_distance_m) if isinstance(config.cost, AutoCost) else None
     cost, gamma = choose_cost(config.cost, missing), config.partition.gamma
@@ -79,7 +81,7 @@ def gather_cues(image: Color, depth: DepthMap, lines: Mask | None, weighing: Wei
     """Compute the cues that the cost function of a frame reads.
 
     - image: (H, W, 3) RGB.
-    - depth: prepared depth map (H, W) in metres.
+    - depth: depth map (H, W) of `prepare_depth` in metres.
     - lines: mask (H, W) of the boundary lines E_F, or None if the cost function does not read the boundary map.
     """
     return Cues(

@@ -1,7 +1,7 @@
 """Preparation of the depth map: in-painting of small gaps, and smoothing that does not fill shadows (equations 5-8).
 
-In-painting comes first, because sampling holes would make all smoothing windows tiny. Large shadows are not filled and
-stay 0.
+In-painting comes first, because sampling holes (at most two pixels wide) would make all smoothing windows tiny. Large
+shadows are not filled and stay 0.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
 
 @stage("depth: in-painting")
 def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
-    """Fill sampling holes and small gaps of a depth map (H, W) in metres.
+    """Fill sampling holes (at most two pixels wide) and small gaps of a depth map (H, W) in metres.
 
     Gaps at the image border are not filled. A gap with a depth step between its neighbours gets the largest depth of
     its neighbours, because a shadow lies on the background.
@@ -138,7 +138,7 @@ class Gaps:
 
     - runs: (N, 3), row, first column and last column + 1 of every run of missing pixels in an image row.
     - gap_of_run: (N,), number of the gap of each run.
-    - area_px: (G,), pixels of each gap.
+    - area_px: (G,), number of pixels of each gap.
     - near_m, far_m: (G,), smallest and largest valid depth around each gap in metres, 0 if no neighbour is valid.
     - on_border: (G,), True if the gap touches the image border.
     """
@@ -182,7 +182,8 @@ def find_gaps(depth: DepthMap) -> Gaps:
 
 
 def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
-    """Return the share of the frame without depth within the working range.
+    """Return the share of missing depth within the working range: the area of all gaps that count, divided by the area
+    of the frame.
 
     Gaps at the image border do not count, because such gaps may lie outside the depth camera's view. A gap does not
     count either if all valid depth around the gap is larger than `max_distance_m`.

@@ -1,7 +1,7 @@
 """Selection of the image edges that are boundaries of objects (equations 12-20).
 
 A Canny edge is a depth boundary if the depth changes by a step across the edge. A Canny edge is a contact boundary if
-an object touches its support at the edge. All other edges are removed, such as edges of prints and convex edges of
+an object touches its support at the edge. All other edges are removed, such as texture edges and convex edges of
 objects.
 """
 
@@ -95,7 +95,9 @@ def final_boundary(depth_boundary: Mask, contact_boundary: Mask) -> Mask:
 
 
 def boundary_cue(lines: Mask, config: EdgesConfig) -> npt.NDArray[np.float32]:
-    """Eq. 21. Return the boundary map delta_bound (H, W) from 0 to 1, blurred or not blurred, from the lines of E_F."""
+    """Eq. 21. Compute the boundary map delta_bound (H, W) from 0 to 1 from the lines of E_F. The lines are blurred if
+    `config.boundary` is "soft".
+    """
     return soften(lines, config.blur_px) if config.boundary == "soft" else lines.astype(np.float32)
 
 

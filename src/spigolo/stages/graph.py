@@ -23,7 +23,7 @@ from spigolo.stages.cues import Cues
 
 OFFSETS = ((0, 1), (1, 0), (1, 1), (-1, 1))
 """Offsets (dy, dx) from a pixel to its neighbours: right, down, down-right, up-right. With 4-connectivity, only the
-first two are used.
+offsets right and down are used.
 """
 
 
@@ -32,8 +32,8 @@ class Graph:
     """Graph of the pixels of a frame, with weighted edges between neighbouring pixels."""
 
     weights: npt.NDArray[np.float32]
-    """Edge weights (P, H, W), with P = 2 for 4-connectivity and P = 4 for 8-connectivity. Pixels with a smaller weight
-    are more alike.
+    """Edge weights (P, H, W), with P = 2 for 4-connectivity and P = 4 for 8-connectivity. An edge with a smaller weight
+    connects pixels that are more alike.
     """
 
 

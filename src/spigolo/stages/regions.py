@@ -1,4 +1,4 @@
-"""Partition of the graph of pixels into regions by their internal difference (equations 2, 3)."""
+"""Partition of the graph of pixels into regions by the internal difference of the regions (equations 2, 3)."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: W
     largest weight in the minimum spanning tree of region R, as in Felzenszwalb & Huttenlocher 2004.
 
     - graph: edge weights, not negative and not NaN. Edges of weight +inf are ignored.
-    - gamma: threshold of equation 3.
+    - gamma: threshold of equation 3. Larger values make larger regions.
     - min_size_px: minimum number of pixels of a region.
     - workspace: scratch memory to reuse from frame to frame.
     """
@@ -107,9 +107,9 @@ class SortedEdges:
     def sort(
         self, low: float, high: float, forest: Forest, least: int, detours: bool = True
     ) -> tuple[npt.NDArray[np.uint64], float]:
-        """Return the sorted packed edges with low <= weight < high, and the weight that was reached.
+        """Return the sorted packed edges with low <= weight < high, and the upper limit of their weights.
 
-        If the buffer is too small for all edges, only edges below a smaller weight are returned.
+        If the buffer is too small for all edges, the upper limit is smaller than `high`.
 
         - forest: current regions.
         - least: minimum number of flagged pixels of an edge, 1 or 2.
@@ -177,8 +177,8 @@ class Forest:
                 self._merge(lightest, edges, stop=False)
 
     def _merge_freely(self, edges: SortedEdges, high: float) -> float:
-        """Merge regions along edges lighter than `high`, until equation 3 rejects a merge. Return the weight that was
-        reached.
+        """Merge regions along edges lighter than `high`, until equation 3 rejects a merge. Return the lower limit of
+        weights for the next round.
 
         Before the first rejected merge, edges whose two pixels are connected by lighter edges have no effect and are
         not sorted.

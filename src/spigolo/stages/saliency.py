@@ -1,4 +1,4 @@
-"""Visual saliency of the colour image, and its power law (equation 10).
+"""Visual saliency of the colour image, and the power law that is applied to the saliency (equation 10).
 
 The saliency of a pixel is the difference between its grey value and the mean of square surrounds of several sizes
 (Montabone & Soto 2010).

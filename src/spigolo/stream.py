@@ -132,7 +132,7 @@ class Segmenter:
 def warm_up(config: Config | None = None) -> None:
     """Compile the kernels for one configuration, or for all configurations if `config` is None.
 
-    The first call on a machine takes about 20 s. Later calls load the compiled kernels in less than a second.
+    The first call on a machine takes up to a minute. Later calls load the compiled kernels in less than a second.
     """
     rng = np.random.default_rng(0)
     depth = np.full((48, 64), 1.0, np.float32)

@@ -63,7 +63,7 @@ def bench(
         Number of frames that are segmented in a row to measure the median, the 99th percentile and the maximum of the
         latency.
     startup
-        Also measure the start time of the program without compiled kernels. This measurement takes about 20 seconds
+        Also measure the start time of the program without compiled kernels. This measurement takes up to a minute
         more.
     json
         JSON file to write, with all measured values of every round.

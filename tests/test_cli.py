@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.cli.commands import app
 from spigolo.cli.inputs import configure
-from spigolo.cli.verbs import app
 from spigolo.sources.paths import find_frames
 
 SCENE = Path(sp.__file__).parent / "demo_scene"

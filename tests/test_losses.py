@@ -1,4 +1,4 @@
-"""The cause of each lost object, on label images drawn for it, and the verb that counts them."""
+"""The cause of each lost object, on label images drawn for it, and the command that counts them."""
 
 from __future__ import annotations
 

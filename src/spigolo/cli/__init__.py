@@ -21,7 +21,7 @@ DONE, SOME_FAILED, FAILED = 0, 1, 2
 
 def main() -> None:
     """Run the command line. This function is the entry point of the command `spigolo`."""
-    from spigolo.cli.verbs import app
+    from spigolo.cli.commands import app
 
     warnings.showwarning = _say_warning
     for stream in (sys.stdout, sys.stderr):

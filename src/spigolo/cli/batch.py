@@ -1,4 +1,4 @@
-"""Verb `batch`, which segments many frames."""
+"""Command `batch`, which segments many frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verb `bench`, which measures the time and memory that a frame takes on this machine."""
+"""Command `bench`, which measures the time and memory that a frame takes on this machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verb `compare`, which draws the results of several segmentation methods next to each other."""
+"""Command `compare`, which draws the results of several segmentation methods next to each other."""
 
 from __future__ import annotations
 

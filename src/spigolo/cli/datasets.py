@@ -1,4 +1,4 @@
-"""Verb `datasets`, which lists the known data sets, and verb `fetch`, which downloads a data set."""
+"""Command `datasets`, which lists the known data sets, and command `fetch`, which downloads a data set."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Choice of the Dask cluster on which a verb runs."""
+"""Choice of the Dask cluster on which a command runs."""
 
 from __future__ import annotations
 

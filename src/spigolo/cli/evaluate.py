@@ -1,5 +1,5 @@
-"""Verbs for experiments: `evaluate` scores methods on labelled frames, `losses` counts lost objects, `report` writes an
-HTML page of the results.
+"""Commands for experiments: `evaluate` scores methods on labelled frames, `losses` counts lost objects, `report` writes
+an HTML page of the results.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Verb `export`, which writes results in formats of other programs, and verb `view`, which writes a recording for
+"""Command `export`, which writes results in formats of other programs, and command `view`, which writes a recording for
 Rerun.
 """
 

@@ -1,4 +1,4 @@
-"""Verb `figures`, which draws the paper's figures."""
+"""Command `figures`, which draws the paper's figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verb `fit`, which fits the parameters of a method to labelled frames."""
+"""Command `fit`, which fits the parameters of a method to labelled frames."""
 
 from __future__ import annotations
 

@@ -44,12 +44,12 @@ def split_flags(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
     return inputs, flags
 
 
-def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | None = None) -> Config:
+def configure(preset: str, flags: dict[str, str], command: Callable[..., int] | None = None) -> Config:
     """Return a copy of the preset in which the values of the flags replace the values of the fields.
 
     - preset: name or TOML file.
     - flags: values as text, indexed by field name.
-    - verb: function that implements the verb. Its flags are suggested in the message about a misspelt flag.
+    - command: function that implements the command. Its flags are suggested in the message about a misspelt flag.
 
     Raises ConfigError for an unknown flag.
     """
@@ -61,7 +61,7 @@ def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | Non
     flags = {SHORT.get(key, key): value for key, value in flags.items()}
     for key in flags:
         if key not in known:
-            meant = difflib.get_close_matches(key, _own_flags(verb), n=1, cutoff=0.75)
+            meant = difflib.get_close_matches(key, _own_flags(command), n=1, cutoff=0.75)
             near = meant or difflib.get_close_matches(key, known, n=3, cutoff=0.4)
             hint = f"did you mean {' or '.join('--' + n.replace('_', '-') for n in near)}?" if near else ""
             raise ConfigError(f"unknown flag --{key.replace('_', '-')} for preset {config.name}: {hint}".rstrip(": "))
@@ -71,6 +71,6 @@ def configure(preset: str, flags: dict[str, str], verb: Callable[..., int] | Non
     return config.replace(**{key: value_of_text(value) for key, value in flags.items()}) if flags else config
 
 
-def _own_flags(verb: Callable[..., int] | None) -> list[str]:
-    parameters = {} if verb is None else inspect.signature(verb).parameters
+def _own_flags(command: Callable[..., int] | None) -> list[str]:
+    parameters = {} if command is None else inspect.signature(command).parameters
     return [name for name, parameter in parameters.items() if parameter.kind is parameter.KEYWORD_ONLY]

@@ -38,7 +38,8 @@ def opened(
 def first_frame(source: Source, index: int | None = None) -> Frame:
     """Return one frame of a source.
 
-    index: number of the frame, counted from 0. None: the first frame. Raises FileError if the frame does not exist.
+    index: number of the frame, counted from 0. If None, the first frame is returned. Raises FileError if the frame does
+    not exist.
     """
     if index is None and source.count is not None and source.count > 1:
         print(f"first of {counted(source.count, 'frame')} in {source.name}. For another one give --index")

@@ -1,4 +1,4 @@
-"""Verb `render`, which renders labelled frames similar to those of published data sets."""
+"""Command `render`, which renders labelled frames similar to those of published data sets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verb `ros`, which runs the ROS 2 node."""
+"""Command `ros`, which runs the ROS 2 node."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Verbs `segment`, `trace` and `doctor`, which process frames of the user."""
+"""Commands `segment`, `trace` and `doctor`, which process frames of the user."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Printed tables, printed messages and files that the verbs write."""
+"""Printed tables, printed messages and files that the commands write."""
 
 from __future__ import annotations
 

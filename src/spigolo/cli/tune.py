@@ -1,4 +1,4 @@
-"""Verb `tune`, which opens a web page to tune parameters interactively."""
+"""Command `tune`, which opens a web page to tune parameters interactively."""
 
 from __future__ import annotations
 

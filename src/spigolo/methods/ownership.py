@@ -58,7 +58,7 @@ class BoundaryConfig(MethodConfig):
     """Baseline of the virtual stereo pair, m. The default value is the baseline of a Kinect. The paper gives no value.
     """
     half_disc: Positive = 0.015
-    """Radius of the half-discs on both sides of an edge, as a share of the image diagonal. The value is from the
+    """Radius of the half-discs on both sides of an edge, as a fraction of the image diagonal. The value is from the
     authors' code.
     """
     near_line: Share = 0.4

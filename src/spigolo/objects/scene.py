@@ -43,8 +43,8 @@ class Scene:
     above: Mask | None = None
     """Mask (H, W) of the measured pixels above the support plane. None if the frame has no support plane."""
     inside: tuple[Mask, Mask] | None = None
-    """Mask (H, W) of the pixels inside the region of interest, and mask (H, W) of the pixels that count. For a box in
-    metres, only pixels with depth count. None if no region of interest is given.
+    """Two masks (H, W): the pixels inside the region of interest, and the pixels whose position can be tested. For a
+    region of interest in metres, only pixels with depth can be tested. None if no region of interest is given.
     """
 
     @property

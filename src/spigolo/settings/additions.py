@@ -3,7 +3,7 @@
 `settings.joining` contains the parameters of the rules that join regions. `settings.rules` contains the parameters of
 the rules that reject or keep regions.
 
-Lengths in pixels refer to a 640x480 image, and grow with the image if `Additions.lengths_grow` is set.
+Lengths in pixels are given for a 640x480 image. They are scaled with the image size if `Additions.lengths_grow` is set.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Support(Settings):
     noise_factor: NotNegative | None = None
     """Minimum height of an object pixel above the support plane, as a multiple of the noise of the plane. The noise is
     the standard deviation of the plane's pixels. If this height is lower than `min_height_m`, it replaces
-    `min_height_m`, and `Ledge.step_m` is lowered by the same ratio. None: the height is always `min_height_m`.
+    `min_height_m`, and `Ledge.step_m` is lowered by the same ratio. If None, the height is always `min_height_m`.
     """
     lowest_m: Positive = 0.004
     """Minimum of the height that is computed from `noise_factor`, m."""
@@ -86,24 +86,24 @@ class Support(Settings):
     """Add the outlines of the pixels above the support plane to the boundary map."""
     stacked_share: Positive | None = None
     """Minimum number of pixels on a parallel plane above the largest plane, as a share of the pixels on the largest
-    plane. With at least this share, the upper plane becomes the support plane, such as a table above the floor. None:
-    use the largest plane.
+    plane. With at least this share, the upper plane becomes the support plane, such as a table above the floor. If
+    None, the largest plane is used.
     """
     facing: Facing | None = None
     """Skip planes on which nothing can stand, such as ceilings and side walls. None accepts every direction."""
     min_things: Share | None = None
     """Minimum share of the frame's measured pixels that stand on the support plane. Such a pixel lies above the plane
     by less than 0.3 m, and the plane surrounds it on at least three sides. If the largest plane has a smaller share,
-    such as the wall of a bin, the next plane with this share is used. None: use the largest plane.
+    such as the wall of a bin, the next plane with this share is used. If None, the largest plane is used.
     """
     max_below: Share | None = None
     """Maximum share of points below the support plane, among the points on or below it that the plane surrounds. If the
-    share is larger, as for the upper side of a heap of objects, a parallel plane below is used. None: the plane is
+    share is larger, as for the upper side of a heap of objects, a parallel plane below is used. If None, the plane is
     never lowered.
     """
     near_roi: NotNegative | None = None
     """Margin around the region of interest, as a share of its height and width. The support plane is searched only in
-    the region of interest and this margin. None: search the whole frame.
+    the region of interest and this margin. If None, the whole frame is searched.
     """
     within_reach: bool = False
     """Search the support plane only at distances up to `Rejection.max_distance_m`."""
@@ -157,11 +157,11 @@ class DepthContours(Settings):
     """
     crease_noise: NotNegative | None = None
     """Minimum depth of a crease behind the straight line between the depth samples on its two sides, as a multiple of
-    the frame's depth noise. Larger values find fewer creases in noise. None: no minimum.
+    the frame's depth noise. Larger values find fewer creases in noise. If None, there is no minimum.
     """
     holes_from: Share | None = None
     """Minimum share of missing depth in a frame at which hole outlines and the image edges inside holes become
-    contours. These contours keep holes from connecting regions. None: off.
+    contours. These contours keep holes from connecting regions. If None, the rule is off.
     """
 
 
@@ -213,7 +213,7 @@ class Refinement(Settings):
     """
     min_solidity: Share | None = 0.5
     """Minimum share of the convex hull that an object fills (solidity). If an object has at least this solidity,
-    background pixels inside its hull are refined too. None: off.
+    background pixels inside its hull are refined too. If None, the rule is off.
     """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
     """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, px. 0 does not

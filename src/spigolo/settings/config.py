@@ -44,7 +44,7 @@ class Config(Parameters):
     rejection: Rejection = Rejection()
     """Rejection of regions (section III-F)."""
     additions: Additions | None = None
-    """Our additions to the paper. None: the method of the paper."""
+    """Our additions to the paper. If None, the method is the paper's."""
 
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:

@@ -98,7 +98,7 @@ class Joining(Settings):
     enclosed: Share | None = None
     """Minimum share of the pixels around a region that must belong to one object, so that the region is joined with the
     object. The rule joins regions on the support plane or without depth, such as the bottom of a bowl. Larger values
-    join fewer regions. None: off.
+    join fewer regions. If None, the rule is off.
     """
     reach_px: Offset_px = 4
     """Distance from a border to the depth samples on both sides that measure the depth step, px."""

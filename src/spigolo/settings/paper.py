@@ -87,8 +87,8 @@ class DepthConfig(Settings):
     inpainting: Inpainting | None = None
     """In-painting of small gaps. None fills no gaps, as in the paper with the first cost function."""
     depth_range: Positive | None = None
-    """Depth difference that counts as 1 in eq. 9, m. None: the depth range of each frame. Larger values reduce the
-    influence of depth. The default comes from the authors' code.
+    """Depth difference that counts as 1 in eq. 9, m. If None, it is the depth range of each frame. Larger values reduce
+    the influence of depth. The default comes from the authors' code.
     """
 
 
@@ -270,8 +270,8 @@ class Rejection(Settings):
     """Rules that reject regions (paper, section III-F). None switches a rule off."""
 
     max_distance_m: Positive | None = None
-    """Maximum distance of a region's centroid from the camera, m. Larger values keep farther regions. None: no limit.
-    The authors' code uses 1.8.
+    """Maximum distance of a region's centroid from the camera, m. Larger values keep farther regions. If None, there is
+    no limit. The authors' code uses 1.8.
     """
     max_lambda1_px2: MaxArea_px2 = None
     """Maximum of the larger eigenvalue of the covariance of a region's pixel coordinates, px^2. Larger values keep

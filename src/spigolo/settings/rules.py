@@ -61,7 +61,7 @@ class Wall(Settings):
     """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
     """Maximum ratio of length to width of a region that the image border cuts off. Regions with a larger ratio are
-    rejected as rails, rims or legs. None: no limit.
+    rejected as rails, rims or legs. If None, there is no limit.
     """
 
 
@@ -114,20 +114,20 @@ class Rules(Settings):
     """
     min_contour_holes: Share | None = None
     """Minimum mean boundary value along a region's border in frames whose hole outlines are contours
-    (`DepthContours.holes_from`). None: `min_contour` applies to all frames.
+    (`DepthContours.holes_from`). If None, `min_contour` applies to all frames.
     """
     metric: bool = False
     """Limit sizes in metres if intrinsics are known. The limits in pixels then apply only without intrinsics."""
     min_length_m: Positive | None = None
-    """Minimum length of a region, m, estimated as for `max_length_m`. Larger values reject more small regions. None: no
-    limit, also without intrinsics.
+    """Minimum length of a region, m, estimated as for `max_length_m`. Larger values reject more small regions. If None,
+    there is no limit.
     """
     max_length_m: Positive | None = None
     """Maximum length of a region, m. The length is estimated as the longer side of a rectangle that faces the camera
     and has the spread and the distance of the region. The oriented box of an object may have another length. Larger
-    values keep longer regions. None: no limit.
+    values keep longer regions. If None, there is no limit.
     """
     max_width_m: Positive | None = None
     """Maximum width of a region, m. The width is estimated as the shorter side of a rectangle that faces the camera and
-    has the spread and the distance of the region. Larger values keep wider regions. None: no limit.
+    has the spread and the distance of the region. Larger values keep wider regions. If None, there is no limit.
     """

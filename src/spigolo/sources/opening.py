@@ -25,8 +25,8 @@ def open_source(
     uri: image files (colour and depth), a folder of frames, a data set (`dataset:FOLDER`), a ROS bag (.bag, .db3,
     .mcap, or its folder), `realsense:`, `realsense:SERIAL`, `realsense:RECORDING`, `openni:` or `openni:ADDRESS`.
     Options may follow after `?`: `recording.mcap?color=/camera/color/image_raw&tolerance_ms=5`. camera: intrinsics in
-    any form that `read_frame` accepts. None: intrinsics of the source. depth_scale: metres per unit of integer depth.
-    options: fields of `spigolo.sources.options.Options`. Raises FileError.
+    any form that `read_frame` accepts. If None, the intrinsics of the source are used. depth_scale: metres per unit of
+    integer depth. options: fields of `spigolo.sources.options.Options`. Raises FileError.
     """
     words = [uri] if isinstance(uri, str | os.PathLike) else list(uri)
     given = {"camera": camera, "depth_scale": depth_scale, **options}

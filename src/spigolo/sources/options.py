@@ -26,11 +26,11 @@ class Options:
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
     color: str | None = None
-    """Topic of the colour images of a bag. None: chosen automatically."""
+    """Topic of the colour images of a bag. If None, the topic is chosen automatically."""
     depth: str | None = None
-    """Topic of the depth images of a bag. None: chosen automatically."""
+    """Topic of the depth images of a bag. If None, the topic is chosen automatically."""
     info: str | None = None
-    """Topic of the CameraInfo of a bag. None: the CameraInfo topic that belongs to the colour topic."""
+    """Topic of the CameraInfo of a bag. If None, the CameraInfo topic that belongs to the colour topic is used."""
     tolerance_ms: float = 20.0
     """Maximum difference between the stamps of a colour and a depth image that form a frame, in milliseconds."""
     width: int = 640
@@ -42,7 +42,7 @@ class Options:
     filters: tuple[str, ...] = field(default=())
     """Names of RealSense SDK filters, applied in the given order: decimation, threshold, spatial, temporal, holes."""
     device: Any = None
-    """Device object of the RealSense SDK, such as a software device. None: a connected camera."""
+    """Device object of the RealSense SDK, such as a software device. If None, a connected camera is used."""
 
 
 def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:

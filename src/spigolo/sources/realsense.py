@@ -52,8 +52,8 @@ class _RealSense(Source):
 
 
 class RealSenseCamera(_RealSense, LiveSource):
-    """Source for a RealSense camera: the camera with a serial number, or the first connected camera. Iteration returns
-    the newest frame.
+    """Source for a RealSense camera: the camera with a serial number, or the first connected camera. Each iteration
+    yields the newest frame.
     """
 
     def __init__(self, serial: str, options: Options) -> None:

@@ -78,7 +78,9 @@ class Reel:
         return self._move_back() if step < 0 else self._move_on()
 
     def go(self, position: int) -> bool:
-        """Go to a frame by its number, from 0. Return True if the current frame changes, and False for a stream."""
+        """Go to a frame by its number, counted from 0. Return True if the current frame has changed. A stream never
+        changes its frame.
+        """
         if self._sequence is None:
             return False
         target = min(max(position, 0), len(self._sequence) - 1)

@@ -1,4 +1,4 @@
-"""Scores of one method with one set of parameters (contender), under a name that is unique in a comparison."""
+"""Contenders of a comparison. A contender is a method with one set of parameters, its scores and a unique name."""
 
 from __future__ import annotations
 

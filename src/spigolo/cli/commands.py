@@ -1,4 +1,4 @@
-"""Verbs `presets`, `warmup` and `demo`, and the list of all verbs."""
+"""Commands `presets`, `warmup` and `demo`, and the list of all commands."""
 
 from __future__ import annotations
 

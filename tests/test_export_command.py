@@ -1,4 +1,4 @@
-"""The verbs export and view on a bag, each result read back."""
+"""The commands export and view on a bag, each result read back."""
 
 from __future__ import annotations
 

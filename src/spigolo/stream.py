@@ -35,7 +35,7 @@ class Segmenter:
     your own threads segment frames, create one Segmenter for each thread.
 
     - config: parameters of the segmentation.
-    - ids: True to give objects ids that stay the same while the objects are in view (`ObjectMask.id`).
+    - ids: if True, each object gets an id that stays the same while the object is in view (`ObjectMask.id`).
 
     Raises SpigoloError if two threads call one Segmenter at the same time.
     """

@@ -22,7 +22,7 @@ SAMPLES = 3000
 CELLS = 24
 """Number of grid cells along the longer image side. The grid is used to find points that a plane surrounds."""
 TALLEST_M = 0.3
-"""Maximum height at which a point counts as standing on a plane, m."""
+"""Maximum height at which a point counts as standing on a plane, in metres."""
 SPECKLE_PX = 5
 
 Points = npt.NDArray[np.float64]
@@ -38,14 +38,14 @@ class Plane:
     offset_m: float
 
     def height_m(self, points: Points) -> Points:
-        """Return the heights (N,) of points (N, 3) above the plane, m. Heights are positive on the camera's side of the
-        plane.
+        """Return the heights (N,) of points (N, 3) above the plane, in metres. Heights are positive on the camera's
+        side of the plane.
         """
         return np.asarray(points @ self.normal + self.offset_m)
 
     def height_map_m(self, depth: DepthMap, camera: Camera) -> npt.NDArray[np.float32]:
-        """Return the heights (H, W) of the pixels of a depth map (H, W) above the plane, m. Pixels without depth get
-        the value offset_m.
+        """Return the heights (H, W) of the pixels of a depth map (H, W) above the plane, in metres. Pixels without
+        depth get the value offset_m.
         """
         out = np.empty(depth.shape, np.float32)
         kernel.measure_heights(depth, *self.slopes(depth.shape, camera), np.float32(self.offset_m), out)

@@ -18,8 +18,8 @@ Labels = npt.NDArray[np.int32]
 
 RAMP_STEP_M = 0.03
 RAMP_STEP_SHARE = 0.02
-"""Minimum depth difference at a depth step whose ramp is measured: max(`RAMP_STEP_M`, `RAMP_STEP_SHARE` * distance), m.
-A ramp is a depth step that is smeared over several pixels.
+"""Minimum depth difference at a depth step whose ramp is measured: max(`RAMP_STEP_M`, `RAMP_STEP_SHARE` * distance), in
+metres. A ramp is a depth step that is smeared over several pixels.
 """
 MEMORY = 0.5
 """Weight from 0 to 1 of the previous mean colour of a tree, when a new pixel updates the mean. The trees of the

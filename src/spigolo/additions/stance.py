@@ -41,7 +41,7 @@ class Stance:
     ledge: npt.NDArray[np.float64]
     """Share (R,) of each region's outline along which the height above the support plane changes by a step."""
     lean_deg: npt.NDArray[np.float64]
-    """Angle (R,) between each region's mean surface normal and the line of sight, degrees."""
+    """Angle (R,) between each region's mean surface normal and the line of sight, in degrees."""
 
 
 def measure_stance(

@@ -21,10 +21,10 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 TIMEOUT_S = 30
-"""Maximum time to wait for the Dask scheduler, s."""
+"""Maximum time to wait for the Dask scheduler, in seconds."""
 TASK_S = 1.0
-"""Target duration of a cluster task, s. Shorter tasks increase the share of time for communication. If a worker dies,
-longer tasks increase the work that has to be repeated.
+"""Target duration of a cluster task, in seconds. Shorter tasks increase the share of time for communication. If a
+worker dies, longer tasks increase the work that has to be repeated.
 """
 MAX_GROUP = 1000
 """Maximum number of items in a cluster task."""

@@ -164,8 +164,8 @@ def report(
         Reference method, with which the other methods are compared. Give its label on the page, its preset, its digest
         or its file. Default: the first method.
     paper
-        Write the paper's Tables I, II and III, with the printed and the measured values, instead of the page with
-        accuracy and differences. The files must contain results on the paper's data sets or on rendered stand-ins for
+        Write the paper's Tables I, II and III instead of the page index.html. Each cell has the value from the paper
+        and the measured value. The files must contain results on the paper's data sets or on rendered stand-ins for
         these data sets.
     out
         Output folder for index.html, report.md and the images of the worst frames.

@@ -20,7 +20,8 @@ def tune(
     browser: bool = True,
     out: Path = Path(),
 ) -> int:
-    """Open a web page to tune a preset interactively, with a slider for each parameter, the masks and the point cloud.
+    """Open a web page to tune a preset interactively. The page shows the masks, the point cloud and a slider for each
+    parameter.
 
     This command requires `pip install "spigolo[tune]"`. Ctrl-C stops the program. Example: `spigolo tune recordings/
     --camera kinect-v1`.

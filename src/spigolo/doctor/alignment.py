@@ -21,8 +21,8 @@ ALIGNMENT = "alignment"
 ELSEWHERE = "To check it, run the doctor on a frame of boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
-"""Maximum shift between depth and colour that is harmless, px. The detection of object boundaries samples depth 5 px
-from an image edge, on both sides of the edge.
+"""Maximum shift between depth and colour that is harmless, in pixels. The detection of object boundaries samples depth
+5 px from an image edge, on both sides of the edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
@@ -39,7 +39,7 @@ reported as mirrored.
 
 STEP_OFFSET_PX = 2
 STEP_M, STEP_PER_M = 0.02, 0.012
-"""Minimum depth step at a contour: max(STEP_M, STEP_PER_M * depth^2), m."""
+"""Minimum depth step at a contour: max(STEP_M, STEP_PER_M * depth^2), in metres."""
 MAX_SHADOW_PX = 60
 GRADIENT_SIGMA_PX, AROUND_PX = 1.2, 33
 FLAT_GRADIENT = 2.0

@@ -21,7 +21,7 @@ CV2_WHEELS = (
     "opencv-contrib-python-headless",
 )
 SMALL_PX = 160
-"""Minimum width and height of an image, px. In smaller images, objects are only a few pixels large."""
+"""Minimum width and height of an image, in pixels. In smaller images, objects are only a few pixels large."""
 WITHOUT_INTRINSICS = (
     "expected intrinsics, got none: results in metres, the support plane and contact boundaries are left out. Give"
     " --camera. A guess such as 60deg finds far more objects than none"

@@ -47,7 +47,7 @@ RIGHT_WITHIN = 1.25
 accepted. Slightly slanted surfaces make the estimate inaccurate.
 """
 MIN_TILT_DEG = 20.0
-"""Minimum angle between the viewing direction and the normal of the support plane, degrees. If the camera looks down
+"""Minimum angle between the viewing direction and the normal of the support plane, in degrees. If the camera looks down
 along the normal, upright sides stay upright with any focal length.
 """
 UPRIGHT_COS = 0.07
@@ -64,7 +64,7 @@ clearly better.
 """
 SURFACES, MIN_SURFACES, SEED = 15000, 2000, 7
 FLAT_M, FLAT_PER_M = 0.002, 0.003
-"""Maximum residual of a smooth surface from a local plane: max(FLAT_M, FLAT_PER_M * depth^2), m."""
+"""Maximum residual of a smooth surface from a local plane: max(FLAT_M, FLAT_PER_M * depth^2), in metres."""
 
 Points = npt.NDArray[np.float64]
 

@@ -36,17 +36,17 @@ PLAUSIBLE = math.log(3.0)
 depth in this unit to `TABLE_M` is within the limit.
 """
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
-"""Minimum working distance of a RealSense D405, m, and its depth unit, m."""
+"""Minimum working distance of a RealSense D405 and its depth unit, both in metres."""
 SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
-"""Range of plausible median depths of a frame, m. A median depth outside the range gives a warning, or a note for a
-close-range camera.
+"""Range of plausible median depths of a frame, in metres. A median depth outside the range gives a warning, or a note
+for a close-range camera.
 """
 TABLE_M = 0.8
-"""Typical distance of a table, m. The advice on a wrong depth unit assumes this median depth."""
+"""Typical distance of a table, in metres. The advice on a wrong depth unit assumes this median depth."""
 COARSE_UNIT_M = 0.004
-"""Minimum depth unit at which a warning is given, m. Cameras store depth in units of 0.1 to 1 mm, and some drivers in 2
-mm.
+"""Minimum depth unit at which a warning is given, in metres. Cameras store depth in units of 0.1 to 1 mm, and some
+drivers in 2 mm.
 """
 FINEST_TICK_M = 1e-4
 ROOM_M = 3.0

@@ -14,7 +14,9 @@ from spigolo.settings.additions import Support
 PLANARITY = "depth along Z"
 
 NEAR_M, NEAR_PER_M = 0.004, 0.003
-"""Maximum distance of a pixel from a plane, to count as on the plane: max(NEAR_M, NEAR_PER_M * distance^2), m."""
+"""Maximum distance of a pixel from a plane, to count as on the plane: max(NEAR_M, NEAR_PER_M * distance^2), in
+metres.
+"""
 MORE = 1.15
 """Minimum ratio for a warning that depth is the distance along the ray. The number of pixels on the largest plane with
 depth read as distance is divided by the number with depth read as Z.
@@ -60,14 +62,14 @@ def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
 
 
 def along_z(distance: DepthMap, camera: Camera) -> DepthMap:
-    """Convert distances along the ray (H, W) to Z coordinates (H, W), m."""
+    """Convert distances along the ray (H, W) to Z coordinates (H, W), in metres."""
     y, x = np.ogrid[: distance.shape[0], : distance.shape[1]]
     lengths = np.sqrt(1 + ((x - camera.cx) / camera.fx) ** 2 + ((y - camera.cy) / camera.fy) ** 2)
     return np.asarray(distance / lengths, np.float32)
 
 
 def from_raw_disparity(depth: DepthMap) -> DepthMap:
-    """Convert raw disparity of a Kinect v1, which was read as millimetres, to Z coordinates (H, W), m. Invalid
+    """Convert raw disparity of a Kinect v1, which was read as millimetres, to Z coordinates (H, W), in metres. Invalid
     disparities give 0.
     """
     slope, offset = RAW_KINECT

@@ -17,7 +17,7 @@ Pair = tuple[Map, Map]
 """Two maps (H, W): vertical edges, which are compared along x, and horizontal edges, which are compared along y."""
 
 WIDTH_PX = 320
-"""Width of the downscaled images that are compared, px."""
+"""Width of the downscaled images that are compared, in pixels."""
 SEARCH_PX = 20
 """Maximum shift in x and y that is tried with each scale, in pixels of the downscaled images. The distance between the
 depth camera and the colour camera causes a shift.
@@ -40,7 +40,7 @@ SAME = 0.07
 
 @dataclass(frozen=True, slots=True)
 class ScaleFit:
-    """Best scale of the depth contours about the image centre, and the shift after scaling, px.
+    """Best scale of the depth contours about the image centre, and the shift after scaling, in pixels.
 
     score: mean colour gradient under the scaled contours. unscaled: best score without scaling. peak: score minus the
     mean over all scales and shifts, in standard deviations.

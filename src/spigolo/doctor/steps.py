@@ -13,7 +13,7 @@ from spigolo.frames.frame import DepthMap
 STEPS = "depth steps"
 
 TICK_M = 1e-4
-"""Resolution to which depth values are rounded, m."""
+"""Resolution to which depth values are rounded, in metres."""
 GAP_PER_M = 4e-3
 """Half the width of the window around a depth value per squared distance, 1/m. Depth steps per squared distance are
 2.9e-3 1/m for a Kinect v1, and at least 1.6e-2 1/m for whole-pixel disparity.
@@ -23,8 +23,8 @@ GAP_UNITS = 2.5
 the neighbouring values at one unit, so that steps of one unit are not reported.
 """
 ALONE = 0.8
-"""Minimum share, at which depth is reported as coarse. For each pixel, the number of pixels with equal depth is divided
-by the number of pixels in the window around this depth. The share is the median over all pixels.
+"""Minimum share, at which depth is reported as coarse. For each pixel, the number of pixels with exactly the same depth
+is divided by the number of pixels with a similar depth. The compared share is the median over all pixels.
 """
 FEWEST = 8
 """Minimum number of different depth values in a frame. With fewer values, the check has not enough evidence."""

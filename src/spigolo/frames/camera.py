@@ -20,7 +20,7 @@ from spigolo.frames.nominal import NOMINAL
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
 """Valid numbers of OpenCV's distortion coefficients k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y."""
 LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
-"""Minimum focal length, px, and maximum of focal lengths and principal-point coordinates, px."""
+"""Minimum focal length, and maximum of focal lengths and principal-point coordinates, in pixels."""
 MAX_SKEW = 1e-3
 """Maximum skew of the camera matrix K, relative to fx, that is treated as a rounding error."""
 MAX_ASPECT_CHANGE = 0.01
@@ -43,17 +43,17 @@ class Camera:
     """
 
     fx: float
-    """Focal length in x, px."""
+    """Focal length in x, in pixels."""
     fy: float
-    """Focal length in y, px."""
+    """Focal length in y, in pixels."""
     cx: float
-    """Principal point in x, px. The centre of the first pixel has the coordinate 0."""
+    """Principal point in x, in pixels. The centre of the first pixel has the coordinate 0."""
     cy: float
-    """Principal point in y, px. The centre of the first pixel has the coordinate 0."""
+    """Principal point in y, in pixels. The centre of the first pixel has the coordinate 0."""
     width: int
-    """Image width, px."""
+    """Image width, in pixels."""
     height: int
-    """Image height, px."""
+    """Image height, in pixels."""
     distortion: tuple[float, ...] = ()
     """Distortion coefficients k1 k2 p1 p2 k3 ... of OpenCV, either 4, 5, 8, 12 or 14 numbers. The tuple is empty
     without distortion.

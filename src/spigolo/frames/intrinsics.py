@@ -132,7 +132,7 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
     - intrinsics as a matrix: K, k, camera_matrix or cam_K row by row, or Open3D's intrinsic_matrix column by column
     - projection matrix of ROS, used if K is empty: P
     - image size: width, height, or image_width, image_height, or resolution
-    - crop and decimation of ROS: roi, binning_x, binning_y
+    - crop and binning of a ROS CameraInfo: roi, binning_x, binning_y
     - distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d, or k1, k2, p1, p2, k3
     - lens model: distortion_model or model
 

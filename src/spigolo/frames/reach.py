@@ -16,9 +16,9 @@ LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
 LEAST_WITHIN: the unit is wrong if the number of pixels within REACH_M, divided by the number beyond REACH_M, is at most
-this limit. MOST_EQUAL: if this share of the pixels beyond REACH_M has the same value, the value stands for missing
-depth. Without such a value, the unit is wrong if more pixels lie beyond REACH_M than within. Depth in a wrong unit is
-kept, so that a message can suggest the unit.
+this limit. MOST_EQUAL: if at least this share of the pixels beyond REACH_M has the same value, the value stands for
+missing depth. Without such a value, the unit is wrong if more pixels lie beyond REACH_M than within. Depth in a wrong
+unit is kept, so that a message can suggest the unit.
 """
 LARGEST_UINT16 = 65535
 """Value that means missing depth in 16-bit files, and in wider integer types that were converted from 16 bits."""

@@ -56,7 +56,8 @@ def is_step(before, here, after, step_m, step_per_m):
 
 @inlined
 def hollow(before, here, after):
-    """Return the distance of a pixel behind the straight line between the samples on both sides of the pixel, m.
+    """Return the distance of a pixel behind the straight line between the samples on both sides of the pixel, in
+    metres.
 
     Along a straight line in space, 1 / Z is linear in the image.
     """

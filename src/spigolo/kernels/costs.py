@@ -22,7 +22,7 @@ ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 def depth_difference(a, b, scale, noise):
     """Eq. 9. Return the depth difference of an edge, from 0 to 1. The difference is 0 if depth is missing at one pixel.
 
-    - a, b: depths of both pixels, m.
+    - a, b: depths of both pixels, in metres.
     - scale: 1 / depth range, 1/m.
     - noise: depth noise divided by the squared depth, 1/m. Differences within the noise count as 0. The paper uses
       noise = 0.

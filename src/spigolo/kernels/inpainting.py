@@ -120,8 +120,8 @@ def measure_gaps(depth, runs, gaps, area, near, far, on_border):
 
     - runs (N, 3), gaps (N,): as in `join_runs`.
     - area (G,) int64, initially zero: number of pixels of each gap.
-    - near (G,) float32, initially +inf: minimum depth around each gap, m.
-    - far (G,) float32, initially zero: maximum depth around each gap, m.
+    - near (G,) float32, initially +inf: minimum depth around each gap, in metres.
+    - far (G,) float32, initially zero: maximum depth around each gap, in metres.
     - on_border (G,) uint8, initially zero: 1 if a gap touches the image border.
     """
     height, width = depth.shape

@@ -15,7 +15,7 @@ def count_near(points, planes, tolerance, counts):
 
     - points (3, N) float32: X, Y and Z of each point in metres.
     - planes (P, 4) float32: unit normal and offset in metres.
-    - tolerance (N,) float32: maximum distance of each point from a plane, m.
+    - tolerance (N,) float32: maximum distance of each point from a plane, in metres.
     - counts (P,) int64: number of points near each plane.
     """
     xs, ys, zs = points

@@ -60,7 +60,7 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
     - distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image.
     - depth (H, W) metres, 0 = missing.
     - mean, repulsion: as in `color_interaction`.
-    - step: minimum depth step, m.
+    - step: minimum depth step, in metres.
     - step_per_m: minimum depth step per squared depth, 1/m.
     - out (H, W) float32: interaction of each pair.
     """

@@ -7,9 +7,9 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 NEAREST_M = 0.01
-"""Minimum distance of a surface from the target camera, m. Nearer surfaces are not drawn."""
+"""Minimum distance of a surface from the target camera, in metres. Nearer surfaces are not drawn."""
 FARTHEST_PX = 1e9
-"""Maximum absolute image coordinate of a drawn point, px."""
+"""Maximum absolute image coordinate of a drawn point, in pixels."""
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
@@ -50,7 +50,7 @@ def middle(a, b):
 @inlined
 def triangle(a, b, c):
     """Return corner a of a triangle, its sides from a to b and from a to c, and a scale. Corners are projected points
-    (u, v, 1 / Z). The scale is 1 / (twice the signed area), or 0 for a tiny triangle.
+    (u, v, 1 / Z). The scale is 1 / (twice the signed area), or 0 for a nearly degenerate triangle.
     """
     b_x, b_y, c_x, c_y = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
     area = b_x * c_y - b_y * c_x

@@ -13,7 +13,9 @@ from spigolo.kernels.bands import FIRST_COLUMN, LAST_COLUMN
 
 f32 = np.float32
 LEVELS = 2048
-"""Number of different edge weights: whole grey levels from 0 to LEVELS - 1. Larger weights count as LEVELS - 1."""
+"""Number of different edge weights: whole grey levels from 0 to LEVELS - 1. Larger weights are clipped to LEVELS -
+1.
+"""
 MARGIN = f32(0.01)
 """Upper bound of the rounding error of a weight, in grey levels."""
 
@@ -29,7 +31,7 @@ def distance_2(red, green, blue, color, p):
 def step_cost(z, other, full, step_weight):
     """Return the cost of a depth step between two depths, from 0 to step_weight. The cost is 0 if one depth is missing.
 
-    full: depth difference in metres from which the cost is step_weight.
+    full: depth difference in metres at and above which the cost is step_weight.
     """
     if z <= f32(0.0) or other <= f32(0.0):
         return f32(0.0)

@@ -107,7 +107,7 @@ def box_row(integral, y, x, r, n, out):
 def count_boxes(integral, radius, out):
     """Eq. 7. Count the pixels of a mask in the smoothing window of each pixel (gamma_0).
 
-    integral (H+1, W+1): integral image of the mask. radius (H, W): half-width of each window, px.
+    integral (H+1, W+1): integral image of the mask. radius (H, W): half-width of each window, in pixels.
     """
     height, width = radius.shape
     for y in range(height):
@@ -125,7 +125,7 @@ def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
 
     - depth_integral (H+1, W+1) float64: integral image of depth.
     - left_out_integral (H+1, W+1) int32: integral image of the mask of excluded pixels.
-    - radius (H, W): half-width of each window, px.
+    - radius (H, W): half-width of each window, in pixels.
     """
     height, width = depth.shape
     total, counted = np.empty(width), np.empty(width)

@@ -22,8 +22,8 @@ class FelzenszwalbConfig(MethodConfig):
     """Parameters of the method `felzenszwalb2004`. Colours range from 0 to 255."""
 
     sigma_px: NotNegative = 0.8
-    """Standard deviation of the Gaussian smoothing of colour, px. 0 does not smooth. The default value is that of the
-    paper.
+    """Standard deviation of the Gaussian smoothing of colour, in pixels. 0 does not smooth. The default value is that
+    of the paper.
     """
     k: NotNegative = 800.0
     """Threshold gamma of equation 3, as a colour difference times a number of pixels. Larger values make larger

@@ -31,14 +31,14 @@ Points = npt.NDArray[np.float64]
 RAYS = 360
 """Number of rays of the polar map, one for each degree. The value is from the authors' code."""
 LEAST_RADIUS_PX = 4
-"""Minimum distance between a contour and the given point inside the contour, px."""
+"""Minimum distance between a contour and the given point inside the contour, in pixels."""
 
 
 class FixationConfig(BoundaryConfig):
     """Parameters of the method `mishra2009`."""
 
     blur_px: Positive = 1.0
-    """Standard deviation of the Gaussian that widens edges before the polar transform, px."""
+    """Standard deviation of the Gaussian that widens edges before the polar transform, in pixels."""
     frame_edge: Share = 20 / 255
     """Minimum boundary value at the image border, from 0 to 1. Larger values let contours follow the image border at a
     lower cost. The value is from the authors' code.

@@ -28,9 +28,9 @@ from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 HARDLY = 0.5
 """Share of `min_strong` that a contour must reach before the region is segmented again from its innermost point."""
 BESIDE_PX = 3.0
-"""Maximum distance between a contour point and the edge that the contour follows, px."""
+"""Maximum distance between a contour point and the edge that the contour follows, in pixels."""
 VOTES_PX = 9
-"""Side of the square in which votes for a point are counted, px."""
+"""Side of the square in which votes for a point are counted, in pixels."""
 
 
 class SimpleConfig(FixationConfig):
@@ -39,9 +39,11 @@ class SimpleConfig(FixationConfig):
     """
 
     min_length_px: Annotated[int, Field(ge=1, le=10_000)] = 20
-    """Minimum length of an edge that votes for points, px."""
+    """Minimum length of an edge that proposes starting points, in pixels."""
     shift_px: Positive = 18.0
-    """Distance between a border and the points for which the border votes, on the side that owns the border, px."""
+    """Distance from an object's border to the points that are proposed as starting points inside the object, in
+    pixels.
+    """
     max_fixations: Annotated[int, Field(ge=0, le=10_000)] = 40
     """Maximum number of points around which the method segments."""
     min_votes: NotNegative = 8.0

@@ -55,7 +55,8 @@ class BoundaryConfig(MethodConfig):
     depth: bool = True
     """Use depth. If false, the boundary value of an edge depends only on colour contrast, and edges have no owner."""
     baseline_m: Positive = 0.075
-    """Baseline of the virtual stereo pair, m. The default value is the baseline of a Kinect. The paper gives no value.
+    """Baseline of the virtual stereo pair, in metres. The default value is the baseline of a Kinect. The paper gives no
+    value.
     """
     half_disc: Positive = 0.015
     """Radius of the half-discs on both sides of an edge, as a fraction of the image diagonal. The value is from the
@@ -80,7 +81,7 @@ class BoundaryConfig(MethodConfig):
     """Minimum boundary value of every image edge, even without a depth difference. The value is from the authors' code.
     """
     max_shadow_px: Length_px = 60
-    """Maximum width of a shadow that gets the depth of its farther side, px."""
+    """Maximum width of a shadow that gets the depth of its farther side, in pixels."""
     disparity_slope: Positive = 0.08
     """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are
     added to the image edges. The paper does not use such edges.

@@ -77,7 +77,7 @@ class RegionFacts:
     `Rules.wall` is off, if intrinsics or the support plane are missing, or if too little of the outline has depth.
     """
     lean_deg: float | None
-    """Angle between the region's mean surface normal and the line of sight, degrees.
+    """Angle between the region's mean surface normal and the line of sight, in degrees.
 
     None if `Rules.wall` is off, intrinsics are missing, the region is lower than `Wall.min_height_m`, or too few of its
     pixels have a surface normal.

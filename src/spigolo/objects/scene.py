@@ -58,7 +58,7 @@ class Scene:
         return Rules() if self.additions is None else self.additions.rules
 
     def measure(self, regions: Regions) -> list[RegionFacts]:
-        """Measure every region in the image and in space."""
+        """Compute the measurements of every region, in pixels and in metres."""
         stance = self._stance(regions)
         return measure_regions(
             regions, self.depth, self.frame, self.contour, self.above, self.inside, stance, self.plane

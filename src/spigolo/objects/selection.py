@@ -23,10 +23,10 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
-"""Depth range that contains the range of every RGB-D camera, m."""
+"""Depth range that contains the range of every RGB-D camera, in metres."""
 CLOSE_M, FAR_M = 0.15, 3.0
-"""Range of plausible median depths, m. If no object is found, a median depth below `CLOSE_M`, or above both `FAR_M` and
-`max_distance_m`, gives a warning.
+"""Range of plausible median depths, in metres. If no object is found, a median depth below `CLOSE_M`, or above both
+`FAR_M` and `max_distance_m`, gives a warning.
 """
 SAMPLED = 8
 
@@ -127,8 +127,8 @@ def warn_of_reach(scene: Scene) -> None:
 
 
 def _median_m(frame: Frame) -> float:
-    """Return the median of the measured depth, estimated from a few thousand pixels, m. Returns 0 for a frame without
-    depth.
+    """Return the median of the measured depth, estimated from a few thousand pixels, in metres. Returns 0 for a frame
+    without depth.
     """
     few = frame.depth[::SAMPLED, ::SAMPLED]
     return float(np.median(few[few > 0])) if few.any() else 0.0

@@ -21,17 +21,17 @@ class Kinds:
     rclpy: Any
     """Client library rclpy."""
     interfaces: Any
-    """Package rcl_interfaces.msg with the messages for parameters."""
+    """Module rcl_interfaces.msg with the messages for parameters."""
     sensor: Any
-    """Package sensor_msgs.msg with images, camera information and point clouds."""
+    """Module sensor_msgs.msg with images, camera information and point clouds."""
     geometry: Any
-    """Package geometry_msgs.msg with clicked points."""
+    """Module geometry_msgs.msg with clicked points."""
     services: Any | None
-    """Package std_srvs.srv for the service `segment`."""
+    """Module std_srvs.srv for the service `segment`."""
     visualization: Any | None
-    """Package visualization_msgs.msg with markers."""
+    """Module visualization_msgs.msg with markers."""
     vision: Any | None
-    """Package vision_msgs.msg with detections."""
+    """Module vision_msgs.msg with detections."""
 
 
 def find_kinds() -> Kinds:

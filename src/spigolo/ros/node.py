@@ -25,9 +25,9 @@ from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
 from spigolo.stream import Segmenter, warm_up
 
 STATUS_S = 10.0
-"""Interval between log messages about received and segmented pairs of images, s."""
+"""Interval between log messages about received and segmented pairs of images, in seconds."""
 QUIET_S = 5.0
-"""Minimum interval between log messages about pairs of images that cannot be segmented, s."""
+"""Minimum interval between log messages about pairs of images that cannot be segmented, in seconds."""
 TAKE_S = 0.2
 KEPT = 5
 """Minimum queue length of each topic, so that no image of a pair is lost if many messages arrive together."""

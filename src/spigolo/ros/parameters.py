@@ -33,8 +33,8 @@ class Options(Settings):
     called or a point arrives on the topic `click`.
     """
     tolerance_s: NotNegative = 0.015
-    """Maximum difference between the time stamps of a colour and a depth image that form a pair, s. Choose less than
-    half the frame period.
+    """Maximum difference between the time stamps of a colour and a depth image that form a pair, in seconds. Choose
+    less than half the frame period.
     """
     depth_scale: Positive = 0.001
     """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard of ROS."""

@@ -35,13 +35,13 @@ class Facing(Settings):
     looks horizontally or downwards and is mounted upright.
     """
     max_tilt_deg: Annotated[float, Field(ge=0, le=90)] = 30.0
-    """Maximum angle between the plane's normal and `up`, degrees. Larger values accept steeper planes."""
+    """Maximum angle between the plane's normal and `up`, in degrees. Larger values accept steeper planes."""
     max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
-    """Maximum angle between the plane's normal and the Y-Z plane of the camera's frame, degrees. Planes with a larger
-    angle face sideways and must reach `min_share_sideways`. Used only if `up` is None.
+    """Maximum angle between the plane's normal and the Y-Z plane of the camera's frame, in degrees. Planes with a
+    larger angle face sideways and must reach `min_share_sideways`. Used only if `up` is None.
     """
     max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
-    """Maximum angle of the plane's normal below the X-Z plane of the camera's frame, degrees. Planes with a larger
+    """Maximum angle of the plane's normal below the X-Z plane of the camera's frame, in degrees. Planes with a larger
     angle face down, such as ceilings, and are skipped. Used only if `up` is None.
     """
     min_share_sideways: Share = 0.5
@@ -62,14 +62,14 @@ class Support(Settings):
     """
 
     min_height_m: Positive = 0.008
-    """Minimum height of an object pixel above the support plane, m. Lower pixels belong to the plane."""
+    """Minimum height of an object pixel above the support plane, in metres. Lower pixels belong to the plane."""
     noise_factor: NotNegative | None = None
     """Minimum height of an object pixel above the support plane, as a multiple of the noise of the plane. The noise is
     the standard deviation of the plane's pixels. If this height is lower than `min_height_m`, it replaces
     `min_height_m`, and `Ledge.step_m` is lowered by the same ratio. If None, the height is always `min_height_m`.
     """
     lowest_m: Positive = 0.004
-    """Minimum of the height that is computed from `noise_factor`, m."""
+    """Minimum of the height that is computed from `noise_factor`, in metres."""
     noise_per_m: NotNegative = 0.0056
     """Minimum height of an object pixel above the support plane per squared distance, 1/m. The limit is
     max(`min_height_m`, `noise_per_m` * distance^2). The default is twice `Smoothing.error_per_m`.
@@ -136,23 +136,25 @@ class DepthContours(Settings):
     """
 
     max_shadow_px: Length_px = 60
-    """Maximum width of a shadow that is filled with the depth of its farther side, px. Wider shadows stay missing."""
+    """Maximum width of a shadow that is filled with the depth of its farther side, in pixels. Wider shadows stay
+    missing.
+    """
     step_offset_px: Offset_px = 2
-    """Distance between a pixel and two depth samples on opposite sides of the pixel, px. A depth step is measured from
-    the pixel and the samples. Larger values bridge wider depth ramps.
+    """Distance between a pixel and two depth samples on opposite sides of the pixel, in pixels. A depth step is
+    measured from the pixel and the samples. Larger values bridge wider depth ramps.
     """
     step_m: NotNegative = 0.015
-    """Minimum second difference of depth at a depth step, m. Larger values give fewer contours."""
+    """Minimum second difference of depth at a depth step, in metres. Larger values give fewer contours."""
     step_per_m: NotNegative = 0.012
     """Minimum second difference of depth at a depth step per squared distance, 1/m. The limit is max(`step_m`,
     `step_per_m` * distance^2). Larger values find fewer false steps in noise at long range.
     """
     crease_offset_px: Offset_px = 5
-    """Distance between the three depth samples that measure a concave crease, px."""
+    """Distance between the three depth samples that measure a concave crease, in pixels."""
     crease_low_deg: Angle_deg = 30.0
-    """Minimum angle between the two sides of a concave crease, degrees. Larger values give fewer contours."""
+    """Minimum angle between the two sides of a concave crease, in degrees. Larger values give fewer contours."""
     crease_high_deg: Angle_deg = 140.0
-    """Maximum angle between the two sides of a concave crease, degrees. Larger values give more contours. 0 finds no
+    """Maximum angle between the two sides of a concave crease, in degrees. Larger values give more contours. 0 finds no
     creases.
     """
     crease_noise: NotNegative | None = None
@@ -190,19 +192,23 @@ class Refinement(Settings):
     step that is spread over several pixels, as in stereo depth. Larger values refine more pixels.
     """
     min_width_px: Length_px = 2
-    """Minimum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
+    """Minimum width of the band of refined pixels on each side of a border, in pixels. Larger values refine more
+    pixels.
+    """
     max_width_px: Length_px = 10
-    """Maximum width of the band of refined pixels on each side of a border, px. Larger values refine more pixels."""
+    """Maximum width of the band of refined pixels on each side of a border, in pixels. Larger values refine more
+    pixels.
+    """
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
     """Width of the band of refined pixels on missing depth, such as shadows, px, if larger than the width elsewhere.
     Larger values refine more pixels.
     """
     near_hole_px: Length_px = 1
-    """Maximum distance to missing depth of the pixels to which `hole_width_px` applies, px. Larger values refine more
-    pixels.
+    """Maximum distance to missing depth of the pixels to which `hole_width_px` applies, in pixels. Larger values refine
+    more pixels.
     """
     reach_px: Offset_px = 8
-    """Distance from a border up to which ramp widths are measured, px."""
+    """Distance from a border up to which ramp widths are measured, in pixels."""
     min_profiles: Annotated[int, Field(ge=1)] = 40
     """Minimum number of depth steps from which the ramp width is measured. With fewer steps, the band of refined pixels
     has the width `min_width_px`.
@@ -216,12 +222,12 @@ class Refinement(Settings):
     background pixels inside its hull are refined too. If None, the rule is off.
     """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, px. 0 does not
+    """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, in pixels. 0 does not
     smooth. Larger values suppress more noise.
     """
     step_m: Positive = 0.018
-    """Depth difference between neighbouring pixels that counts as a full depth step, m. Larger values give depth less
-    influence.
+    """Depth difference between neighbouring pixels that counts as a full depth step, in metres. Larger values give
+    depth less influence.
     """
     step_per_m: NotNegative = 0.0083
     """Depth difference per squared distance that counts as a full depth step, 1/m. The limit is max(`step_m`,
@@ -257,7 +263,9 @@ class Additions(Settings):
     that the steps of quantised depth leave inside large regions.
     """
     line_px: Offset_px = 1
-    """Width of the boundary lines E_F before blurring, px. 1: as in eq. 20. Larger values close gaps in the lines."""
+    """Width of the boundary lines E_F before blurring, in pixels. 1: as in eq. 20. Larger values close gaps in the
+    lines.
+    """
     lengths_grow: bool = False
     """Scale lengths in pixels with the image. All lengths are stated for a 640x480 image."""
     resolution: Literal["full", "half"] = "full"

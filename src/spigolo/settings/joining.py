@@ -17,24 +17,27 @@ class Vessel(Settings):
     """
 
     min_behind_m: Positive = 0.02
-    """Minimum mean depth step from the wall of a vessel back to its inside, m. Larger values join fewer regions."""
+    """Minimum mean depth step from the wall of a vessel back to its inside, in metres. Larger values join fewer
+    regions.
+    """
     max_hollow_front: float = -0.1
     """Maximum hollowness of the wall of a vessel. Convex surfaces have a negative hollowness. Larger values also accept
     flatter walls.
     """
     min_hollow_back: float = -0.11
-    """Minimum hollowness of the inside of a vessel. Negative values also accept an inside that looks flat because depth
-    is missing. Larger values join fewer regions.
+    """Minimum hollowness of the inside of a vessel. With a negative value, an inside that looks flat because of missing
+    depth is accepted too. Larger values join fewer regions.
     """
     min_contrast: float = 0.15
     """Minimum difference in hollowness, inside minus wall. Larger values join fewer regions."""
     top_m: NotNegative = 0.008
-    """Maximum height difference between the top of the wall and the top of the inside, m. Larger values join more
-    regions.
+    """Maximum height difference between the highest point of the wall and the highest point of the inside, in metres.
+    Larger values join more regions.
     """
     top_share: Share = 0.1
-    """Maximum height difference between the top of the wall and the top of the inside, as a share of their height above
-    the support plane. The limit is max(`top_m`, `top_share` * height). Larger values join more regions.
+    """Maximum height difference between the highest point of the wall and the highest point of the inside, as a share
+    of their height above the support plane. The limit is max(`top_m`, `top_share` * height). Larger values join more
+    regions.
     """
     min_solidity: Share = 0.87
     """Minimum share of their common convex hull that the wall and the inside must fill (solidity). Larger values join
@@ -58,10 +61,12 @@ class Cap(Settings):
     """Conditions to join the upper face of an object with its side, or the inside of a filled cup with its wall."""
 
     max_gap_m: Positive = 0.025
-    """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
+    """Maximum mean depth step between the two regions across their border, in metres. Larger values join more
+    regions.
+    """
     max_bend_m: float = 0.006
-    """Maximum mean depth of the border behind the straight line between the depth samples on both sides, m. A deeper
-    border is a valley between two objects. Larger values join more regions.
+    """Maximum mean depth of the border behind the straight line between the depth samples on both sides, in metres. A
+    deeper border is a valley between two objects. Larger values join more regions.
     """
     top_share: Share = 0.2
     """Maximum height difference between the tops of the two regions, as a share of their height above the support
@@ -77,10 +82,12 @@ class Smooth(Settings):
     """Conditions to join two parts of one flat or convex surface that noise separated."""
 
     max_gap_m: Positive = 0.025
-    """Maximum mean depth step between the two regions across their border, m. Larger values join more regions."""
+    """Maximum mean depth step between the two regions across their border, in metres. Larger values join more
+    regions.
+    """
     max_bend_m: float = 0.0015
-    """Maximum mean depth of the border behind the straight line between the depth samples on both sides, m. A deeper
-    border is a valley between two objects. Larger values join more regions.
+    """Maximum mean depth of the border behind the straight line between the depth samples on both sides, in metres. A
+    deeper border is a valley between two objects. Larger values join more regions.
     """
     max_boundary: Share = 0.75
     """Maximum mean boundary value along the border of the two regions. Larger values join more regions."""
@@ -101,13 +108,13 @@ class Joining(Settings):
     join fewer regions. If None, the rule is off.
     """
     reach_px: Offset_px = 4
-    """Distance from a border to the depth samples on both sides that measure the depth step, px."""
+    """Distance from a border to the depth samples on both sides that measure the depth step, in pixels."""
     margin_px: Annotated[int, Field(ge=0, le=100), Grows()] = 3
-    """Distance from a region's outline to the ends of the chords that measure hollowness, px. Depth near the outline
-    mixes object and background.
+    """Distance from a region's outline to the ends of the chords that measure hollowness, in pixels. Depth near the
+    outline mixes object and background.
     """
     min_border_px: Annotated[int, Field(ge=1), Grows()] = 12
-    """Minimum length of a border between two regions, px. Regions with a shorter border are not joined."""
+    """Minimum length of a border between two regions, in pixels. Regions with a shorter border are not joined."""
     min_measured: Share = 0.5
     """Minimum share of pixels with measured depth, both on a border and in a region. Regions or borders with a smaller
     share are not joined.

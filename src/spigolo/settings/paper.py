@@ -49,7 +49,7 @@ class Smoothing(Settings):
     smoothing window crosses a depth step. The default comes from the authors' code.
     """
     max_radius_px: Length_px = 10
-    """Maximum smoothing radius, px. Larger values round off the creases that eq. 18 measures. The default is our
+    """Maximum smoothing radius, in pixels. Larger values round off the creases that eq. 18 measures. The default is our
     choice.
     """
     skip_steps: bool = True
@@ -87,8 +87,8 @@ class DepthConfig(Settings):
     inpainting: Inpainting | None = None
     """In-painting of small gaps. None fills no gaps, as in the paper with the first cost function."""
     depth_range: Positive | None = None
-    """Depth difference that counts as 1 in eq. 9, m. If None, it is the depth range of each frame. Larger values reduce
-    the influence of depth. The default comes from the authors' code.
+    """Depth difference that counts as 1 in eq. 9, in metres. If None, it is the depth range of each frame. Larger
+    values reduce the influence of depth. The default comes from the authors' code.
     """
 
 
@@ -96,8 +96,8 @@ class ColorConfig(Settings):
     """Colour difference (eq. 4)."""
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the RGB image, px. 0 does not smooth. Larger values suppress more noise. The
-    default comes from the authors' code, which smooths the HSV image instead.
+    """Sigma of the Gaussian smoothing of the RGB image, in pixels. 0 does not smooth. Larger values suppress more
+    noise. The default comes from the authors' code, which smooths the HSV image instead.
     """
     k_dv: Positive = 4.5
     """Weight of the difference in value, the brightness of HSV. The default comes from the paper."""
@@ -136,12 +136,12 @@ class EdgesConfig(Settings):
     frames without strong image edges. The high threshold grows by the same factor. The default is our choice.
     """
     step_offset_px: Offset_px = 7
-    """Offset epsilon_rho from an image edge to the depth samples on both sides, px. The default comes from the authors'
-    code.
+    """Offset epsilon_rho from an image edge to the depth samples on both sides, in pixels. The default comes from the
+    authors' code.
     """
     step_m: Positive = 0.03
-    """Minimum depth difference t_rho at a depth boundary, m. Larger values keep fewer edges. The default comes from the
-    authors' code.
+    """Minimum depth difference t_rho at a depth boundary, in metres. Larger values keep fewer edges. The default comes
+    from the authors' code.
     """
     signed_step: bool = False
     """Compare the signed depth difference with `step_m`, as printed in eq. 13, instead of its absolute value. Edge
@@ -150,16 +150,16 @@ class EdgesConfig(Settings):
     missing_is_boundary: bool = False
     """Count a missing depth sample as a depth step. If False, a missing sample is ignored."""
     contact_offset_px: Offset_px = 5
-    """Offset epsilon_e between the three points that measure the contact angle, px. The default comes from the authors'
-    code.
+    """Offset epsilon_e between the three points that measure the contact angle, in pixels. The default comes from the
+    authors' code.
     """
     contact_low_deg: Angle_deg = 56.0
-    """Minimum contact angle t_theta_L of a contact boundary, degrees. Larger values find fewer contact boundaries. The
-    default comes from the authors' code.
+    """Minimum contact angle t_theta_L of a contact boundary, in degrees. Larger values find fewer contact boundaries.
+    The default comes from the authors' code.
     """
     contact_high_deg: Angle_deg = 154.0
-    """Maximum contact angle t_theta_H of a contact boundary, degrees. Larger values find more contact boundaries. The
-    default comes from the authors' code.
+    """Maximum contact angle t_theta_H of a contact boundary, in degrees. Larger values find more contact boundaries.
+    The default comes from the authors' code.
     """
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
     """Sign of the contact angle. `tangent` uses the component of the cross product along the edge, which has the
@@ -199,8 +199,8 @@ class SaliencyCost(Settings):
     k_s: NotNegative = 0.5
     """Weight of the saliency. The default comes from the paper."""
     ends: Ends = "max"
-    """Pixel that gives the saliency of a graph edge. `i` takes the first pixel, as printed in eq. 22. `max` takes the
-    pixel with the larger saliency. The default is our choice.
+    """Pixel whose saliency is used for a graph edge: with `i`, the first pixel of the edge, as in eq. 22. With `max`,
+    the pixel with the larger saliency. The default is our choice.
     """
 
 
@@ -216,8 +216,8 @@ class BoundaryCost(Settings):
     k_b: NotNegative = 0.66
     """Weight of the boundary map. The default comes from the paper."""
     ends: Ends = "max"
-    """Pixel that gives the boundary value of a graph edge. `i` takes the first pixel, as printed in eq. 23. `max` takes
-    the pixel with the larger boundary value. The default is our choice.
+    """Pixel whose boundary value is used for a graph edge: with `i`, the first pixel of the edge, as in eq. 23. With
+    `max`, the pixel with the larger boundary value. The default is our choice.
     """
 
     @model_validator(mode="after")
@@ -270,8 +270,8 @@ class Rejection(Settings):
     """Rules that reject regions (paper, section III-F). None switches a rule off."""
 
     max_distance_m: Positive | None = None
-    """Maximum distance of a region's centroid from the camera, m. Larger values keep farther regions. If None, there is
-    no limit. The authors' code uses 1.8.
+    """Maximum distance of a region's centroid from the camera, in metres. Larger values keep farther regions. If None,
+    there is no limit. The authors' code uses 1.8.
     """
     max_lambda1_px2: MaxArea_px2 = None
     """Maximum of the larger eigenvalue of the covariance of a region's pixel coordinates, px^2. Larger values keep

@@ -14,20 +14,20 @@ from spigolo.settings.parameters import Angle_deg, Grows, NotNegative, Positive,
 class Wall(Settings):
     """Rules that reject walls and rims of bins and shelves, which are as tall as objects.
 
-    Along the outline of a free-standing object, depth increases by a step. Parts of the outline where depth decreases
-    by a step belong to an object in front and are not counted.
+    At the outline of a free-standing object, the depth outside is larger than the depth inside by a step. Where the
+    depth outside is smaller, the outline belongs to an object in front and is not counted.
     """
 
     min_hides: Share = 0.15
-    """Minimum share of a region's outline along which depth increases by a step. Regions with a smaller share are
-    rejected. The image border does not count as a step.
+    """Minimum share of a region's outline at which the depth outside is larger than the depth inside by a step. Regions
+    with a smaller share are rejected. The image border does not count as a step.
     """
     min_hides_cut: NotNegative = 0.7
     """Increase of `min_hides` for a region whose whole outline lies on the image border. For other regions, the
     increase is multiplied by the share of the outline on the image border. Larger values reject more regions.
     """
     slant_deg: Angle_deg = 36.0
-    """Angle between a region's mean normal and the line of sight above which `min_hides` increases, degrees. The
+    """Angle between a region's mean normal and the line of sight above which `min_hides` increases, in degrees. The
     visible faces of a whole object point towards the camera on average, but the side wall of a compartment points
     sideways. Larger values reject fewer regions.
     """
@@ -37,23 +37,23 @@ class Wall(Settings):
     """
     min_height_m: Positive = 0.06
     """Minimum height above the support plane that 5 % of a region's measured pixels must reach, so that the region is
-    tested as a wall, m. Lower regions are not tested. Without a support plane, every region is tested.
+    tested as a wall, in metres. Lower regions are not tested. Without a support plane, every region is tested.
     """
     min_measured: Share = 0.4
     """Minimum share of a region's outline with depth on both sides. For regions with a smaller share, `min_hides` is
     not tested.
     """
     reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
-    """Distance from a region's outline to the depth samples on both sides, px. This length always grows with the
+    """Distance from a region's outline to the depth samples on both sides, in pixels. This length always grows with the
     image.
     """
     shadow_px: Annotated[int, Field(ge=0, le=1000), Grows(always=True)] = 60
-    """Maximum width of missing depth beyond an outline across which depths are compared, px. This length always grows
-    with the image.
+    """Maximum width of missing depth beyond an outline across which depths are compared, in pixels. This length always
+    grows with the image.
     """
     step_m: NotNegative = 0.012
-    """Minimum depth step across a region's outline, m. The limit is `step_m` + `step_share` * distance + the depth
-    change due to the region's slope. Larger values find fewer steps and reject more regions.
+    """Minimum depth step across a region's outline, in metres. The limit is `step_m` + `step_share` * distance + the
+    depth change due to the region's slope. Larger values find fewer steps and reject more regions.
     """
     step_share: Share = 0.006
     """Minimum depth step across a region's outline, as a share of the distance. The limit is `step_m` + `step_share` *
@@ -73,7 +73,9 @@ class Ledge(Settings):
     with at least this share is kept even if its mean boundary value is below `min_contour`.
     """
     step_m: Positive = 0.006
-    """Minimum step in height above the support plane along a region's outline, m. Larger values keep fewer regions."""
+    """Minimum step in height above the support plane along a region's outline, in metres. Larger values keep fewer
+    regions.
+    """
     step_per_m: NotNegative = 0.0056
     """Minimum step in height along a region's outline per squared distance, 1/m. The limit is max(`step_m`,
     `step_per_m` * distance^2). Larger values keep fewer regions.
@@ -123,11 +125,12 @@ class Rules(Settings):
     there is no limit.
     """
     max_length_m: Positive | None = None
-    """Maximum length of a region, m. The length is estimated as the longer side of a rectangle that faces the camera
-    and has the spread and the distance of the region. The oriented box of an object may have another length. Larger
-    values keep longer regions. If None, there is no limit.
+    """Maximum length of a region, in metres. The length is estimated as the longer side of a rectangle that faces the
+    camera and has the spread and the distance of the region. The oriented box of an object may have another length.
+    Larger values keep longer regions. If None, there is no limit.
     """
     max_width_m: Positive | None = None
-    """Maximum width of a region, m. The width is estimated as the shorter side of a rectangle that faces the camera and
-    has the spread and the distance of the region. Larger values keep wider regions. If None, there is no limit.
+    """Maximum width of a region, in metres. The width is estimated as the shorter side of a rectangle that faces the
+    camera and has the spread and the distance of the region. Larger values keep wider regions. If None, there is no
+    limit.
     """

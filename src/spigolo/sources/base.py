@@ -37,7 +37,7 @@ class Report:
     dropped: int = 0
     """Number of frames of a live source that were replaced by newer frames before use."""
     tolerance_ms: float | None = None
-    """Maximum difference between the stamps of a pair, ms. None if images are not paired by stamp."""
+    """Maximum difference between the stamps of a pair, in milliseconds. None if images are not paired by stamp."""
     pace: Pace | None = None
     """Frame rate, and latency from the arrival of a frame until the next frame is requested. None for a recording."""
 

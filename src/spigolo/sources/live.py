@@ -42,7 +42,7 @@ class Mailbox(Generic[T]):
             self._ready.notify()
 
     def take(self) -> T | None:
-        """Wait for the newest item and return the item. Return None after the end of the items. Raises the error that
+        """Wait for the newest item and return the item. Return None if there are no more items. Raises the error that
         was passed to `end`.
         """
         with self._ready:

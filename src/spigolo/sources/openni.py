@@ -26,11 +26,11 @@ from spigolo.sources.pairing import StampMatcher
 PIP = 'pip install "spigolo[openni]"'
 LIBRARY = "install OpenNI2 (apt install libopenni2-0), or set OPENNI2_REDIST64 to the folder of its library"
 MILLIMETRES = 0.001
-"""Unit of depth that the device is set to, m."""
+"""Unit of depth that the device is set to, in metres."""
 WAIT_S = 0.5
-"""Interval at which the receiving thread checks if the source was closed while no image arrives, s."""
+"""Interval at which the receiving thread checks if the source was closed while no image arrives, in seconds."""
 PATIENCE_S = 10.0
-"""Maximum time without images, s. After `PATIENCE_S` without an image, iteration raises an error."""
+"""Maximum time without images, in seconds. After `PATIENCE_S` without an image, iteration raises an error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -20,9 +20,11 @@ from spigolo.sources.options import Options
 
 PIP = 'pip install "spigolo[realsense]"'
 WAIT_MS = 500
-"""Timeout of the wait for a frame, ms. After each timeout, the receiving thread checks if the source was closed."""
+"""Timeout of the wait for a frame, in milliseconds. After each timeout, the receiving thread checks if the source was
+closed.
+"""
 PATIENCE_S = 10.0
-"""Maximum time without frames, s. After `PATIENCE_S` without a frame, iteration raises an error."""
+"""Maximum time without frames, in seconds. After `PATIENCE_S` without a frame, iteration raises an error."""
 FILTERS = ("decimation", "threshold", "spatial", "temporal", "holes")
 
 

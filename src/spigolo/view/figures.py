@@ -27,7 +27,7 @@ MISSING_BLUE = (0, 0, 110)
 DETAIL_SHARE = 5
 """Width and height of the image, divided by the width and height of an enlarged detail."""
 TURN_DEG = 55.0
-"""Angle between the viewing directions of the camera and of the side view of a point cloud, degrees."""
+"""Angle between the viewing directions of the camera and of the side view of a point cloud, in degrees."""
 CURVED = 2
 """Number of enlarged objects in Figure 4."""
 
@@ -90,7 +90,7 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
-    """Draw the segmented objects of each frame. All images have the size of the first frame.
+    """Draw the segmented objects of each frame. All images are resized to the size of the first frame.
 
     results: frame and segmentation result, indexed by the title of the image.
     """

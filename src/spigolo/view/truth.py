@@ -1,4 +1,4 @@
-"""Images of the ground truth over the colour image, with found and missed objects."""
+"""Images of the ground truth overlaid on the colour image, with found and missed objects."""
 
 from __future__ import annotations
 

@@ -109,11 +109,11 @@ class Stand:
     """
 
     size: tuple[float, float]
-    """Width and height of the picture, m."""
+    """Width and height of the picture, in metres."""
     board: Vectors
-    """Centre (3,) of the picture, m."""
+    """Centre (3,) of the picture, in metres."""
     middle: Vectors
-    """Centre (3,) of the point cloud, m."""
+    """Centre (3,) of the point cloud, in metres."""
     points: npt.NDArray[np.float32]
     """Points (N, 3) of the cloud, m, from a subset of all pixels."""
     rows: npt.NDArray[np.intp]

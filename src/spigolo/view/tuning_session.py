@@ -145,7 +145,7 @@ class Answer:
     result: Segmentation
     """Segmentation result after the corrections by hand."""
     wall_s: float
-    """Wall time of the segmentation, s."""
+    """Wall time of the segmentation, in seconds."""
     stages_s: dict[str, float]
     """Wall time of each stage, s, indexed by the name of the stage, longest first."""
     notes: tuple[str, ...]

@@ -13,7 +13,7 @@ from spigolo.lab.bench.timing import Sample
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """Median and minimum time of several runs of one function, ms."""
+    """Median and minimum time of several runs of one function, in milliseconds."""
 
     cpu_ms: float
     cpu_min_ms: float

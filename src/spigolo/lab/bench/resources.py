@@ -79,18 +79,18 @@ def _many(run: Segmenter, frame: Frame, frames: int) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Wall time of the segmentation per frame, ms."""
+    """Wall time of the segmentation per frame, in milliseconds."""
 
     frames: int
     """Number of measured frames."""
     median_ms: float
-    """Median wall time per frame, ms."""
+    """Median wall time per frame, in milliseconds."""
     p99_ms: float
-    """99th percentile of the wall time per frame, ms."""
+    """99th percentile of the wall time per frame, in milliseconds."""
     worst_ms: float
-    """Maximum wall time per frame, ms."""
+    """Maximum wall time per frame, in milliseconds."""
     samples: list[float]
-    """Wall time of each frame, ms."""
+    """Wall time of each frame, in milliseconds."""
 
 
 def measure_latency(frame: Frame, config: Config, frames: int, tell: Tell = silent) -> Latency:

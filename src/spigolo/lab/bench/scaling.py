@@ -28,7 +28,7 @@ class Growth:
     """CPU times of one function at several image sizes."""
 
     cpu_ms: list[float]
-    """Median CPU time at each image size, ms."""
+    """Median CPU time at each image size, in milliseconds."""
     pixels: PowerLaw | None
     """Fit of the CPU time t = c N^p for N pixels, None for a single image size."""
     pixels_log: PowerLaw | None

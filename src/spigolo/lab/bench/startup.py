@@ -34,16 +34,16 @@ print(json.dumps([time.time(), cv2_s]))
 
 @dataclass(frozen=True, slots=True)
 class Startup:
-    """Start-up time: wall time from the start of a Python process to its first segmentation, s."""
+    """Start-up time: wall time from the start of a Python process to its first segmentation, in seconds."""
 
     warm_s: float
-    """Median start-up time with compiled kernels in the cache, s."""
+    """Median start-up time with compiled kernels in the cache, in seconds."""
     opencv_s: float
-    """Median time of `import cv2`, s."""
+    """Median time of `import cv2`, in seconds."""
     cold_s: float | None
     """Start-up time without compiled kernels, s, or None if not measured."""
     samples: list[tuple[float, float]]
-    """Start-up time and time of `import cv2` in each repeat, s."""
+    """Start-up time and time of `import cv2` in each repeat, in seconds."""
 
 
 def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent) -> Startup:

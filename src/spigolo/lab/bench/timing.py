@@ -19,7 +19,7 @@ of the same kind.
 
 
 LEAST_MS = 1e-3
-"""Minimum time of a sample, ms.
+"""Minimum time of a sample, in milliseconds.
 
 Measured times below this value are set to this value, to avoid a division by zero.
 """
@@ -27,12 +27,12 @@ Measured times below this value are set to this value, to avoid a division by ze
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """Times of one run, ms."""
+    """Times of one run, in milliseconds."""
 
     cpu_ms: float
-    """CPU time of all threads of the process, ms."""
+    """CPU time of all threads of the process, in milliseconds."""
     wall_ms: float
-    """Wall time, ms."""
+    """Wall time, in milliseconds."""
 
 
 Run = Callable[[], Sample]

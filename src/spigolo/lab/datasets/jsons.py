@@ -1,4 +1,4 @@
-"""Reader of JSON files that contain an object."""
+"""Reader of JSON files whose top-level value is an object (a dict in Python)."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ KINDS = {
 STEEPEST = 1e6
 """Limit of the ratios |X| / Z and |Y| / Z. If a point reaches the limit, no camera can be fitted."""
 MAX_MISFIT_PX = 0.5
-"""Maximum residual of the camera fit, pixels. A larger residual raises CameraError."""
+"""Maximum residual of the camera fit, in pixels. A larger residual raises CameraError."""
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:

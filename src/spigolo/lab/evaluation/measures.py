@@ -26,7 +26,9 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""IoU, or share of covered pixels, above which an object counts as found. An object at the limit is not found."""
+"""IoU, or share of covered pixels, above which an object counts as found. An object with exactly this value does not
+count as found.
+"""
 
 GOOD_F = 0.75
 """F measure above which a pair of object and segment counts in the measure F@.75."""

@@ -116,7 +116,7 @@ def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = N
     sets
         Data set of each frame (K,).
     groups
-        Group of near-identical frames that contains each frame (K,).
+        Group (K,) of each frame. Near-identical frames are in one group.
 
     """
     names = sorted(set(sets))

@@ -49,8 +49,8 @@ def read_contenders(paths: Sequence[Path]) -> list[Contender]:
 def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
     """Group evaluation results by method and parameters. files: evaluation results, indexed by file name.
 
-    If files hold different frames of one method, the results are combined. If two files hold the same frames, for
-    example before and after a change of the code, each file gives its own `Contender`.
+    If files hold results of one method on different frames, the results are combined. If two files hold the same
+    frames, for example before and after a change of the code, each file gives its own `Contender`.
     """
     held = {file: _by_method(rows) for file, rows in files.items()}
     parts: dict[Part, dict[Place, Row]] = {}

@@ -39,7 +39,7 @@ class Tally:
 
     @property
     def share(self) -> str:
-        """Return the share of found objects as text, in per cent."""
+        """Return the percentage of objects found, as a string."""
         return _percent(self.found, self.objects)
 
     @property

@@ -88,7 +88,7 @@ def pooled_scopes(contenders: Iterable[Contender]) -> list[Scope]:
 
 
 def set_scopes(contenders: Iterable[Contender]) -> list[Scope]:
-    """Return one subset of frames per data set, sorted by name."""
+    """Return one subset of frames for each data set. The data sets are sorted by name."""
     names = sorted({row.data_set for c in contenders for row in c.rows})
     return [(name, lambda row, name=name: row.data_set == name) for name in names]  # type: ignore[misc]
 

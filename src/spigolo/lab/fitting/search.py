@@ -54,7 +54,7 @@ def search(
 ) -> Search:
     """Score the initial and `trials` random sets of parameter values.
 
-    Parameter values that the file `out` already has scores for are not scored again.
+    Parameter values that are already scored in the file `out` are skipped.
 
     Raises SpigoloError if optuna or scipy is not installed, or if a worker process dies. Raises FileError if no frame
     has labels, or if `out` belongs to another search.

@@ -34,8 +34,8 @@ from spigolo.frames.files import write_json, write_png
 SIZE = 90, 120
 WORKERS = 2
 SETTLING_S = 0.05
-"""Maximum random delay before a process is killed, s. Without a delay, every process would be killed directly after it
-has listed a frame as finished.
+"""Maximum random delay before a process is killed, in seconds. Without a delay, every process would be killed directly
+after it has listed a frame as finished.
 """
 
 

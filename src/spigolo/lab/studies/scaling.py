@@ -45,11 +45,11 @@ class Overhead:
     jobs: int
     """Total number of empty jobs."""
     wall_s: float
-    """Wall time of all jobs, s."""
+    """Wall time of all jobs, in seconds."""
 
     @property
     def task_ms(self) -> float:
-        """Return the scheduling time per group of jobs, ms."""
+        """Return the scheduling time per group of jobs, in milliseconds."""
         return 1e3 * self.wall_s / (self.jobs / self.group)
 
     @property
@@ -70,7 +70,7 @@ class Frames:
     files: float
     """Number of files written per frame."""
     writer_ms: float
-    """Time to write the results of one frame, ms."""
+    """Time to write the results of one frame, in milliseconds."""
 
 
 def tiny(job: int) -> int:

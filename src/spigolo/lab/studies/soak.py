@@ -56,7 +56,7 @@ class Soak:
     slower: float
     """CPU time of a scene in the last round divided by the CPU time in the first round, median over the scenes."""
     first_ms: float
-    """Median CPU time per frame in the first round, ms."""
+    """Median CPU time per frame in the first round, in milliseconds."""
 
     @property
     def failed(self) -> bool:

@@ -29,9 +29,9 @@ from spigolo.objects.tracking import Tracker
 
 FOUND_IOU = 0.5
 TURN_DEG = 0.7
-"""Rotation of the camera around the table per frame, degrees."""
+"""Rotation of the camera around the table per frame, in degrees."""
 SWEEP_DEG = 12.0
-"""Maximum rotation of the camera to each side, degrees. At the maximum, the camera reverses its direction."""
+"""Maximum rotation of the camera to each side, in degrees. At the maximum, the camera reverses its direction."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_labe
 def follow(results: Sequence[sp.Segmentation]) -> tuple[list[sp.Segmentation], float]:
     """Track objects through a sequence of segmentations.
 
-    Return the segmentations with ids, and the median tracking time per frame, ms.
+    Return the segmentations with ids, and the median tracking time per frame, in milliseconds.
     """
     tracker, followed, took_ms = Tracker(), [], []
     for result in results:

@@ -32,7 +32,7 @@ VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
 """Camera angles of each view, degrees: yaw to the side and pitch downwards."""
 _WALL_M, _BOARD_M = 0.006, 0.02
 _LIPS_M = 0.035, 0.05
-"""Minimum and maximum height of the lip at the front edge of a board, m."""
+"""Minimum and maximum height of the lip at the front edge of a board, in metres."""
 
 
 def shelf_stage(name: str, rng: Rng) -> Stage:

@@ -26,7 +26,7 @@ class Rest:
     """Stable orientation of an object on a plane."""
 
     tilt_deg: float = 0.0
-    """Angle between the object's z axis and the vertical, degrees."""
+    """Angle between the object's z axis and the vertical, in degrees."""
     roll_deg: float | None = None
     """Rotation about the object's z axis before tilting, degrees, or None if any rotation is stable."""
 

@@ -135,7 +135,7 @@ def cap(rng: np.random.Generator) -> Parts:
 def _peak(side_m: float, front_m: float, lift_m: float) -> Mesh:
     """Create one face of the peak of a cap: the lower face if lift_m is 0, else the upper face.
 
-    lift_m: height of the created face above the lower face, m.
+    lift_m: height of the created face above the lower face, in metres.
     """
     out, phi = np.meshgrid(np.linspace(1, 0, 12), np.linspace(-2.55, -0.6, 40), indexing="ij")
     middle = np.maximum(np.sin((phi + 2.55) / 1.95 * np.pi), 0.02) ** 0.7

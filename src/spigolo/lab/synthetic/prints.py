@@ -150,7 +150,7 @@ def _backdrop(image: Image, colour: Colour, rng: np.random.Generator) -> None:
 
 
 def _picture(image: Image, centre: tuple[int, int], radius_px: int, colours: Palette, rng: np.random.Generator) -> None:
-    """Draw a picture of a product: a plate with many pieces."""
+    """Draw food on a plate, as on the package of a product."""
     _, second, accent, _ = colours
     axes = (radius_px, round(radius_px * rng.uniform(0.5, 1.0)))
     cv2.ellipse(image, centre, axes, 0, 0, 360, second, -1, cv2.LINE_AA)

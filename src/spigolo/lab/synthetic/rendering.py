@@ -43,7 +43,7 @@ class Lighting:
     sky_rgb: FloatArray
     """Brightness of the diffuse light, linear RGB."""
     sky_tilt_deg: float = 0.0
-    """Tilt of the hemisphere of diffuse light from the vertical towards -y, degrees."""
+    """Tilt of the hemisphere of diffuse light from the vertical towards -y, in degrees."""
     lamp_samples: int = 24
     """Number of point lights that approximate the lamp."""
     sky_samples: int = 40

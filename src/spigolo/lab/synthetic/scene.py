@@ -47,12 +47,12 @@ class SceneObject:
     name: str
     position_m: tuple[float, float, float]
     yaw_deg: float
-    """Third rotation of the object, about the vertical world axis, degrees."""
+    """Third rotation of the object, about the vertical world axis, in degrees."""
     parts: tuple[Part, ...]
     tilt_deg: float = 0.0
-    """Second rotation of the object, about the y axis, degrees."""
+    """Second rotation of the object, about the y axis, in degrees."""
     roll_deg: float = 0.0
-    """First rotation of the object, about the z axis, degrees."""
+    """First rotation of the object, about the z axis, in degrees."""
 
     @property
     def rotation(self) -> FloatArray:
@@ -69,11 +69,11 @@ class View:
     distance_m: float
     """Distance of the camera from the point `look_at_m`, metres."""
     pitch_deg: float
-    """Angle of the optical axis below the horizontal, degrees."""
+    """Angle of the optical axis below the horizontal, in degrees."""
     yaw_deg: float = 0.0
-    """Rotation of the camera about the vertical axis through `look_at_m`, anticlockwise seen from above, degrees."""
+    """Rotation of the camera about the vertical axis through `look_at_m`, anticlockwise seen from above, in degrees."""
     roll_deg: float = 0.0
-    """Rotation of the camera about its optical axis, anticlockwise seen from behind the camera, degrees."""
+    """Rotation of the camera about its optical axis, anticlockwise seen from behind the camera, in degrees."""
     camera: Camera = CAMERA
     """Camera intrinsics without distortion."""
 

@@ -52,7 +52,7 @@ class Stage:
     noise_levels: float = 1.5
     """Standard deviation of the colour noise, in grey levels 0..255."""
     blur_px: float = 0.6
-    """Standard deviation of the blur of the colour image, pixels."""
+    """Standard deviation of the blur of the colour image, in pixels."""
     sharpening: float = 0.5
     """Strength of the image sharpening, 0 = none."""
     contrast: float = 1.2
@@ -166,7 +166,7 @@ def _through_lens(light: FloatArray) -> FloatArray:
 def _grain(shape: tuple[int, ...], radius_px: float, rng: np.random.Generator) -> npt.NDArray[np.float32]:
     """Return spatially correlated noise (H, W) with unit variance.
 
-    radius_px: standard deviation of the Gaussian filter that smooths the noise, pixels.
+    radius_px: standard deviation of the Gaussian filter that smooths the noise, in pixels.
     """
     grain = cv2.GaussianBlur(np.asarray(rng.standard_normal(shape), np.float32), (0, 0), radius_px)
     return np.asarray(grain / grain.std(), np.float32)

@@ -33,21 +33,21 @@ class StructuredLight:
     baseline_m: float = 0.075
     """Distance between projector and camera, metres."""
     noise_px: float = 0.12
-    """Standard deviation of the disparity noise, pixels."""
+    """Standard deviation of the disparity noise, in pixels."""
     slant_noise_px: float = 0.0
-    """Additional disparity noise at a disparity gradient of 1 (slanted surface), pixels."""
+    """Additional disparity noise at a disparity gradient of 1 (slanted surface), in pixels."""
     noise_radius_px: float = 1.2
-    """Standard deviation of the Gaussian filter that smooths the disparity noise, pixels."""
+    """Standard deviation of the Gaussian filter that smooths the disparity noise, in pixels."""
     disparity_step_px: float = 0.125
-    """Quantisation step of the disparity, pixels."""
+    """Quantisation step of the disparity, in pixels."""
     dark_brightness: float = 0.11
     """Brightness (mean of RGB, 0..1) below which no depth is measured."""
     shiny_brightness: float = 0.985
     """Brightness (mean of RGB, 0..1) above which no depth is measured."""
     steepest_angle_deg: float = 75.0
-    """Maximum angle between viewing ray and surface normal at which depth is measured, degrees."""
+    """Maximum angle between viewing ray and surface normal at which depth is measured, in degrees."""
     rim_jump_px: float = 1.0
-    """Disparity step between neighbouring pixels above which the pixels count as a depth discontinuity, pixels."""
+    """Disparity step between neighbouring pixels above which the pixels count as a depth discontinuity, in pixels."""
     rim_loss: float = 0.35
     """Strength of the depth loss at depth discontinuities, 0..1. At 0.5, half of the adjacent pixels have missing
     depth.
@@ -57,9 +57,11 @@ class StructuredLight:
     furthest_m: float = 4.5
     """Maximum measurable depth, metres."""
     edge_jitter_px: float = 0.0
-    """Standard deviation of the random displacement of depth discontinuities relative to the colour image, pixels."""
+    """Standard deviation of the random displacement of depth discontinuities relative to the colour image, in
+    pixels.
+    """
     patch_px: float = 1.5
-    """Standard deviation of the Gaussian filter that smooths the irregular outlines of missing depth, pixels."""
+    """Standard deviation of the Gaussian filter that smooths the irregular outlines of missing depth, in pixels."""
     margin_px: tuple[int, int, int, int] = (0, 0, 0, 0)
     """Width in pixels of the image border without depth: top, right, bottom, left."""
 
@@ -139,7 +141,7 @@ def simulate_structured_light(
 
 
 def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatArray | float:
-    """Return the standard deviation of the disparity noise at each pixel (H, W), pixels.
+    """Return the standard deviation of the disparity noise at each pixel (H, W), in pixels.
 
     Noise is higher on slanted surfaces, where a matching window contains different disparities.
     """
@@ -258,7 +260,7 @@ def _strayed(
 ) -> tuple[FloatArray, BoolArray]:
     """Shift depth discontinuities in the disparity map, and outlines in the mask of missing depth, by random distances.
 
-    spread_px: standard deviation of the shift in each direction, pixels.
+    spread_px: standard deviation of the shift in each direction, in pixels.
     """
     down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
     rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)

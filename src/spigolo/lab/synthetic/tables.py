@@ -52,7 +52,7 @@ CLUTTER = (
     "pouch_1",
 )
 _CLEAR_M = TOLERANCE_M + 0.001
-"""Minimum distance between labelled and unlabelled objects, m.
+"""Minimum distance between labelled and unlabelled objects, in metres.
 
 A model up to `TOLERANCE_M` behind another surface counts as visible. Masks rendered from models are therefore wrong if
 objects are closer than this tolerance.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import spigolo
+import spigolo as sp
 from conftest import load_frame
 from spigolo import Camera, Frame
 from spigolo.doctor import Diagnosis, Finding, Severity, checkup, diagnose, intrinsics, measured
@@ -33,7 +34,7 @@ def finding(frame: Frame, check: str) -> Finding:
 
 
 def scene() -> Frame:
-    return load_frame(Path(spigolo.__file__).parent / "demo_scene")
+    return load_frame(Path(sp.__file__).parent / "demo_scene")
 
 
 def plain(depth_m: float = 0.8, camera: Camera = KINECT) -> Frame:
@@ -77,6 +78,20 @@ def test_mirrored_depth_is_reported_with_its_axis(demo: Frame, axes: tuple[int, 
 def test_the_scale_is_guessed(demo: Frame, factor: float) -> None:
     sentence = finding(study.scale(demo, factor), "depth unit").sentence
     assert f"multiply depth_scale by {1 / factor:g} " in sentence
+
+
+def test_a_camera_that_is_mounted_upside_down_is_told(demo: Frame) -> None:
+    assert finding(demo, "support plane").severity is Severity.OK
+    c = demo.camera
+    assert c is not None
+    around = Camera(c.fx, c.fy, c.width - 1 - c.cx, c.height - 1 - c.cy, c.width, c.height)
+    turned = Frame(demo.color[::-1, ::-1], demo.depth[::-1, ::-1], around)
+    told = finding(turned, "support plane")
+    assert told.severity is Severity.WARNING
+    up = [float(word) for word in re.findall(r"-?\d\.\d\d", told.sentence)[:3]]
+    result = sp.segment(turned, sp.OBJECTS.replace(**{"additions.support.facing.up": up}))
+    assert len(result) == len(sp.segment(demo))
+    assert finding(plain(3.5), "support plane").severity is Severity.NOTE
 
 
 def test_one_wall_says_nothing_of_alignment() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.errors import FrameError
 from spigolo.export.instances import run_lengths
 
 pytestmark = pytest.mark.filterwarnings("ignore:__array__ implementation:DeprecationWarning")  # pycocotools
@@ -29,6 +30,12 @@ def empty() -> sp.Segmentation:
     return sp.segment(sp.Frame(plain, np.full((48, 64), 1.0, np.float32), "60deg", name="000001/000002"))
 
 
+def test_coco_refuses_two_frames_of_one_name(result: sp.Segmentation, tmp_path: Path) -> None:
+    with pytest.raises(FrameError, match="expected a different name for each frame, got 'demo_scene' twice"):
+        sp.export.coco([result, result], tmp_path / "instances.json")
+    assert not (tmp_path / "instances.json").exists()
+
+
 def test_coco_is_read_by_pycocotools_and_scores_one_against_itself(
     result: sp.Segmentation, empty: sp.Segmentation, tmp_path: Path
 ) -> None:
@@ -37,7 +44,7 @@ def test_coco_is_read_by_pycocotools_and_scores_one_against_itself(
 
     sp.export.coco([result, empty], tmp_path / "instances.json")
     read = COCO(str(tmp_path / "instances.json"))
-    assert [image["file_name"] for image in read.loadImgs([1, 2])] == ["rgb.png", "000001/000002.png"]
+    assert [image["file_name"] for image in read.loadImgs([1, 2])] == ["demo_scene.png", "000001/000002.png"]
     annotations = read.loadAnns(read.getAnnIds(imgIds=[1]))
     assert len(annotations) == len(result)
     for o, annotation in zip(result, annotations, strict=True):

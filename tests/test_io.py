@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.errors import FileError
 from spigolo.frames import files as io
 
 CAMERA = {"fx": 50.0, "fy": 50.0, "cx": 15.5, "cy": 11.5, "width": 32, "height": 24}
@@ -32,8 +33,22 @@ def test_a_red_picture_stays_red_and_millimetres_become_metres(files: Path) -> N
     frame = sp.read_frame(files / "rgb.png", files / "depth.png", files / "camera.json")
     assert frame.color[0, 0].tolist() == [250, 0, 0]
     assert frame.depth[0, 0] == pytest.approx(1.234)
-    assert frame.name == "rgb"
+    assert frame.name == files.name
     assert cv2.imread(str(files / "rgb.png"))[0, 0].tolist() == [0, 0, 250]
+
+
+def test_the_camera_file_near_the_images_is_found(files: Path, tmp_path: Path) -> None:
+    frame = sp.read_frame(files / "rgb.png", files / "depth.png")
+    assert frame.camera == sp.read_frame(files / "rgb.png", files / "depth.png", files / "camera.json").camera
+    inner = tmp_path / "rgb"
+    inner.mkdir()
+    (files / "rgb.png").rename(inner / "0001.png")
+    found = sp.read_frame(inner / "0001.png", files / "depth.png")
+    assert found.camera == frame.camera and found.name == "0001"
+    (files / "camera.json").unlink()
+    with pytest.raises(FileError, match=r"expected a camera, or a camera file such as camera.json near .*0001.png"):
+        sp.read_frame(inner / "0001.png", files / "depth.png")
+    assert sp.read_frame(inner / "0001.png", files / "depth.png", None, depth_scale=0.001).camera is None
 
 
 def test_an_orientation_in_the_metadata_turns_nothing(tmp_path: Path) -> None:

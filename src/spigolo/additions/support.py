@@ -151,7 +151,8 @@ def _visible_below(plane: Plane, sample: Sample, config: Support) -> tuple[Mask,
     on = sample.on(plane, config)
     surrounded = sample.surrounded(on)
     below = _below(plane, sample, config) & surrounded
-    return below, float(np.count_nonzero(below) / max(np.count_nonzero(below | (on & surrounded)), 1))
+    both = int(np.count_nonzero(below | (on & surrounded)))
+    return below, int(np.count_nonzero(below)) / max(both, 1)
 
 
 def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Generator, config: Support) -> Plane:

@@ -8,7 +8,7 @@ from spigolo.doctor.alignment import check_alignment
 from spigolo.doctor.findings import COST, INTRINSICS, Diagnosis, Finding, Severity, fine, note, warning
 from spigolo.doctor.intrinsics import check_focal_length, check_intrinsics
 from spigolo.doctor.measured import check_missing, check_negative, check_reach, check_unit
-from spigolo.doctor.planarity import PLANARITY, check_planarity
+from spigolo.doctor.planarity import PLANARITY, check_planarity, check_support
 from spigolo.doctor.steps import check_saturated, check_steps
 from spigolo.frames.frame import Camera, DepthMap, Frame, check_frame
 from spigolo.settings.paper import AutoCost, Inpainting
@@ -53,6 +53,8 @@ def diagnose(frame: Frame) -> Diagnosis:
         findings += [check_intrinsics(camera), check_focal_length(filled, camera)]
         wrong_unit = unit.severity is Severity.WARNING
         findings.append(note(PLANARITY, AFTER_UNIT, judged=False) if wrong_unit else check_planarity(filled, camera))
+        if not wrong_unit:
+            findings.append(check_support(frame.depth, camera))
     return Diagnosis((*findings, advise_cost(filled)))
 
 

@@ -1,5 +1,5 @@
-"""Check that planes are flat. Planes look curved if depth is the distance along the ray or raw disparity instead of
-Z.
+"""Checks of planes: planes are flat, and one plane faces up. Planes look curved if depth is the distance along the ray
+or raw disparity instead of Z.
 """
 
 from __future__ import annotations
@@ -10,12 +10,17 @@ from spigolo.additions.support import find_support
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.frames.frame import Camera, DepthMap
 from spigolo.settings.additions import Support
+from spigolo.settings.presets import OBJECTS
 
-PLANARITY = "depth along Z"
+PLANARITY, SUPPORT = "depth along Z", "support plane"
 
 NEAR_M, NEAR_PER_M = 0.004, 0.003
 """Maximum distance of a pixel from a plane, to count as on the plane: max(NEAR_M, NEAR_PER_M * distance^2), in
 metres.
+"""
+DOWN = 0.5
+"""Minimum Y component of the normal of a plane that faces down, for a warning. A plane that faces sideways may be a
+wall and gives a note.
 """
 MORE = 1.15
 """Minimum ratio for a warning that depth is the distance along the ray. The number of pixels on the largest plane with
@@ -59,6 +64,28 @@ def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
             f" pixels on one plane, {as_z:.0%} without): store 1 / (3.331 - 0.00307 * raw) metres",
         )
     return fine(PLANARITY, f"the largest plane is flat: {as_z:.0%} of the pixels lie on it")
+
+
+def check_support(depth: DepthMap, camera: Camera) -> Finding:
+    """Check that a plane on which objects can stand is found, and that the camera is not mounted on its side or upside
+    down.
+
+    depth: measured depth map (H, W) in metres.
+    """
+    ours = OBJECTS.additions
+    assert ours is not None and ours.support is not None
+    reach_m = OBJECTS.rejection.max_distance_m
+    if find_support(depth, camera, ours.support, reach_m) is not None:
+        return fine(SUPPORT, "a support plane is found")
+    plane = find_support(depth, camera, ours.support.model_copy(update={"facing": None}), reach_m)
+    if plane is None:
+        return note(SUPPORT, f"no support plane is found within {reach_m:g} m: objects may lack their support")
+    up = ", ".join(f"{value:.2f}" for value in plane.normal)
+    sentence = (
+        f"expected a plane that faces up in the image, found only a plane with the normal ({up}): if the camera is"
+        " mounted upside down or on its side, set additions.support.facing.up to this normal"
+    )
+    return (warning if plane.normal[1] > DOWN else note)(SUPPORT, sentence)
 
 
 def along_z(distance: DepthMap, camera: Camera) -> DepthMap:

@@ -23,14 +23,19 @@ def coco(results: Iterable[Segmentation], path: PathLike) -> None:
     Boxes are (x, y, width, height) in pixels.
 
     Each image has the file name `NAME.png`, where NAME is the name of its frame. Every object has the category `object`
-    and a score. Raises FileError if pycocotools is not installed.
+    and a score. Raises FileError if pycocotools is not installed, and FrameError if two frames have the same name.
     """
     encode = _pycocotools().encode
+    names: set[str] = set()
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
     for number, result in enumerate(results, start=1):
         height, width = result.labels.shape
-        images.append({"id": number, "file_name": f"{_name(result, number)}.png", "width": width, "height": height})
+        name = _name(result, number)
+        if name in names:
+            raise FrameError(f"expected a different name for each frame, got {name!r} twice: set Frame(..., name=...)")
+        names.add(name)
+        images.append({"id": number, "file_name": f"{name}.png", "width": width, "height": height})
         for o in result:
             rle = encode(np.asfortranarray(o.mask.astype(np.uint8)))
             mask = {"size": [height, width], "counts": rle["counts"].decode("ascii")}

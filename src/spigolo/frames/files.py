@@ -15,7 +15,7 @@ import cv2
 
 from spigolo.errors import CameraError, FileError, FrameError
 from spigolo.frames.camera import Camera
-from spigolo.frames.camera_files import camera_fields, read_camera
+from spigolo.frames.camera_files import camera_fields, camera_for, read_camera
 from spigolo.frames.frame import MAX_PIXELS, Frame
 from spigolo.frames.images import (
     Image,
@@ -27,6 +27,7 @@ from spigolo.frames.images import (
     refuse_swapped,
 )
 from spigolo.frames.intrinsics import CameraLike, as_camera, camera_from_mapping, fields_of
+from spigolo.frames.listing import COLOR_NAMES
 from spigolo.frames.scale import check_scale, scale_from_mapping
 
 __all__ = [
@@ -46,10 +47,14 @@ __all__ = [
 ]
 
 
+NEARBY = "nearby"
+"""Value of `camera` in `read_frame`: the camera file is searched for near the images."""
+
+
 def read_frame(
     color: PathLike,
     depth: PathLike,
-    camera: CameraLike | PathLike,
+    camera: CameraLike | PathLike = NEARBY,
     depth_scale: float | None = None,
     *,
     name: str | None = None,
@@ -60,13 +65,17 @@ def read_frame(
 
     - camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
       string is a file name if the file exists or the string has the suffix of a camera file. Otherwise the string is a
-      camera name.
+      camera name. By default, the camera file next to the colour image or in a parent folder is read, such as
+      camera.json.
     - depth_scale: metres per stored unit, 0.001 for millimetres. If depth_scale is None, integer depth is multiplied by
       the depth_scale of the camera (file or dictionary), and floating-point depth is in metres.
-    - name: name of the frame. If `name` is None, the frame gets the name of the colour file without suffix.
+    - name: name of the frame. If `name` is None, the frame gets the name of the colour file without suffix. For a
+      file such as rgb.png, the frame gets the name of the folder instead.
 
     One .npz file may contain colour, depth and camera. Raises FileError, CameraError or FrameError.
     """
+    if isinstance(camera, str) and camera == NEARBY:
+        camera = find_camera(Path(color))
     try:
         stored = read_depth(depth, max_pixels)
     except FrameError:
@@ -82,8 +91,25 @@ def read_frame(
                 f"expected depth_scale with the integers in {depth}: metres per unit, 0.001 for millimetres"
                 ' (or "depth_scale" in the camera file)'
             )
-    name = Path(color).stem if name is None else name
+    name = _name_of(Path(color)) if name is None else name
     return Frame(pixels, stored, known, name=name, depth_scale=depth_scale, max_pixels=max_pixels)
+
+
+def find_camera(color: Path) -> Path:
+    """Return the camera file for a colour image, from its folder or the two folders above. Raises FileError if there is
+    no camera file.
+    """
+    found = camera_for(color.parent, color.parent.parent if color.parent.name in COLOR_NAMES else color.parent)
+    if found is None:
+        raise FileError(
+            f"expected a camera, or a camera file such as camera.json near {color}, found none: give camera=..., or"
+            " camera=None if the intrinsics are unknown"
+        )
+    return found
+
+
+def _name_of(color: Path) -> str:
+    return color.resolve().parent.name if color.stem in COLOR_NAMES else color.stem
 
 
 def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:

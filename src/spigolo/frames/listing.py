@@ -8,6 +8,8 @@ from pathlib import Path
 
 RECORDINGS = (".bag", ".db3", ".mcap", ".mkv", ".oni", ".svo", ".svo2", ".klg", ".mp4", ".avi")
 """File suffixes of recordings, which contain streams instead of single images."""
+COLOR_NAMES = ("rgb", "color", "colour", "image")
+"""Names of colour images, and of folders of colour images, that do not say which frame they belong to."""
 OPENED = (".bag", ".db3", ".mcap")
 """File suffixes of recordings that `sp.open_source` can read."""
 NOT_OURS = ("__MACOSX", "@eaDir", "Thumbs.db", "$RECYCLE.BIN")

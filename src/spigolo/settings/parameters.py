@@ -185,6 +185,8 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
         return f"unknown parameter {where!r} in {model.__name__}: {hint}It has {', '.join(model.model_fields)}"
     got = "" if isinstance(first["input"], dict | BaseModel) else f", got {first['input']!r}"
     message = first["msg"].removeprefix("Value error, ")
+    if first["type"] == "tuple_type":
+        message = "expected numbers with commas between them, such as 0,-1,0"
     return f"{where + ': ' if where else ''}{message}{got} (in {model.__name__})"
 
 

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from spigolo.errors import FileError, warn
 from spigolo.frames.camera_files import camera_for
-from spigolo.frames.listing import RECORDINGS, best_of_each, listed
-from spigolo.sources.roles import COLOR_NAMES, match_by_name, rest_of
+from spigolo.frames.listing import COLOR_NAMES, RECORDINGS, best_of_each, listed
+from spigolo.sources.roles import match_by_name, rest_of
 
 IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".pgm", ".ppm", ".pnm", ".webp")
 DEPTHS = (*IMAGES, ".npy", ".npz", ".exr")

@@ -6,7 +6,8 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-COLOR_NAMES = ("rgb", "color", "colour", "image")
+from spigolo.frames.listing import COLOR_NAMES
+
 COLOR_WORDS = frozenset({*COLOR_NAMES, "img"})
 DEPTH_WORDS = frozenset({"depth"})
 WORDS = re.compile(r"[-_. ]+")

@@ -18,6 +18,9 @@ SEARCHED = {
     "segmap": "outputs.html",
     "table returned as object": "wrong-results.html",
     "hand eye calibration": "outputs.html",
+    "docker": "install.html",
+    "resume": "command-line.html",
+    "upside down": "wrong-results.html",
 }
 """Search words, and the page that must have a section with all of these words."""
 ELSEWHERE = re.compile(r"[a-z]+:|//|#__")

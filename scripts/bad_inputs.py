@@ -41,7 +41,7 @@ Call = Callable[[], Any]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Print what spigolo says of bad input.")
+    parser = argparse.ArgumentParser(description="Print the messages of spigolo for bad input.")
     parser.add_argument("--write", action="store_true", help="write docs/bad-input.md instead of printing")
     arguments = parser.parse_args()
     page = make_page()

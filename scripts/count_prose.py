@@ -86,9 +86,11 @@ class Count:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Count how heavy the prose of docstrings, comments and pages is.")
+    parser = argparse.ArgumentParser(
+        description="Count openers, semicolons and long sentences in docstrings, comments and pages."
+    )
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"folder, file or package; default: {' '.join(OURS)}")
-    parser.add_argument("--list", action="store_true", help="print each heavy sentence with its place and the reason")
+    parser.add_argument("--list", action="store_true", help="print each counted sentence with file, line and reason")
     arguments = parser.parse_args()
     print(f"{'':36}{'words':>8}{'openers':>9}{'semicolons':>12}{'long':>7}")
     for name in arguments.names or OURS:

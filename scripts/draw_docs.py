@@ -68,7 +68,7 @@ def write_jpeg(path: Path, picture: Color) -> None:
     """Write a picture as JPEG of at most `MOST_BYTES` bytes, and print its size."""
     done, data = cv2.imencode(".jpg", picture[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
     if not done or data.size > MOST_BYTES:
-        raise ValueError(f"{path.name} would have {data.size} bytes, at most {MOST_BYTES} are wanted")
+        raise ValueError(f"{path.name} would have {data.size} bytes (maximum {MOST_BYTES})")
     write_bytes(path, data.tobytes())
     print(f"{path.name}: {picture.shape[1]}x{picture.shape[0]}, {data.size // 1000} kB")
 

@@ -37,10 +37,10 @@ RECIPES = {
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="One of the paper's tables in one go.")
+    parser = argparse.ArgumentParser(description="Compute one of the paper's tables.")
     parser.add_argument("table", type=int, choices=list(RECIPES))
-    parser.add_argument("--data", type=Path, help="folder of the published set; default: rendered stand-ins")
-    parser.add_argument("--frames", type=int, default=60, help="how many stand-ins")
+    parser.add_argument("--data", type=Path, help="folder of the published data set; default: rendered stand-ins")
+    parser.add_argument("--frames", type=int, default=60, help="number of rendered stand-ins")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--jobs", "-j", type=int, default=1, help="worker processes")
     parser.add_argument("--out", "-o", type=Path, default=Path("spigolo-paper"))

@@ -162,7 +162,7 @@ def test_a_model_of_a_stage_is_replaced_alone_and_stays_frozen() -> None:
     after = before.replace(blur_px=9)
     assert (before.blur_px, after.blur_px) == (7, 9)
     assert after == sp.settings.EdgesConfig(blur_px=9)
-    with pytest.raises(sp.errors.ConfigError, match="blur_px must be odd"):
+    with pytest.raises(sp.errors.ConfigError, match="expected an odd number of pixels as blur_px, got 8"):
         before.replace(blur_px=8)
     with pytest.raises(sp.errors.ConfigError, match=r"unknown parameter 'blur' in EdgesConfig: did you mean 'blur_px'"):
         before.replace(blur=9)

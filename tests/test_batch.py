@@ -323,10 +323,10 @@ def test_links_in_the_output_lead_nowhere(source: Path, tmp_path: Path) -> None:
     (elsewhere / ".kept-file").write_text("mine")
     out.mkdir()
     (out / "labels").symlink_to(elsewhere)
-    with pytest.raises(FileError, match="a link on the way leads out"):
+    with pytest.raises(FileError, match="a symbolic link in the path leads out"):
         place(out, "labels", "f00", ".png")
     summary = run_batch(jobs_of(source, ["f00"]), sp.OBJECTS, out, local())
-    assert "a link on the way leads out" in summary.failures[0][1]
+    assert "a symbolic link in the path leads out" in summary.failures[0][1]
     assert [path.name for path in elsewhere.iterdir()] == [".kept-file"]
 
 
@@ -406,7 +406,7 @@ def test_frames_without_objects_beyond_the_reach_are_named_at_the_end(source: Pa
     words = [*command(source, tmp_path), "--depth-scale", "0.01"]
     done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=600)
     assert f"{COUNT - 1} frames with warnings" in done.stderr
-    assert "beyond the reach of 2.5 m (rejection.max_distance_m): check depth_scale" in done.stderr
+    assert "more than the maximum of 2.5 m (rejection.max_distance_m): check depth_scale" in done.stderr
 
 
 def test_a_script_without_a_main_guard_is_told_to_add_one(source: Path, tmp_path: Path) -> None:
@@ -417,7 +417,7 @@ def test_a_script_without_a_main_guard_is_told_to_add_one(source: Path, tmp_path
         f"run_batch([{job}], sp.OBJECTS, Path({str(tmp_path / 'out')!r}), local(1))\n"
     )
     done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False, timeout=600)
-    assert 'call run_batch below the line if __name__ == "__main__":' in done.stderr
+    assert 'call run_batch inside the block if __name__ == "__main__":' in done.stderr
 
 
 def test_two_runs_cannot_share_a_folder(source: Path, tmp_path: Path) -> None:
@@ -528,7 +528,7 @@ def deadly(number: int) -> int:
 def test_an_item_that_kills_its_workers_is_lost_alone(cluster: str) -> None:
     outcomes = dict(dask_cluster(cluster, 4)(deadly, range(8)))
     lost = outcomes.pop(3)
-    assert isinstance(lost, Lost) and "died again and again" in lost.reason
+    assert isinstance(lost, Lost) and "died repeatedly" in lost.reason
     assert outcomes == {k: k for k in range(8) if k != 3}
 
 
@@ -603,7 +603,7 @@ def test_a_cluster_of_this_machine_starts_by_name(source: Path, undisturbed: Pat
 
 
 def test_workers_of_another_cluster_cannot_be_chosen() -> None:
-    with pytest.raises(ConfigError, match="--scheduler local starts one with -j workers"):
+    with pytest.raises(ConfigError, match="Only --scheduler local starts a new cluster with -j workers"):
         choose_cluster("tcp://127.0.0.1:9", 2, "-j")
 
 

@@ -215,7 +215,7 @@ def test_an_interpreter_that_is_none_is_said(tmp_path: Path) -> None:
     other = tmp_path / "other"
     other.write_text("#!/bin/sh\necho it is none >&2\n")
     other.chmod(0o755)
-    with pytest.raises(FileError, match="it ended: it is none"), open_peers(other):
+    with pytest.raises(FileError, match="ended unexpectedly: it is none"), open_peers(other):
         pass
 
 
@@ -380,7 +380,7 @@ def test_bench_prints_its_tables_and_writes_its_files(small: sp.Frame, tmp_path:
         folder=tmp_path,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    for text in ("Machine", "tiny 96x72", "TABLE 4c", "Time by stage", "bytes a pixel", "frames/s"):
+    for text in ("Machine", "tiny 96x72", "TABLE 4c", "Time by stage", "bytes per pixel", "frames/s"):
         assert text in done.stdout, text
     values = json.loads((tmp_path / "out" / "bench.json").read_text())
     assert values["plan"]["rounds"] == values["plan"]["size_rounds"] == 1

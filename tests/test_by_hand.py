@@ -156,7 +156,7 @@ def test_a_region_of_another_answer_is_refused() -> None:
     left, right = answer.at(LEFT), answer.at(RIGHT)
     merged = answer.merge(left, right)
     for change in (merged.drop, merged.keep, lambda r: merged.merge(r, left)):
-        with pytest.raises(sp.SpigoloError, match="ask this answer's `at`"):
+        with pytest.raises(sp.SpigoloError, match="take the region from the method `at` of this result"):
             change(right)
     consistent(answer.drop(left).keep(left))
 
@@ -173,7 +173,9 @@ def test_a_region_of_the_same_regions_is_taken_wherever_it_comes_from() -> None:
 def test_what_is_no_region_is_refused(thing: object) -> None:
     answer = result()
     for change in (answer.keep, answer.drop, lambda r: answer.merge(answer[0], r)):
-        with pytest.raises(sp.SpigoloError, match=r"expected an object or region of this answer, .* got .*"):
+        with pytest.raises(
+            sp.SpigoloError, match=r"expected an object or region from the method `at` of this result, got .*"
+        ):
             change(thing)
 
 
@@ -251,13 +253,13 @@ def test_a_scale_applied_twice_is_reported() -> None:
     frame = scene()
     sp.segment(sp.Frame(frame.color, frame.depth * 0.07, frame.camera), CONFIG)  # 5 cm: some cameras see so near
     near = sp.Frame(frame.color, frame.depth, frame.camera, depth_scale=0.001)
-    with pytest.warns(sp.errors.UnitWarning, match=r"the median depth is [\d.]+ mm: is depth_scale applied twice"):
+    with pytest.warns(sp.errors.UnitWarning, match=r"the median depth is [\d.]+ mm: do not apply depth_scale twice"):
         sp.segment(near, CONFIG)
 
 
 @pytest.mark.parametrize("name", sorted(sp.PRESETS))
 def test_a_frame_without_any_depth_has_no_objects_and_one_warning(name: str) -> None:
-    with pytest.warns(UserWarning, match="no depth at all") as caught:
+    with pytest.warns(UserWarning, match="the frame has no measured depth") as caught:
         answer = sp.segment(sp.Frame(scene().color, np.zeros((120, 160)), CAMERA), sp.PRESETS[name])
     assert len(caught) == 1
     assert len(answer) == 0

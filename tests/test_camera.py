@@ -269,7 +269,7 @@ def test_a_file_without_size_wants_it(tmp_path: Path) -> None:
 def test_a_file_of_many_images_is_refused(tmp_path: Path) -> None:
     other = [61.0, *ROWS[1:]]
     io.write_json(tmp_path / "scene_camera.json", {"0": {"cam_K": ROWS}, "1": {"cam_K": other}})
-    with pytest.raises(CameraError, match="one camera, got those of 2 images"):
+    with pytest.raises(CameraError, match="one camera, got 2 images"):
         io.read_camera(tmp_path / "scene_camera.json", WIDTH, HEIGHT)
 
 
@@ -361,7 +361,7 @@ def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
 @pytest.mark.parametrize("scale", [0.1, 1.0, 1000.0])
 def test_a_scale_of_another_unit_is_refused(images: tuple[Path, Path], tmp_path: Path, scale: float) -> None:
     io.write_json(tmp_path / "camera.json", {"K": ROWS, "depth_scale": scale})
-    with pytest.raises(CameraError, match="divide it by 1000"):
+    with pytest.raises(CameraError, match="divide the value by 1000"):
         io.read_frame(*images, tmp_path / "camera.json")
     assert io.read_frame(*images, tmp_path / "camera.json", 0.001).depth[0, 0] == pytest.approx(1.234)
 

@@ -70,7 +70,7 @@ def test_the_largest_rejected_regions_are_printed(tmp_path: Path) -> None:
     printed = [int(line.split()[1]) for line in done.stdout.splitlines() if line.startswith("  rejected")]
     assert printed == sorted(printed, reverse=True)
     assert len(printed) == 10 < rejected
-    assert f"and {rejected - 10} smaller ones" in done.stdout
+    assert f"and {rejected - 10} smaller regions" in done.stdout
 
 
 def test_depth_in_millimetres_is_reported_once(tmp_path: Path) -> None:
@@ -87,7 +87,10 @@ def test_depth_in_millimetres_is_reported_once(tmp_path: Path) -> None:
     [
         (["segment", "none.png", SCENE / "depth.png", "--camera", SCENE / "camera.json"], "none.png"),
         (["segment", SCENE / "rgb.png", SCENE / "depth.png", "--camera", "none.json"], "none.json"),
-        (["segment", SCENE / "rgb.png", SCENE / "rgb.png", "--camera", SCENE / "camera.json"], "no depth"),
+        (
+            ["segment", SCENE / "rgb.png", SCENE / "rgb.png", "--camera", SCENE / "camera.json"],
+            "not a colour image of the depth",
+        ),
         (
             ["segment", SCENE / "rgb.png", SCENE / "depth.png", "--camera", SCENE / "camera.json", "--preset", "tabel"],
             "unknown preset 'tabel'",
@@ -203,7 +206,7 @@ def test_without_intrinsics_it_says_what_it_left_out(tmp_path: Path) -> None:
     folder = copy_scene(tmp_path / "in", camera=False)
     done = spigolo("segment", folder, "--depth-scale", "0.001", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    assert "left out, as no intrinsics were given: contact boundary, support plane" in done.stdout
+    assert "left out, because no intrinsics were given: contact boundary, support plane" in done.stdout
     assert "--camera 60deg" in done.stdout
     guessed = spigolo("segment", folder, "--depth-scale", "0.001", "--camera", "60deg", "--out", tmp_path / "guessed")
     assert guessed.returncode == 0, guessed.stderr
@@ -374,7 +377,7 @@ def test_what_labels_fit_is_written_where_the_camera_distorts(tmp_path: Path) ->
     camera = json.loads((SCENE / "camera.json").read_text()) | {"distortion": [0.1, 0, 0, 0]}
     (tmp_path / "camera.json").write_text(json.dumps(camera))
     done = spigolo("segment", SCENE, "--camera", tmp_path / "camera.json", "--out", tmp_path / "out")
-    assert "undistorted.png, not the image given" in done.stdout
+    assert "undistorted.png, not to the input image" in done.stdout
     frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", tmp_path / "camera.json")
     assert np.array_equal(cv2.imread(str(tmp_path / "out" / "undistorted.png"))[..., ::-1], frame.color)
 
@@ -382,8 +385,11 @@ def test_what_labels_fit_is_written_where_the_camera_distorts(tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["--methods", "rao2010", "--partition.gamma", "1"], "expected --partition.gamma with toscana2016"),
-        (["--presets"], "expected methods, and presets of toscana2016, got none"),
+        (
+            ["--methods", "rao2010", "--partition.gamma", "1"],
+            "expected the method toscana2016 with --partition.gamma, got only rao2010",
+        ),
+        (["--presets"], "expected at least one method, and at least one preset for toscana2016, got none"),
     ],
 )
 def test_an_evaluation_of_nothing_is_refused(tmp_path: Path, words: list[str], sentence: str) -> None:

@@ -20,7 +20,7 @@ def test_methods_stand_side_by_side(tmp_path: Path) -> None:
 def test_an_unknown_method_is_named(tmp_path: Path) -> None:
     done = spigolo("compare", SCENE, "--methods", "rao2011", "--out", tmp_path / "x.png")
     assert done.returncode == 2
-    assert "unknown method 'rao2011': expected some of toscana2016" in done.stderr
+    assert "unknown method 'rao2011': expected one or more of toscana2016" in done.stderr
     assert not (tmp_path / "x.png").exists()
 
 

@@ -24,7 +24,7 @@ def test_a_toml_text_may_start_from_a_preset() -> None:
 
 
 def test_switching_the_support_off_says_what_else_to_switch_off() -> None:
-    with pytest.raises(ConfigError, match=r"switch it off too \(--additions\.joining none\)"):
+    with pytest.raises(ConfigError, match=r"switch off joining too \(--additions\.joining none\)"):
         sp.OBJECTS.replace(**{"additions.support": "none"})
     assert Additions(support=Support()).joining is None
 

@@ -97,7 +97,7 @@ def test_a_camera_that_is_mounted_upside_down_is_told(demo: Frame) -> None:
 def test_one_wall_says_nothing_of_alignment() -> None:
     found = finding(plain(), "alignment")
     assert found.severity is Severity.NOTE
-    assert "few. To check it, run the doctor on a frame of" in found.sentence
+    assert "pixels of depth steps. To check the alignment, run the doctor on a frame with" in found.sentence
     assert diagnose(plain()).warnings == ()
 
 
@@ -121,7 +121,7 @@ def test_no_depth_at_all() -> None:
     frame = Frame(np.zeros((480, 640, 3), np.uint8), np.zeros((480, 640), np.float32), KINECT)
     diagnosis = diagnose(frame)
     assert [w.check for w in diagnosis.warnings] == ["missing depth"]
-    assert diagnosis.advice == "no cost function is advised: there is no depth"
+    assert diagnosis.advice == "no cost function can be recommended: the frame has no depth"
 
 
 def test_negative_depth() -> None:
@@ -140,7 +140,9 @@ def test_missing_depth_is_reported_by_place() -> None:
     depth[200:264, 300:396] = 0  # 2 %, inside
     frame = Frame(good.color, depth, KINECT)
     sentence = finding(frame, "missing depth").sentence
-    assert sentence == ("27.0% of depth is missing: 25.0% at the border, 2.0% in large gaps inside, 0.0% in small ones")
+    assert sentence == (
+        "27.0% of the depth is missing: 25.0% at the image border, 2.0% in large holes inside, 0.0% in small holes"
+    )
     assert diagnose(frame).advice.startswith("second cost function")
 
 

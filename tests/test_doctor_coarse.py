@@ -37,7 +37,7 @@ def whole_disparity(depth: np.ndarray, focal_baseline: float) -> np.ndarray:
 def test_whole_pixel_disparity_is_found(demo: sp.Frame, baseline_m: float) -> None:
     found = check_steps(whole_disparity(demo.depth, 525 * baseline_m))
     assert found.severity is Severity.WARNING
-    assert "switch subpixel disparity on" in found.sentence
+    assert "switch on subpixel disparity" in found.sentence
     step_mm = 1000 * np.median(demo.depth[demo.depth > 0]) ** 2 / (525 * baseline_m)
     assert float(found.sentence.split("steps of ")[2].split(" mm")[0]) == pytest.approx(step_mm, rel=0.25)
 
@@ -90,7 +90,7 @@ def test_a_pair_that_was_never_registered_is_found(demo: sp.Frame) -> None:
     assert fit.is_clear
     assert fit.scale == pytest.approx(615 / 384, rel=0.05)
     found = check_alignment(demo.color, spoilt.depth)
-    assert "was not registered to colour" in found.sentence
+    assert "register depth to colour (register_depth does)" in found.sentence
     assert not best_scale(depth_contours(demo.depth), color_gradients(demo.color)).is_clear
 
 
@@ -101,7 +101,7 @@ def test_what_could_not_be_judged_stands_out(demo: sp.Frame, capsys: pytest.Capt
     print_diagnosis(Diagnosis((found, Finding("size", Severity.OK, "fine"))))
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("unknown alignment")
-    assert "To check it, run the doctor on a frame of" in lines[0]
+    assert "To check the alignment, run the doctor on a frame with" in lines[0]
     assert lines[-1].startswith("could not be judged: alignment.")
 
 

@@ -186,7 +186,7 @@ def test_info_may_ignore_the_background_and_begin_with_a_byte_order_mark(root: P
 def test_groups_of_missing_frames_are_reported(root: Path) -> None:
     for name in ("f1", "shop/f9"):
         (root / "splits.json").write_text(json.dumps({"near_duplicate_groups": [["shop/f0", name]]}))
-        with pytest.warns(UserWarning, match=f"names {name}, but no frame is called so"):
+        with pytest.warns(UserWarning, match=f"names {name}, but there is no such frame"):
             find_labelled_frames([root])
     (root / "splits.json").write_text(json.dumps({"near_duplicate_groups": [["elsewhere/f0", "elsewhere/f1"]]}))
     assert find_labelled_frames([root])[0].group == "osd-small/f0"  # of a set that was not copied
@@ -216,7 +216,7 @@ def test_folders_that_hold_no_frames_are_refused(root: Path, tmp_path: Path) -> 
     with pytest.raises(FileError, match="got none: give a root"):
         find_labelled_frames([tmp_path / "empty"])
     write_frame(tmp_path / "other" / "shop" / "f0", 0)
-    with pytest.raises(FileError, match="rename one set"):
+    with pytest.raises(FileError, match="rename one of the data sets"):
         find_labelled_frames([root, tmp_path / "other"])
     (root / "splits.json").write_text("{")
     with pytest.raises(FileError, match="expected JSON in"):
@@ -395,7 +395,7 @@ def test_a_frame_that_is_gone_is_not_another_one(root: Path, tmp_path: Path, cou
     frames = find_labelled_frames([root / "osd-small"])
     evaluate(frames, [counting], tmp_path / "rows.jsonl")
     frames[0].files[0].unlink()
-    with pytest.raises(FileError, match=r"expected .*rgb.png, but it cannot be read"):
+    with pytest.raises(FileError, match=r"expected .*rgb.png, but the file cannot be read"):
         evaluate(frames, [counting], tmp_path / "rows.jsonl")
 
 
@@ -610,7 +610,7 @@ def test_a_set_left_out_takes_frames_like_its_own_with_it() -> None:
     assert leave_one_set_out(["b", "a"])[0].inside.tolist() == [0]
     with pytest.raises(ValueError, match="two data sets"):
         leave_one_set_out(["a"])
-    with pytest.raises(ValueError, match="a group per frame"):
+    with pytest.raises(ValueError, match="one group per frame"):
         leave_one_set_out(["a", "b"], ["1"])
 
 
@@ -632,9 +632,9 @@ def test_labels_are_as_short_as_distinct_names_allow() -> None:
     assert [c.label for c in found] == ["P d", "Q", "P f"]
     assert find_references(found, "f") == [found[2]] and find_references(found, "q") == [found[1]]
     assert find_references(found) == [found[0]]
-    with pytest.raises(ConfigError, match=r"got 'p', which fits 2 of them: P d \(d\); "):
+    with pytest.raises(ConfigError, match=r"got 'p', which matches 2 of the methods: P d \(d\); "):
         find_references(found, "p")
-    with pytest.raises(ConfigError, match=r"got 'x', which fits none of them"):
+    with pytest.raises(ConfigError, match=r"got 'x', which matches none of the methods"):
         find_references(found, "x")
     assert [c.label for c in gather({"x": [row(), row(method="n", preset="", digest="e")]})] == ["m P", "n"]
 
@@ -699,7 +699,7 @@ def test_the_report_has_tables_differences_pictures_and_limitations(root: Path, 
     html = (out / "index.html").read_text(encoding="utf-8")
     for place in (html, text):
         assert all(name in place for name in ("osd-small", "shop", "every object labelled", "all labelled frames"))
-        assert "cannot show precision" in place and "Not a comparison with learned methods" in place
+        assert "Precision cannot be measured" in place and "does not compare with learned methods" in place
         assert "Fewer than 10 distinct frames" in place and "Near-identical frames count once" in place
         assert sp.TABLE.digest in place and "numpy" in place
         assert "<script" not in place and "nan" not in place
@@ -739,12 +739,12 @@ def test_a_report_says_why_it_has_no_pictures(root: Path, tmp_path: Path) -> Non
     frames = find_labelled_frames([root / "osd-small"])
     gone = row("f0", data_set="osd-small", method="gone")
     write_report(gather({"x": [gone]}), tmp_path / "c", frames)
-    assert "gone is none of spigolo.METHODS" in (tmp_path / "c" / "index.html").read_text(encoding="utf-8")
+    assert "gone is not in spigolo.METHODS" in (tmp_path / "c" / "index.html").read_text(encoding="utf-8")
     gone = row("f0", data_set="osd-small", method="rao2010")
     write_report(gather({"x": [gone]}), tmp_path / "a", frames)
-    assert "no longer makes a method with the digest" in (tmp_path / "a" / "index.html").read_text(encoding="utf-8")
+    assert "has no method with the digest" in (tmp_path / "a" / "index.html").read_text(encoding="utf-8")
     write_report(gather({"x": [row("elsewhere")]}), tmp_path / "b", frames)
-    assert "hold none of its labelled frames" in (tmp_path / "b" / "index.html").read_text(encoding="utf-8")
+    assert "contain none of the labelled frames" in (tmp_path / "b" / "index.html").read_text(encoding="utf-8")
 
 
 def test_a_picture_that_shows_another_answer_than_the_row_says_so(root: Path, tmp_path: Path) -> None:
@@ -753,7 +753,7 @@ def test_a_picture_that_shows_another_answer_than_the_row_says_so(root: Path, tm
     assert rows[0].score is not None
     old = replace(rows[0], score=replace(rows[0].score, overlap_f=0.1))
     write_report(gather({"x": [old]}), tmp_path, frames)
-    assert "another answer than the row" in (tmp_path / "index.html").read_text(encoding="utf-8")
+    assert "differs from the scored result" in (tmp_path / "index.html").read_text(encoding="utf-8")
 
 
 def test_the_worst_frames_come_first_one_of_each_group() -> None:
@@ -808,8 +808,8 @@ def test_two_commands_make_a_report(root: Path, tmp_path: Path) -> None:
     words = ("evaluate", root, "--presets", "OBJECTS", toml, "-j", "2", "--partition.min-size-px2=400", "--out", rows)
     done = spigolo(*words)
     assert done.returncode == 0, done.stderr
-    assert "12 rows, 0 of them were there already" in done.stdout and "every object labelled" in done.stdout
-    assert "12 rows, 12 of them were there already" in spigolo(*words).stdout
+    assert "12 rows, 0 of them from an earlier run" in done.stdout and "every object labelled" in done.stdout
+    assert "12 rows, 12 of them from an earlier run" in spigolo(*words).stdout
     written = read_rows(rows)
     config = sp.TABLE.replace(partition={"gamma": 0.003, "min_size_px2": 400})
     assert {one.digest for one in written if one.preset == "mine"} == {config.digest}
@@ -831,12 +831,12 @@ def test_a_frame_that_fails_ends_with_1_and_the_rest_is_done(root: Path, tmp_pat
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["evaluate"], "name folders before any flag"),
+        (["evaluate"], "give the folders before the flags"),
         (["evaluate", "nowhere"], "there is no folder nowhere"),
         (["evaluate", "nowhere", "--methods", "best"], "unknown method 'best'"),
         (["evaluate", "nowhere", "--presets", "tabel"], "unknown preset 'tabel'"),
         (["evaluate", "nowhere", "--partition.gama", "1"], "did you mean --partition.gamma"),
-        (["report"], "name files before any flag"),
+        (["report"], "give the files before the flags"),
         (["report", "nowhere.jsonl"], "expected rows in nowhere.jsonl"),
     ],
 )

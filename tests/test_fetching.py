@@ -108,7 +108,7 @@ def test_a_set_is_there_when_all_of_it_is(server: Server, tmp_path: Path) -> Non
     for name, data in list(FILES.items())[:2]:
         steps = [(done, total) for file, done, total in told if file == name]
         assert steps == sorted(steps) and steps[-1] == (len(data), len(data))
-    with pytest.raises(FileError, match=r"expected no .*toy yet, but it is there"):
+    with pytest.raises(FileError, match=r"expected no .*toy, but the folder exists"):
         fetch(server.toy, tmp_path / "data")
 
 
@@ -122,7 +122,7 @@ def test_a_connection_that_is_cut_is_taken_up_where_it_ended(server: Server, tmp
 
 def test_what_has_come_is_kept_and_the_next_run_goes_on(server: Server, tmp_path: Path) -> None:
     server.cuts, server.cut_after = ATTEMPTS, 50_000
-    with pytest.raises(FileError, match=r"after 150000 bytes: .*it goes on from there"):
+    with pytest.raises(FileError, match=r"after 150000 bytes: .*Run the same command again"):
         fetch(server.toy, tmp_path)
     assert left(tmp_path) == ["toy_base.zip", "toy_test.zip.part"]
     server.asked.clear()
@@ -145,7 +145,9 @@ def test_a_download_that_was_whole_but_not_yet_named_is_taken(server: Server, tm
 def test_nothing_of_a_file_with_a_wrong_hash_is_kept(server: Server, tmp_path: Path) -> None:
     base, test = server.toy.archives
     wrong = replace(server.toy, archives=(base, replace(test, sha256="0" * 64)))
-    with pytest.raises(FileError, match=r"expected a file with SHA-256 0{64} from http.*toy_test.zip, got another"):
+    with pytest.raises(
+        FileError, match=r"expected a file with SHA-256 0{64} from http.*toy_test.zip, got a different file"
+    ):
         fetch(wrong, tmp_path)
     assert left(tmp_path) == ["toy_base.zip"]
 
@@ -153,7 +155,7 @@ def test_nothing_of_a_file_with_a_wrong_hash_is_kept(server: Server, tmp_path: P
 def test_a_missing_file_on_the_server_or_a_wrong_archive_is_reported(server: Server, tmp_path: Path) -> None:
     base, test = server.toy.archives
     lost = replace(server.toy, archives=(base, replace(test, url=test.url.replace("toy_test", "other"))))
-    with pytest.raises(FileError, match=r"expected http.*other.zip, but the server answers 404"):
+    with pytest.raises(FileError, match=r"expected http.*other.zip, but the server answered 404"):
         fetch(lost, tmp_path / "a")
     with pytest.raises(FileError, match=r"expected a folder toy in toy_test.zip, got none"):
         fetch(replace(server.toy, archives=(replace(test, into=""),)), tmp_path / "b")
@@ -166,7 +168,7 @@ def test_a_missing_file_on_the_server_or_a_wrong_archive_is_reported(server: Ser
 def test_a_server_that_is_gone_is_reported(server: Server, tmp_path: Path) -> None:
     toy = server.toy
     nowhere = replace(toy, archives=(replace(toy.archives[0], url="http://127.0.0.1:1/toy_base.zip"),))
-    with pytest.raises(FileError, match=r"expected http://127.0.0.1:1/toy_base.zip, but after 0 bytes: "):
+    with pytest.raises(FileError, match=r"the download of http://127.0.0.1:1/toy_base.zip stopped after 0 bytes: "):
         fetch(nowhere, tmp_path)
     assert left(tmp_path) == []
     (tmp_path / "file").write_text("")
@@ -178,7 +180,7 @@ def test_the_catalogue_knows_hashes_or_says_where_a_set_is(tmp_path: Path) -> No
     assert len({known.name for known in KNOWN_SETS}) == len(KNOWN_SETS)
     assert [known.name for known in KNOWN_SETS if known.archives] == ["ruapc"]
     assert all(len(archive.sha256) == 64 for known in KNOWN_SETS for archive in known.archives)
-    with pytest.raises(FileError, match=r"fetch it yourself from where it is published \(rgbd-dataset"):
+    with pytest.raises(FileError, match=r"download the data set yourself \(rgbd-dataset"):
         fetch(known_set("UW_scenes_v1"), tmp_path)
     assert left(tmp_path) == []
     with pytest.raises(ConfigError, match=r"expected one of rutgers-apc, .*, got 'uw'"):
@@ -196,5 +198,5 @@ def test_the_command_line_lists_and_refuses(tmp_path: Path) -> None:
     assert all(known.name in listed.stdout and known.home in listed.stdout for known in KNOWN_SETS)
     refused = spigolo("fetch", "tejani", "--to", tmp_path)
     assert refused.returncode == 2
-    assert refused.stderr.startswith("spigolo: expected a set whose files have a known hash, got tejani")
+    assert refused.stderr.startswith("spigolo: expected a data set with a known hash, got tejani")
     assert refused.stderr.count("\n") == 1

@@ -163,14 +163,14 @@ def test_near_identical_frames_have_no_say_about_each_other() -> None:
     twins = tried({"a": 0.1, "twin": 0.1, "b": 0.9}, {"a": 1.0, "twin": 1.0, "b": 0.0}, groups={"twin": "a"})
     held = {one.frame: one.score.overlap_f for one in hold_out(twins, 2).rows if one.score}
     assert held == {"a": 0.1, "twin": 0.1, "b": 0.0}
-    with pytest.raises(SpigoloError, match="of which there are 2, got 3: give --folds"):
+    with pytest.raises(SpigoloError, match=r"distinct labelled frames \(2\), got 3: give another --folds"):
         hold_out(twins, 3)
 
 
 def test_a_set_is_scored_by_the_setting_that_is_best_on_the_others() -> None:
     """Each trial is good on the frames of one set alone."""
     made = tried({"a": 1.0, "b": 0.9, "c": 0.2}, {"a": 0.1, "b": 0.0, "c": 0.8})
-    with pytest.raises(SpigoloError, match="expected frames of several data sets that differ, got s"):
+    with pytest.raises(SpigoloError, match="expected frames of at least two different data sets, got s"):
         hold_out_sets(made)
     made = in_sets(made, "left", "left", "right")
     held = {one.frame: one.score.overlap_f for one in hold_out_sets(made).rows if one.score}
@@ -178,7 +178,7 @@ def test_a_set_is_scored_by_the_setting_that_is_best_on_the_others() -> None:
     assert [trial.number for trial in hold_out_sets(made).chosen] == [1, 0]
     assert [trial.number for trial in hold_out_sets(made, with_start=False).chosen] == [1, 1]
     twins = in_sets(tried({"a": 1.0, "b": 0.9}, {"a": 0.1, "b": 0.0}, groups={"b": "a"}), "left", "right")
-    with pytest.raises(SpigoloError, match="that differ, got left, right"):
+    with pytest.raises(SpigoloError, match="different data sets, got left, right"):
         hold_out_sets(twins)  # neither has anything to choose by
     first, second = {"a": 0.5, "d": 0.5, "twin": 0.9, "c": 0.1}, {"a": 0.5, "d": 0.5, "twin": 0.0, "c": 0.8}
     shared = in_sets(tried(first, second, groups={"twin": "a"}), "left", "left", "right", "right")
@@ -198,12 +198,12 @@ def in_sets(made: Search, *names: str) -> Search:
 def test_the_report_says_what_a_set_left_out_gets_where_there_are_several() -> None:
     made, start = tried({"a": 0.5, "b": 0.5}, {"a": 0.9, "b": 0.2}), Toscana2016(sp.TABLE)
     one = to_markdown(make_page(made, hold_out(made, 2), start))
-    assert "set held out" not in one and "another question" in one
+    assert "set held out" not in one and "The scores do not show" in one
     several = in_sets(made, "left", "right")
     text = to_markdown(make_page(several, hold_out(several, 2), start))
-    assert "set held out: each set with the setting that is best on the other sets" in text
-    assert "| left | start |" in text and "another question" not in text
-    compared = text[text.index("What is left out, compared with the start:") :]
+    assert "set held out: each data set is scored with the setting that is best on the other data sets" in text
+    assert "| left | start |" in text and "The scores do not show" not in text
+    compared = text[text.index("Held-out scores minus the scores of the start:") :]
     assert "| held out |" in compared and "| set held out |" not in compared
 
 
@@ -242,7 +242,7 @@ def test_a_search_that_failed_at_the_start_can_be_repeated(root: Path, tmp_path:
     depth, out = root / "osd-small" / "f2" / "depth.png", tmp_path / "trials.jsonl"
     whole = depth.read_bytes()
     depth.write_bytes(b"")
-    with pytest.raises(FileError, match="expected frames that can be worked with"):
+    with pytest.raises(FileError, match="expected frames that can be segmented and scored"):
         search(find_labelled_frames([root]), Toscana2016(BOXES), out, 1)
     depth.write_bytes(whole)
     made = search(find_labelled_frames([root]), Toscana2016(BOXES), out, 1)
@@ -252,7 +252,7 @@ def test_a_search_that_failed_at_the_start_can_be_repeated(root: Path, tmp_path:
 def test_a_packed_search_that_is_damaged_is_refused(tmp_path: Path) -> None:
     whole = gzip.compress(bytes(range(256)) * 40)
     (tmp_path / "trials.gz").write_bytes(whole[:20] + b"\xff" * 20 + whole[40:])
-    with pytest.raises(FileError, match=r"expected trials in .*trials.gz, but it cannot be read"):
+    with pytest.raises(FileError, match=r"expected trials in .*trials.gz, but the file cannot be read"):
         read_search(tmp_path / "trials.gz")
 
 
@@ -290,7 +290,7 @@ class Deadly(sp.methods.Toscana2016):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
 def test_a_trial_that_kills_its_workers_ends_the_search(root: Path, tmp_path: Path) -> None:
-    with pytest.raises(SpigoloError, match="trial 0 was lost: its worker process died"):
+    with pytest.raises(SpigoloError, match="trial 0 failed: the worker process died"):
         search(find_labelled_frames([root])[:1], Deadly(BOXES), tmp_path / "trials.jsonl", 1, jobs=2)
 
 
@@ -298,7 +298,7 @@ def test_a_trial_that_kills_its_workers_ends_the_search(root: Path, tmp_path: Pa
 def test_a_file_of_something_else_is_refused_and_left_alone(root: Path, tmp_path: Path, content: str) -> None:
     path = tmp_path / "trials.jsonl"
     path.write_text(content)
-    with pytest.raises(FileError, match="expected trials as `spigolo fit` writes them"):
+    with pytest.raises(FileError, match="expected trials of `spigolo fit`"):
         search(find_labelled_frames([root]), Toscana2016(BOXES), path, 1)
     assert path.read_text() == content
 
@@ -307,7 +307,7 @@ def test_frames_that_cannot_be_tried_are_refused(root: Path, tmp_path: Path) -> 
     frames = find_labelled_frames([root])
     with pytest.raises(FileError, match="expected labelled frames, got 1 without labels"):
         search(frames[4:], Toscana2016(BOXES), tmp_path / "a.jsonl", 1)
-    with pytest.raises(SpigoloError, match="expected trials of 1 or more, got 0"):
+    with pytest.raises(SpigoloError, match="expected a number of trials of 1 or more, got 0"):
         search(frames, Toscana2016(BOXES), tmp_path / "a.jsonl", 0)
     (root / "osd-small" / "f2" / "rgb.png").write_bytes(b"")
     with pytest.raises(FileError, match="got osd-small/f2: expected an image"):
@@ -329,7 +329,7 @@ def test_a_fitted_preset_reads_back_as_it_is(tmp_path: Path) -> None:
     assert config.additions is not None and config.additions.joining is not None
     assert config.cost.k_x == setting["cost.k_x"]  # type: ignore[union-attr]
     text = page.read_text(encoding="utf-8")
-    assert "| cost.k\\_x | 7.5 |" in text and "Chosen over all frames: trial 1" in text and "too few" in text
+    assert "| cost.k\\_x | 7.5 |" in text and "Best trial over all frames: 1" in text and "too few" in text
 
 
 def test_two_commands_fit_a_preset_and_use_it(root: Path, tmp_path: Path) -> None:
@@ -363,9 +363,12 @@ def test_another_method_is_fitted_as_well(root: Path, tmp_path: Path) -> None:
         (["nowhere"], "there is no folder nowhere"),
         (["FRAMES", "--method", "best"], "unknown method 'best'"),
         (["FRAMES", "--preset", "tabel"], "unknown preset 'tabel'"),
-        (["FRAMES", "--folds", "9"], "of which there are 3, got 9"),
-        (["FRAMES", "--method", "rao2010", "--partition.gamma", "1"], "expected --partition.gamma with toscana2016"),
-        (["FRAMES", "--trials", "0", "--folds", "2"], "expected trials of 1 or more, got 0"),
+        (["FRAMES", "--folds", "9"], "distinct labelled frames (3), got 9"),
+        (
+            ["FRAMES", "--method", "rao2010", "--partition.gamma", "1"],
+            "expected the method toscana2016 with --partition.gamma, got only rao2010",
+        ),
+        (["FRAMES", "--trials", "0", "--folds", "2"], "expected a number of trials of 1 or more, got 0"),
     ],
 )
 def test_wrong_input_ends_with_2_and_one_sentence(root: Path, tmp_path: Path, words: list[str], sentence: str) -> None:

@@ -55,7 +55,7 @@ def test_colour_of_more_bits_is_scaled_by_what_is_stored(tmp_path: Path, bits: i
     eight = eight[..., 0] if channels == 1 else eight
     cv2.imwrite(str(tmp_path / "c.png"), eight.astype(np.uint16) << (bits - 8))
     if channels == 1:
-        with pytest.warns(UserWarning, match=f"one channel of 16 bits, read as grey of {bits} bits"):
+        with pytest.warns(UserWarning, match=f"one channel of 16 bits and is read as a grey image of {bits} bits"):
             color = read_color(tmp_path / "c.png")
         wanted = np.repeat(eight[..., None], 3, axis=2)
     else:
@@ -110,8 +110,8 @@ def test_too_many_pixels_are_refused_before_they_are_decoded(tmp_path: Path, rea
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("d.bag", "It is a recording: sp.open_source reads its frames, and so does `spigolo segment RECORDING`"),
-        ("d.exr", "EXR needs an OpenCV built with it"),
+        ("d.bag", "The file is a recording: read the frames with sp.open_source or `spigolo segment RECORDING`"),
+        ("d.exr", "EXR needs an OpenCV build with EXR"),
         ("d.raw", r"numpy\.fromfile"),
         ("d.png", r"Supported: PNG, TIFF"),
     ],
@@ -143,15 +143,15 @@ def test_arrays_by_name_or_alone(tmp_path: Path) -> None:
     np.savez(tmp_path / "two.npz", a=DEPTH, b=DEPTH)
     for name in ("d.npz", "one.npz"):
         np.testing.assert_array_equal(read_depth(tmp_path / name), DEPTH)
-    with pytest.raises(FileError, match=r"a depth array as depth .* got the arrays a, b: rename one"):
+    with pytest.raises(FileError, match=r"a depth array as depth .* got the arrays a, b: rename an array"):
         read_depth(tmp_path / "two.npz")
     np.save(tmp_path / "dict.npy", {"depth": DEPTH}, allow_pickle=True)  # type: ignore[arg-type]
     with pytest.raises(FileError, match=r"pickled Python objects, such as a dict: save arrays with numpy\.savez"):
         read_depth(tmp_path / "dict.npy")
-    with pytest.raises(FileError, match=r"A \.npz file alone is a frame if it holds the arrays rgb and depth"):
+    with pytest.raises(FileError, match=r"A single \.npz file is a frame if it holds the arrays rgb and depth"):
         find_frames([str(tmp_path / "d.npz")])
     (tmp_path / "x.mcap").write_bytes(b"x")
-    with pytest.raises(FileError, match=r"got the recording .*x\.mcap: sp\.open_source reads its frames"):
+    with pytest.raises(FileError, match=r"got the recording .*x\.mcap: read the frames with sp\.open_source"):
         find_frames([str(tmp_path / "x.mcap")])
 
 

@@ -91,8 +91,16 @@ def test_depth_may_be_an_array_of_metres(files: Path) -> None:
             "bytes that OpenCV cannot read",
         ),
         (lambda f: image(f / "8bit.png", np.ones((24, 32), np.uint8)), sp.errors.FrameError, "8 bits"),
-        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint8)), sp.errors.FrameError, "picture of depth"),
-        (lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint16)), sp.errors.FrameError, "picture of depth"),
+        (
+            lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint8)),
+            sp.errors.FrameError,
+            "colour image of the depth",
+        ),
+        (
+            lambda f: image(f / "colors.png", np.ones((24, 32, 3), np.uint16)),
+            sp.errors.FrameError,
+            "colour image of the depth",
+        ),
         (lambda f: image(f / "small.png", np.ones((24, 31), np.uint16)), sp.errors.FrameError, "32x24, got 31x24"),
         (lambda f: write(f / "depth.jpg", b"x"), sp.errors.FrameError, "JPEG"),
         (lambda f: write(f / "depth.npy", b"x"), sp.errors.FileError, "cannot be read"),
@@ -206,7 +214,7 @@ def test_a_preset_file_that_says_half_must_say_half_of_what(tmp_path: Path) -> N
     path = tmp_path / "mine.toml"
     for text in ("", "[rejection]\nmax_distance_m = 1.5\n"):
         path.write_text(text)
-        with pytest.raises(sp.errors.ConfigError, match=r'mine\.toml: expected the line base = "OBJECTS"'):
+        with pytest.raises(sp.errors.ConfigError, match=r'mine\.toml: expected base = "OBJECTS"'):
             sp.preset(path)
     for name, whole in sp.PRESETS.items():
         path.write_text(whole.to_toml())

@@ -219,7 +219,7 @@ def test_nothing_is_joined_without_a_camera_or_a_support() -> None:
 
 
 def test_joining_without_a_support_is_refused() -> None:
-    with pytest.raises(sp.errors.ConfigError, match=r"joining needs additions\.support"):
+    with pytest.raises(sp.errors.ConfigError, match=r"joining requires additions\.support"):
         sp.TABLE.replace(additions={"joining": sp.settings.Joining()})
 
 

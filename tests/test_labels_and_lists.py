@@ -55,7 +55,7 @@ def test_a_mask_of_0_and_255_is_reported(tmp_path: Path) -> None:
     labels = images()[2]
     own_frame(tmp_path, np.where(labels > 0, 255, 0).astype(np.uint8))
     (entry,) = guess(tmp_path)
-    with pytest.warns(UserWarning, match="holds 0 and 255 alone, and 255 is the ignored label"):
+    with pytest.warns(UserWarning, match="holds only 0 and 255, and 255 is the ignored label"):
         entry.read_truth()
     (tmp_path / "set" / "f0" / "info.json").write_text('{"ignore_label": 254}')
     (entry,) = guess(tmp_path)
@@ -115,7 +115,7 @@ def test_a_sets_own_depth_scale_counts(tmp_path: Path) -> None:
     with pytest.raises(CameraError, match=r"camera\.json as metres per unit"):
         guess(tmp_path)
     path.write_text(json.dumps({**pinhole, "scale": 1000}))
-    with pytest.raises(CameraError, match=r"did you mean depth_scale 0\.001"):
+    with pytest.raises(CameraError, match=r"replace the field with depth_scale 0\.001"):
         guess(tmp_path)
 
 

@@ -145,7 +145,7 @@ def test_without_a_camera_regions_are_the_same(baseline: Method) -> None:
 
 def test_without_depth_nothing_is_an_object(method: Method) -> None:
     frame = scene()
-    with pytest.warns(UserWarning, match="no depth at all"):
+    with pytest.warns(UserWarning, match="the frame has no measured depth"):
         result = method(sp.Frame(frame.color, np.zeros(frame.shape, np.float32), frame.camera))
     assert len(result) == 0
     assert {r.reason for r in result.rejected} == {Reason.NO_DEPTH}
@@ -516,7 +516,7 @@ def test_depth_is_of_use(mosd: tuple[Path, ...], name: str, off: dict[str, float
     assert leaks < blind_leaks - 0.05
 
 
-@pytest.mark.filterwarnings("ignore:no object is found:spigolo.errors.UnitWarning")
+@pytest.mark.filterwarnings("ignore:no object was found:spigolo.errors.UnitWarning")
 def test_abramov_takes_a_far_plane_with_holes() -> None:
     """All depth is one step; what is missing lies millions of steps before it."""
     depth = np.full((24, 32), 10.0)

@@ -194,7 +194,7 @@ def test_images_of_any_size(shape: tuple[int, int], missing: float) -> None:
         assert segment_around(small, (0, 0)).mask[0, 0]
 
 
-@pytest.mark.filterwarnings("ignore:the frame has no depth")
+@pytest.mark.filterwarnings("ignore:the frame has no measured depth")
 def test_without_depth_and_without_a_camera(frame: Frame) -> None:
     blind = Frame(frame.color, np.zeros(SIZE, np.float32), frame.camera)
     assert len(Mishra2012()(blind)) == 0

@@ -115,13 +115,22 @@ def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, rea
     ("stance", "words"),
     [
         ((0.16, 35.0, 0.0, 60), None),
-        ((0.14, 35.0, 0.0, 60), "depth steps back along 14% of its outline (minimum 15%)"),
-        ((0.16, 35.0, 0.1, 60), "depth steps back along 16% of its outline (minimum 22%)"),
+        ((0.14, 35.0, 0.0, 60), "depth increases by a step along 14% of the region's outline (minimum 15%)"),
+        ((0.16, 35.0, 0.1, 60), "depth increases by a step along 16% of the region's outline (minimum 22%)"),
         ((0.31, 42.0, 0.0, 60), None),
-        ((0.29, 42.0, 0.0, 60), "depth steps back along 29% of its outline (minimum 30% at a lean of 42 deg)"),
-        ((0.9, 70.0, 0.0, 60), "depth steps back along 90% of its outline (minimum 100% at a lean of 70 deg)"),
+        (
+            (0.29, 42.0, 0.0, 60),
+            "depth increases by a step along 29% of the region's outline (minimum 30% for a surface tilted by 42 deg)",
+        ),
+        (
+            (0.9, 70.0, 0.0, 60),
+            "depth increases by a step along 90% of the region's outline (minimum 100% for a surface tilted by 70 deg)",
+        ),
         ((0.9, 20.0, 0.1, 60), None),
-        ((0.9, 20.0, 0.1, 100), "the image cuts it off, and it is 4.0 times as long as wide (maximum 3.5)"),
+        (
+            (0.9, 20.0, 0.1, 100),
+            "the image border cuts off the region, and the region is 4.0 times as long as wide (maximum 3.5)",
+        ),
         ((0.9, 20.0, 0.0, 100), None),
         ((None, None, None, 100), None),
     ],
@@ -138,7 +147,7 @@ def test_a_line_of_pixels_that_the_image_cuts_is_a_rail() -> None:
     verdict = judge(facts, Rules(wall=Wall()))
     assert verdict is not None
     assert verdict[0] is sp.Reason.WALL
-    assert verdict[1].startswith("wall: the image cuts it off")
+    assert verdict[1].startswith("wall: the image border cuts off the region")
 
 
 def test_missing_depth_is_rejected_above_thirty_percent_not_at_it() -> None:
@@ -189,7 +198,7 @@ def test_a_flat_object_is_kept_though_its_contour_is_weak(ledge: float | None, i
     verdict = judge(facts, Rules(wall=Wall(), min_contour=0.6))
     assert verdict == (
         sp.Reason.WEAK_CONTOUR,
-        "weak contour: mean boundary along its border 0.30 (minimum 0.60)",
+        "weak contour: the mean boundary value along the region's border is 0.30 (minimum 0.60)",
     )
 
 
@@ -205,7 +214,10 @@ def test_limits_in_metres_take_the_place_of_those_in_pixels_where_intrinsics_are
     assert region(width=62).size_m == pytest.approx((62 * 0.002, 50 * 0.002), rel=1e-3)
     assert judge_by(region(width=62), paper, ours, None) is None
     far = region(width=62, depth=np.full((120, 160), 2.0, np.float32))
-    assert judge_by(far, paper, ours, None) == (sp.Reason.TOO_LONG, "too long: 0.25 m (maximum 0.20 m)")
+    assert judge_by(far, paper, ours, None) == (
+        sp.Reason.TOO_LONG,
+        "too long: the region's length is 0.25 m (maximum 0.20 m)",
+    )
     labels = np.zeros((120, 160), np.int32)
     labels[10:60, 10:72] = 1
     blind = sp.Frame(np.full((120, 160, 3), 128, np.uint8), np.ones((120, 160), np.float32), None)

@@ -74,8 +74,11 @@ def test_a_slow_reader_gets_the_newest_frame_and_the_others_are_counted() -> Non
 @pytest.mark.parametrize(
     ("name", "text"),
     [
-        ("size", "has no color of 640x480 at 30 Hz: choose one of 320x240 at 30 Hz with ?width=W&height=H&fps=N"),
-        ("address", "openni:nowhere does not open"),
+        (
+            "size",
+            "has no color stream of 640x480 at 30 Hz: choose another one with ?width=W&height=H&fps=N. Available: 320x",
+        ),
+        ("address", "openni:nowhere cannot be opened"),
         ("unplugged", "no OpenNI camera is connected: plug one in, or name the address of one (openni:ADDRESS)"),
     ],
 )

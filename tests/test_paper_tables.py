@@ -124,10 +124,10 @@ def test_rows_say_what_covers_which_object(tmp_path: Path) -> None:
     ("rows", "sentence"),
     [
         ([row()], "expected rows of rutgers-apc, uw-scenes-v1, tejani, or of their stand-ins, got none: "),
-        ([row(data_set="tejani")], "with preset CLUTTER on tejani for Table III, got those of P: "),
+        ([row(data_set="tejani")], "with preset CLUTTER on tejani for Table III, got rows of P: "),
         (
             [row(data_set="tejani", method="toscana2016", digest=sp.CLUTTER.digest)],
-            "expected names of the objects in the row of tejani/a, got one of spigolo 1 without them: ",
+            "expected the names of the objects in the row of tejani/a, got a row of spigolo 1 without names: ",
         ),
     ],
 )
@@ -158,7 +158,7 @@ def test_one_command_makes_a_table_and_goes_on(tmp_path: Path) -> None:
     for there in (0, 4):
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
         assert done.returncode == 0, done.stderr
-        assert f"4 rows, {there} of them were there already" in done.stdout
+        assert f"4 rows, {there} of them from an earlier run" in done.stdout
         assert "Table I: rendered stand-in for Rutgers APC" in done.stdout
     assert [path.name for path in tmp_path.glob("shelf*")] == ["shelf-2-seed-0"]
     refused = subprocess.run([*command, "--data", "nowhere"], capture_output=True, text=True, check=False, timeout=60)

@@ -103,7 +103,7 @@ def test_filters_run_and_unknown_ones_are_told(tmp_path: Path, frame: sp.Frame) 
     plain = next(iter(sp.open_source(tmp_path / "x.db3")))
     filled = next(iter(sp.open_source(f"{tmp_path / 'x.db3'}?filters=spatial,temporal,holes")))
     assert np.count_nonzero(filled.depth) > np.count_nonzero(plain.depth)
-    with pytest.raises(FileError, match="there is no filter median: expected some of decimation"):
+    with pytest.raises(FileError, match="there is no filter median: expected one or more of decimation"):
         sp.open_source(f"realsense:{tmp_path / 'x.db3'}?filters=median")
 
 

@@ -73,7 +73,7 @@ def test_tum_lists_pair_by_time_whatever_the_names(tmp_path: Path) -> None:
         (tmp_path / f"{folder}.txt").write_text("".join(f"{n[:-4]} {folder}/{n}\n" for n in names))
     source = sp.open_source(tmp_path)
     first, *_ = frames = list(source)
-    assert len(frames) == source.count == 3 and source.intrinsics == "those of Tum"
+    assert len(frames) == source.count == 3 and source.intrinsics == "from the data set (Tum)"
     assert isinstance(source, SizedSource) and source[1].name == frames[1].name
     assert first.unit_m == pytest.approx(1 / 5000)
     (other, *_) = sp.open_source(f"dataset:{tmp_path}", "60deg", depth_scale=1 / 1000)

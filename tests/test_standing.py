@@ -134,7 +134,7 @@ def test_a_rim_is_no_object_as_it_surrounds_the_floor(rim_m: float) -> None:
         assert verdicts[0] is None
     else:
         assert verdicts[0] is not None and verdicts[0][0] is sp.Reason.WALL
-        why = f"inside its convex hull, the plane is {expected:.0%} as large as the region (maximum 30%)"
+        why = f"the support plane inside the region's convex hull has {expected:.0%} of the region's area (maximum 30%)"
         assert verdicts[0][1] == f"wall: {why}"
     assert judge(facts[1], sp.settings.Rejection(max_dark=None), sp.settings.Rules(), support) is None
 

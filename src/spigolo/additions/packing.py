@@ -32,10 +32,10 @@ def warn_of_packing(
         return
     if is_packed(edges, depth, camera, plane, support, rule):
         warn(
-            "the largest plane is covered with colour edges and hardly anything stands on it: if these are packed"
-            " objects, they were taken for the support and are not returned. Objects whose faces lie in one plane are"
-            " not separated; give a region of interest, or set additions.support.facing.up if the support is another"
-            " plane"
+            "the largest plane is covered with image edges, and almost no object stands on the plane. If the plane"
+            " consists of packed objects, they were used as the support and are not returned. Objects with faces in one"
+            " plane are not separated. Give a region of interest, or set additions.support.facing.up if the support is"
+            " another plane"
         )
 
 

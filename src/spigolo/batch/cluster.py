@@ -62,7 +62,7 @@ def dask_local(workers: int = 1, group: int | None = None) -> Engine:
     """
     distributed = _distributed()
     if workers < 1:
-        raise SpigoloError(f"expected at least one worker, got {workers}: leave it out for one per core")
+        raise SpigoloError(f"expected at least one worker, got {workers}: leave out the number for one worker per core")
     options = {"n_workers": workers, "threads_per_worker": 1, "processes": True}
     listening = {"host": LOOPBACK, "dashboard_address": f"{LOOPBACK}:0"}
 
@@ -167,7 +167,7 @@ def _was_killed(error: BaseException) -> bool:
 
 def _reason(error: BaseException) -> str:
     if _was_killed(error):
-        return "its worker process died again and again, probably because memory ran out"
+        return "the worker process died repeatedly, probably because memory ran out"
     return reason_of(error)
 
 

@@ -50,7 +50,7 @@ class Engine(Protocol):
 def local(workers: int = 1) -> Engine:
     """Return an engine that uses worker processes on this machine. Raises SpigoloError for less than one worker."""
     if workers < 1:
-        raise SpigoloError(f"expected at least one worker, got {workers}: leave it out for one per core")
+        raise SpigoloError(f"expected at least one worker, got {workers}: leave out the number for one worker per core")
 
     def run(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
         return iter(_LocalRun(do, items, workers))
@@ -174,7 +174,7 @@ class _LocalRun(Generic[T, R]):
                     outcome: R | Lost = _outcome(future)
                     return outcome
         return Lost(
-            f"its worker process died {TRIES_ALONE + 1} times, probably because memory ran out: take fewer workers"
+            f"the worker process died {TRIES_ALONE + 1} times, probably because memory ran out: use fewer workers"
         )
 
     def _stop(self) -> None:

@@ -104,4 +104,4 @@ def _content(path: Path) -> str:
 
 
 def _unreadable(path: Path, error: OSError) -> FileError:
-    return FileError(f"expected an image in {path}, but it cannot be read: {error.strerror or error}")
+    return FileError(f"expected an image in {path}, but the file cannot be read: {error.strerror or error}")

@@ -148,10 +148,10 @@ def _locked(root: Path) -> BinaryIO:
         file.close()
         if _in_worker():
             raise FileError(
-                f"another run writes to {root}: in a script, call run_batch below the line if __name__ =="
-                ' "__main__":, since each worker imports the script'
+                f"another run writes to {root}: in a script, call run_batch inside the block if __name__ =="
+                ' "__main__":, because each worker imports the script'
             ) from None
-        raise FileError(f"another run writes to {root}: wait for its end, or give another --out") from None
+        raise FileError(f"another run writes to {root}: wait until that run ends, or give another --out") from None
     return file
 
 

@@ -27,13 +27,13 @@ def check_name(name: str) -> None:
 def _wrong_with(part: str) -> str | None:
     """Return the reason why a part of a frame name between slashes is invalid, or None if the part is valid."""
     wrong = {
-        "a part is empty, or the name begins or ends with /": not part,
-        "it would lead out of the output folder": part in (".", ".."),
-        "a part begins with a dot": part.startswith("."),
-        "a part ends with a dot or a space": part.endswith((".", " ")),
-        "it has a character that some systems forbid in file names": FORBIDDEN.search(part),
-        "it is the name of a device on Windows": RESERVED.fullmatch(part),
-        f"a part has more than {MAX_BYTES} bytes": len(part.encode("utf-8", "surrogatepass")) > MAX_BYTES,
+        "a part of the name is empty, or the name begins or ends with /": not part,
+        "the name would lead out of the output folder": part in (".", ".."),
+        "a part of the name begins with a dot": part.startswith("."),
+        "a part of the name ends with a dot or a space": part.endswith((".", " ")),
+        "the name has a character that some systems forbid in file names": FORBIDDEN.search(part),
+        "the name is reserved for a device on Windows": RESERVED.fullmatch(part),
+        f"a part of the name has more than {MAX_BYTES} bytes": len(part.encode("utf-8", "surrogatepass")) > MAX_BYTES,
     }
     return next((reason for reason, found in wrong.items() if found), None)
 
@@ -46,5 +46,5 @@ def place(root: Path, folder: str, name: str, suffix: str) -> Path:
     check_name(name)
     path = root.joinpath(folder, *f"{name}{suffix}".split("/"))
     if not path.parent.resolve().is_relative_to(root.resolve()):
-        raise FileError(f"could not write {path}: a link on the way leads out of {root}. Remove the link")
+        raise FileError(f"could not write {path}: a symbolic link in the path leads out of {root}. Remove the link")
     return path

@@ -43,7 +43,9 @@ def read_shards(paths: Iterable[Path]) -> Iterator[Shard]:
         try:
             shard = json.loads(path.read_bytes())
         except (OSError, ValueError) as error:
-            raise FileError(f"expected the objects of a frame in {path}, but it cannot be read: {error}") from None
+            raise FileError(
+                f"expected the objects of a frame in {path}, but the file cannot be read: {error}"
+            ) from None
         yield shard
 
 
@@ -128,5 +130,5 @@ def _arrow() -> tuple[Any, Any]:
         return importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     except ImportError:
         raise FileError(
-            'Parquet needs pyarrow, which is missing: pip install "spigolo[batch]", or take --format coco'
+            'Parquet needs pyarrow, which is missing: pip install "spigolo[batch]", or use --format coco'
         ) from None

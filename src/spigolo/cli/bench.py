@@ -182,8 +182,8 @@ def _chart(report: Report) -> Color:
         curves.append(Curve(name + fit, [x for x, _ in ordered], [y for _, y in ordered]))
     return log_log(
         curves,
-        "Time of one frame against its pixels",
-        "million pixels; dashed: in proportion to the pixels",
+        "Time per frame against number of pixels",
+        "million pixels (dashed: time proportional to the number of pixels)",
         "CPU time, ms, one thread",
         f"{report.machine.cpu}; {report.contests[0].frame} rescaled, median of {report.plan.size_rounds} rounds",
     )

@@ -44,12 +44,12 @@ def compare(
     ours = Toscana2016.name
     unknown = [name for name in methods if name not in METHODS]
     if unknown:
-        raise ConfigError(f"unknown method {unknown[0]!r}: expected some of {', '.join(METHODS)}")
+        raise ConfigError(f"unknown method {unknown[0]!r}: expected one or more of {', '.join(METHODS)}")
     paths = only_frame(find_frames(inputs or (str(DEMO_SCENE),)))
     frame = io.read_frame(paths.color, paths.depth, camera or paths.camera, depth_scale)
     if out.suffix.lower() in IMAGES and out.suffix.lower() != ".png":
         raise FileError(
-            f"expected a PNG file or a folder for the picture, got {out}: call it {out.with_suffix('.png')}"
+            f"expected a PNG file or a folder for the picture, got {out}: use the name {out.with_suffix('.png')}"
         )
     picture = out if out.suffix.lower() == ".png" else out / "compare.png"
     answers = {}

@@ -28,7 +28,7 @@ def choose_cluster(scheduler: str, workers: int | None, flag: str) -> Engine:
         return dask_local(cores() if workers is None else workers)
     if workers is not None:
         raise ConfigError(
-            f"expected {flag} or the address of a scheduler, got both: a cluster has workers of its own;"
-            f" --scheduler {LOCAL} starts one with {flag} workers"
+            f"expected either {flag} or the address of a scheduler, got both: leave out {flag}, because a cluster has"
+            f" its own workers. Only --scheduler {LOCAL} starts a new cluster with {flag} workers"
         )
     return dask_cluster(scheduler)

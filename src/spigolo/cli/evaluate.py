@@ -68,14 +68,17 @@ def evaluate(
     """
     words, flags = split_flags(frames)
     if not words:
-        raise FileError("expected a folder of frames, got nothing: name folders before any flag")
+        raise FileError("expected a folder of frames, got nothing: give the folders before the flags")
     from spigolo.lab.experiments import evaluate as run
     from spigolo.lab.experiments import find_labelled_frames, gather, make_methods
 
     configs = [configure(preset, flags, evaluate) for preset in presets]
     chosen = make_methods(methods, configs)
     if not chosen:
-        raise ConfigError("expected methods, and presets of toscana2016, got none: leave the flag out for the usual")
+        raise ConfigError(
+            "expected at least one method, and at least one preset for toscana2016, got none: leave out the flag for"
+            " the default"
+        )
     check_flags(flags, [method.name for method in chosen])
     found = find_labelled_frames([Path(word) for word in words], full)
     cluster = None if scheduler is None else choose_cluster(scheduler, jobs, "--jobs")
@@ -93,7 +96,7 @@ def evaluate(
     for row in failed:
         print(f"spigolo: {row.data_set}/{row.frame} ({row.method} {row.preset}): {row.error}", file=sys.stderr)
     _print_pooled(gather({"": rows}))
-    print(f"{len(rows)} rows, {len(rows) - len(new)} of them were there already: {out}")
+    print(f"{len(rows)} rows, {len(rows) - len(new)} of them from an earlier run: {out}")
     return SOME_FAILED if failed else DONE
 
 
@@ -125,7 +128,7 @@ def losses(
     """
     words, flags = split_flags(frames)
     if not words:
-        raise FileError("expected a folder of frames, got nothing: name folders before any flag")
+        raise FileError("expected a folder of frames, got nothing: give the folders before the flags")
     from spigolo.lab.experiments import find_labelled_frames, find_losses, loss_table, lost_objects, make_methods
     from spigolo.lab.page import to_text
 
@@ -172,13 +175,13 @@ def report(
 
     """
     if not rows:
-        raise FileError("expected a file of rows, got nothing: name files before any flag")
+        raise FileError("expected a file of rows, got nothing: give the files before the flags")
     from spigolo.lab.experiments import find_labelled_frames, find_references, read_contenders, write_report
 
     contenders = read_contenders(rows)
     if paper:
         if frames or against is not None:
-            raise ConfigError("expected --paper without --frames and --against, got both: leave those out")
+            raise ConfigError("expected --paper without --frames and --against: leave out --frames and --against")
         return _report_paper(contenders, out)
     find_references(contenders, against)  # report an unknown reference before drawing
     folders = find_labelled_frames(frames) if frames else []
@@ -208,8 +211,8 @@ def check_flags(flags: dict[str, str], methods: Iterable[str]) -> None:
     """Raise ConfigError if fields of a preset are given as flags, but toscana2016 is not among the methods."""
     if flags and "toscana2016" not in methods:
         raise ConfigError(
-            f"expected --{next(iter(flags)).replace('_', '-')} with toscana2016, whose presets have it, got"
-            f" {', '.join(methods)} alone: leave the flag out, or set the method's own fields in Python (`replace`)"
+            f"expected the method toscana2016 with --{next(iter(flags)).replace('_', '-')}, got only"
+            f" {', '.join(methods)}: leave out the flag, or set the fields of the method in Python (`replace`)"
         )
 
 

@@ -64,7 +64,7 @@ def fit(
     """
     words, flags = split_flags(frames)
     if not words:
-        raise FileError("expected a folder of labelled frames, got nothing: name folders before any flag")
+        raise FileError("expected a folder of labelled frames, got nothing: give the folders before the flags")
     from spigolo.lab.experiments import find_labelled_frames, make_methods
     from spigolo.lab.fitting import check_folds, goodness, hold_out, only_labelled, score_table, search, write_fit
     from spigolo.lab.page import to_text
@@ -81,7 +81,7 @@ def fit(
         def tell(done: int, total: int, trial: Trial | None) -> None:
             nonlocal best
             best = max(best, goodness(trial.rows) if trial else 0.0)
-            bar.update(task, completed=done, total=total, description=f"fitting, best {best:.3f} of 2")
+            bar.update(task, completed=done, total=total, description=f"fitting, best score {best:.3f} (maximum 2)")
 
         tried = search(found, start, out / "trials.jsonl", trials, seed, 1 if jobs is None else jobs, tell, cluster)
     held = hold_out(tried, folds, seed)

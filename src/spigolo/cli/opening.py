@@ -42,7 +42,7 @@ def first_frame(source: Source, index: int | None = None) -> Frame:
     not exist.
     """
     if index is None and source.count is not None and source.count > 1:
-        print(f"first of {counted(source.count, 'frame')} in {source.name}. For another one give --index")
+        print(f"using the first of {counted(source.count, 'frame')} in {source.name}. For another frame, give --index")
 
     def refuse(_: str, error: SpigoloError) -> None:
         raise error

@@ -103,7 +103,7 @@ def _one(source: Source, run: Segmenter, wanted: Roi | None, check: bool, _: int
         print(f"intrinsics: {source.intrinsics}")
     show.print_result(result, out)
     if frame.undistorted:
-        print(f"the camera has distortion: labels fit {out / 'undistorted.png'}, not the image given")
+        print(f"the camera has distortion: the labels belong to {out / 'undistorted.png'}, not to the input image")
     return DONE
 
 

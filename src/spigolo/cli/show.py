@@ -67,12 +67,12 @@ def print_result(result: Segmentation, out: Path) -> None:
     for region in sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]:
         print(f"  rejected {region.area_px} px at {region.box_px}: {region.why}")
     if len(result.rejected) > MOST_REJECTED:
-        print(f"  and {len(result.rejected) - MOST_REJECTED} smaller ones, all in {out / 'objects.json'}")
+        print(f"  and {len(result.rejected) - MOST_REJECTED} smaller regions: {out / 'objects.json'} lists all of them")
     if result.scene.support is not None and result.scene.plane is None and not result.left_out:
-        print("no support plane is found: the table or the floor may be returned as an object")
+        print("no support plane was found: the table or the floor may be returned as an object")
     if result.left_out:
-        print(f"left out, as no intrinsics were given: {', '.join(result.left_out)}")
-        print("a guess of the field of view finds far more than none: --camera 60deg")
+        print(f"left out, because no intrinsics were given: {', '.join(result.left_out)}")
+        print("far more objects are found with an estimated field of view: --camera 60deg")
     print(f"written: {out / 'labels.png'}, {out / 'objects.json'}, {out / 'overlay.png'}")
 
 
@@ -94,7 +94,9 @@ def print_diagnosis(diagnosis: Diagnosis) -> None:
         console.print(f"{mark} [bold]{finding.check}[/]: {finding.sentence}", markup=True)
     if diagnosis.unjudged:
         names = ", ".join(finding.check for finding in diagnosis.unjudged)
-        console.print(f"[bold yellow]could not be judged[/]: {names}. This frame lacks the evidence: check it yourself")
+        console.print(
+            f"[bold yellow]could not be judged[/]: {names}. The frame lacks the evidence: check these points yourself"
+        )
 
 
 def warn_of(diagnosis: Diagnosis, name: str) -> None:

@@ -18,7 +18,7 @@ from spigolo.kernels.contours import fill_shadows
 
 ALIGNMENT = "alignment"
 
-ELSEWHERE = "To check it, run the doctor on a frame of boxes in front of a background of another colour"
+ELSEWHERE = "To check the alignment, run the doctor on a frame with boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
 """Maximum shift between depth and colour that is harmless, in pixels. The detection of object boundaries samples depth
@@ -83,7 +83,8 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
     if count < MIN_CONTOUR_SHARE * filled.size:
         return note(
             ALIGNMENT,
-            f"alignment of depth and colour cannot be judged: {count} pixels of depth steps are few. {ELSEWHERE}",
+            f"the alignment of depth and colour cannot be judged: the frame has only {count} pixels of depth steps."
+            f" {ELSEWHERE}",
             judged=False,
         )
     gradients = color_gradients(color)
@@ -93,30 +94,31 @@ def check_alignment(color: Color, filled: DepthMap) -> Finding:
     if turned[name].is_clear and fit.score < MIRRORED * turned[name].score:
         return warning(
             ALIGNMENT,
-            f"expected the contours of depth on those of colour, found that they fit when {name}:"
-            " turn one of the two images",
+            f"expected depth contours on image edges, found that the contours match if depth is {name}:"
+            " mirror or rotate one of the two images",
         )
     scaled = best_scale(contours, gradients)
     if scaled.is_clear:
         return _not_registered(scaled)
     if not fit.is_clear:
-        why = "alignment of depth and colour cannot be judged: colour does not change at depth steps"
+        why = "the alignment of depth and colour cannot be judged: the colour does not change at depth steps"
         return note(ALIGNMENT, f"{why}. {ELSEWHERE}", judged=False)
     if fit.unshifted < SHIFTED * fit.score:
         return warning(
             ALIGNMENT,
-            f"expected the contours of depth on those of colour, found that depth fits when moved by {fit.dx_px:+d} px"
-            f" in x and {fit.dy_px:+d} px in y: register depth to colour, and take both from the same instant",
+            f"expected depth contours on image edges, found that the contours match if depth is moved by"
+            f" {fit.dx_px:+d} px in x and {fit.dy_px:+d} px in y: register depth to colour, and use images of the same"
+            " instant",
         )
-    return fine(ALIGNMENT, "depth contours lie on colour edges")
+    return fine(ALIGNMENT, "depth contours lie on image edges")
 
 
 def _not_registered(fit: ScaleFit) -> Finding:
     return warning(
         ALIGNMENT,
-        f"expected the contours of depth on those of colour, found that they fit when depth is scaled by"
-        f" {fit.scale:.2f} about the image centre and moved by {fit.dx_px:+.0f} px in x and {fit.dy_px:+.0f} px in y:"
-        " depth was not registered to colour, as register_depth does it",
+        f"expected depth contours on image edges, found that the contours match if depth is scaled by {fit.scale:.2f}"
+        f" about the image centre and moved by {fit.dx_px:+.0f} px in x and {fit.dy_px:+.0f} px in y: register depth to"
+        " colour (register_depth does)",
     )
 
 

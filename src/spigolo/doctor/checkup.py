@@ -24,7 +24,7 @@ SMALL_PX = 160
 """Minimum width and height of an image, in pixels. In smaller images, objects are only a few pixels large."""
 WITHOUT_INTRINSICS = (
     "expected intrinsics, got none: results in metres, the support plane and contact boundaries are left out. Give"
-    " --camera. A guess such as 60deg finds far more objects than none"
+    " --camera. With an estimate such as 60deg, far more objects are found than without intrinsics"
 )
 AFTER_UNIT = "not checked, because the unit of depth is probably wrong"
 BORDER = 0.1
@@ -43,7 +43,7 @@ def diagnose(frame: Frame) -> Diagnosis:
     findings = [check_wheels(), check_size(frame), check_negative(frame), check_reach(frame)]
     findings += check_missing(frame.depth, filled)
     if not (frame.depth > 0).any():
-        return Diagnosis((*findings, note(COST, "no cost function is advised: there is no depth")))
+        return Diagnosis((*findings, note(COST, "no cost function can be recommended: the frame has no depth")))
     unit = check_unit(frame, filled)
     findings += [unit, check_steps(frame.depth), check_saturated(frame.depth)]
     findings.append(check_alignment(frame.color, filled))
@@ -76,7 +76,7 @@ def check_size(frame: Frame) -> Finding:
     height, width = frame.depth.shape
     if min(height, width) < SMALL_PX:
         return note(
-            "size", f"{width}x{height}: objects are only a few pixels large in an image smaller than {SMALL_PX} px"
+            "size", f"{width}x{height}: in an image smaller than {SMALL_PX} px, objects are only a few pixels large"
         )
     return fine("size", f"colour and depth have {width}x{height} pixels")
 
@@ -90,9 +90,9 @@ def advise_cost(filled: DepthMap) -> Finding:
     where = f"{inside:.1%} of the frame lacks depth inside the working range"
     beside = f"; {elsewhere:.0%} in holes that reach the image border is not counted" if elsewhere > BORDER else ""
     if inside <= auto.max_missing:
-        why = f"{where}, up to {auto.max_missing:.0%} counts as full depth"
+        why = f"{where}, and up to {auto.max_missing:.0%} counts as full depth"
         return fine(COST, f"second cost function (depth and boundaries): {why}{beside}")
-    why = f"{where}, more than {auto.max_missing:.0%} counts as large shadows"
+    why = f"{where}, and more than {auto.max_missing:.0%} counts as large shadows"
     return fine(COST, f"first cost function (colour, depth and saliency): {why}{beside}")
 
 

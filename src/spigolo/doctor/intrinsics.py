@@ -76,13 +76,13 @@ def check_intrinsics(camera: Camera) -> Finding:
         return warning(
             INTRINSICS,
             f"expected the principal point in the middle third of {camera.width}x{camera.height}, found"
-            f" ({camera.cx:.0f}, {camera.cy:.0f}): unless the image is cropped, take the intrinsics of this size",
+            f" ({camera.cx:.0f}, {camera.cy:.0f}): unless the image is cropped, use the intrinsics of this image size",
         )
     if abs(camera.fx / camera.fy - 1) > MAX_ASPECT:
         return warning(
             INTRINSICS,
             f"expected fx and fy within {MAX_ASPECT:.0%} of each other, found {camera.fx:.0f} and {camera.fy:.0f}:"
-            " unless the image was stretched, take the intrinsics of this size",
+            " unless the image was stretched, use the intrinsics of this image size",
         )
     return fine(INTRINSICS, "principal point near the middle, square pixels")
 
@@ -94,7 +94,7 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
     filled: depth map (H, W) in metres, in which small gaps are in-painted.
     """
     share, view_deg = camera.fx / camera.width, float(np.degrees(2 * np.arctan(camera.width / (2 * camera.fx))))
-    stated = f"fx {camera.fx:.0f} px, {view_deg:.0f} degrees of view"
+    stated = f"fx {camera.fx:.0f} px, field of view {view_deg:.0f} degrees"
     factor = upright_factor(filled, camera)
     wrong = factor is not None and abs(np.log(factor)) > np.log(RIGHT_WITHIN)
     if factor is not None and wrong and not POSSIBLE_SHARE[0] <= share * factor <= POSSIBLE_SHARE[1]:
@@ -102,20 +102,21 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
     if factor is not None and wrong:
         return warning(
             FOCAL_LENGTH,
-            f"expected upright sides at right angles to the support, found them so with about {factor:.2f} times the"
-            f" focal length ({stated}): take the intrinsics of the stream that depth is aligned to, at this size",
+            f"expected upright sides of objects at right angles to the support, found right angles with about"
+            f" {factor:.2f} times the given focal length ({stated}): use the intrinsics of the stream that depth is"
+            " aligned to, at this image size",
         )
     if factor is not None:
-        return fine(FOCAL_LENGTH, f"{stated}: upright sides stand at right angles to the support")
+        return fine(FOCAL_LENGTH, f"{stated}: upright sides of objects are at right angles to the support")
     if USUAL_SHARE[0] <= share <= USUAL_SHARE[1]:
         return fine(FOCAL_LENGTH, f"{stated}: usual for RGB-D cameras")
     known = [name for aspect, of_width, name in KNOWN_WIDE if _is_known(camera, aspect, of_width)]
     if known:
-        return note(FOCAL_LENGTH, f"{stated}: unusual, but that of {' or '.join(known)}")
+        return note(FOCAL_LENGTH, f"{stated}: unusual, but correct for {' or '.join(known)}")
     return warning(
         FOCAL_LENGTH,
         f"expected a focal length of {USUAL_SHARE[0]} to {USUAL_SHARE[1]} image widths, found {share:.2f} ({stated}):"
-        " take the intrinsics of the stream that depth is aligned to, at this size",
+        " use the intrinsics of the stream that depth is aligned to, at this image size",
     )
 
 

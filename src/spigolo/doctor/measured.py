@@ -75,9 +75,9 @@ def check_reach(frame: Frame) -> Finding:
     """
     found = frame.out_of_reach
     if found is not None:
-        sentence = f"expected missing depth as 0, found that {found}: store 0 where nothing was measured"
+        sentence = f"expected missing depth as 0, found that {found}: store 0 in pixels without a measurement"
         return note(REACH, sentence) if found.share < FEW_BEYOND else warning(REACH, sentence)
-    return fine(REACH, "no depth is the largest value of its type or beyond the reach of cameras")
+    return fine(REACH, "no pixel has the largest value of its type, or a depth beyond the reach of cameras")
 
 
 def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
@@ -93,19 +93,19 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
         return [
             warning(
                 MISSING,
-                f"expected depth in most of the frame, found it missing in {share:.1%}:"
-                " check that the depth stream is on, the range of the camera, and that 0 means missing",
+                f"expected depth in most of the frame, found {share:.1%} missing: check that the depth stream is on,"
+                " that the scene is within the range of the camera, and that 0 means missing depth",
             )
         ]
     gaps = find_gaps(filled)
     border, large = float(gaps.area_px[gaps.on_border].sum() / depth.size), float(missing_mask(filled).mean())
     say = note if share > MUCH_MISSING else fine
-    places = f"{border:.1%} at the border, {large - border:.1%} in large gaps inside, {share - large:.1%} in small ones"
-    findings = [say(MISSING, f"{share:.1%} of depth is missing: {places}")]
+    inside = f"{large - border:.1%} in large holes inside, {share - large:.1%} in small holes"
+    findings = [say(MISSING, f"{share:.1%} of the depth is missing: {border:.1%} at the image border, {inside}")]
     holes = sampling_holes(missing).mean()
     if holes > HOLES:
-        why = "the grid that a depth map warped to a larger colour image shows; in-painting closes them"
-        findings.append(note("sampling holes", f"{holes:.1%} of the frame is holes of one or two pixels, {why}"))
+        why = "probably because depth was registered to a larger colour image. In-painting fills these holes"
+        findings.append(note("sampling holes", f"{holes:.1%} of the frame is in holes of one or two pixels, {why}"))
     return findings
 
 
@@ -118,24 +118,28 @@ def check_unit(frame: Frame, filled: DepthMap) -> Finding:
     median = float(np.median(depth[depth > 0]))
     mend = unit_advice(median, frame.unit_m)
     if CLOSEST_M <= median < NEAR_M and sees_close(frame):
-        return note(UNIT, f"median depth {median:.3f} m, as close as a RealSense D405 sees: if it is not so, {mend}")
+        return note(
+            UNIT, f"median depth {median:.3f} m, as close as a RealSense D405 measures: if the scene is farther, {mend}"
+        )
     if not NEAR_M <= median <= FAR_M:
         return warning(
-            UNIT, f"expected a median depth of {NEAR_M:g} to {FAR_M:g} m, found {median:.3g} m: if it is not so, {mend}"
+            UNIT,
+            f"expected a median depth of {NEAR_M:g} to {FAR_M:g} m, found {median:.3g} m:"
+            f" if the scene has another distance, {mend}",
         )
     unit = stored_unit_m(depth)
     if unit >= COARSE_UNIT_M:
         return warning(
             UNIT,
-            f"expected depth in units of at most 1 or 2 mm, found it in whole multiples of {unit * 1e3:.0f} mm"
-            f" with a median of {median:.3g} m: {mend}",
+            f"expected depth in units of at most 1 or 2 mm, found whole multiples of {unit * 1e3:.0f} mm with a median"
+            f" of {median:.3g} m: {mend}",
         )
     noise = noise_per_m(filled)
     if median > ROOM_M and noise is not None and noise < FINE_NOISE_PER_M:
         return warning(
             UNIT,
             f"expected depth noise of centimetres at a median depth of {median:.3g} m, found"
-            f" {noise * median**2 * 1e3:.1f} mm, as of something near: unless the frame is rendered, {mend}",
+            f" {noise * median**2 * 1e3:.1f} mm, as in a near scene: unless the frame is rendered, {mend}",
         )
     return fine(UNIT, f"median depth {median:.2f} m")
 
@@ -146,11 +150,11 @@ def unit_advice(median_m: float, unit_m: float | None) -> str:
     """
     listed = "; ".join(f"{name}: {scale:g}" for scale, name in SCALES.items())
     if unit_m is None:
-        return f"multiply depth_scale by {guess_factor(median_m):g} ({listed})"
+        return f"multiply depth_scale by {guess_factor(median_m):g} (common values: {listed})"
     off = {scale: abs(math.log(median_m * scale / unit_m / TABLE_M)) for scale in SCALES if scale != unit_m}
     near = sorted((scale for scale in off if off[scale] < PLAUSIBLE), key=off.__getitem__)[:2]
     if not near:
-        return f"multiply depth_scale by {guess_factor(median_m):g} ({listed})"
+        return f"multiply depth_scale by {guess_factor(median_m):g} (common values: {listed})"
     choices = " or ".join(f"{s:g} ({SCALES[s]}; {median_m * s / unit_m:.2g} m)" for s in near)
     return f"multiply depth_scale by {near[0] / unit_m:g}: depth_scale {choices}"
 

@@ -50,18 +50,20 @@ def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
     as_ray = _on_plane(along_z(filled, camera), camera)
     as_raw = _as_raw(filled, camera)
     if max(as_z, as_ray, as_raw) < MIN_SHARE:
-        return note(PLANARITY, "whether depth is the Z coordinate cannot be judged: no large plane", judged=False)
+        return note(PLANARITY, "depth along Z cannot be judged: the frame has no large plane", judged=False)
     if as_ray > MORE * as_z and as_ray >= as_raw:
         return warning(
             PLANARITY,
-            f"expected depth as the Z coordinate, found planes that are flat as distance along the ray ({as_ray:.0%} of"
-            f" the pixels on one plane, {as_z:.0%} without): multiply by the cosine of the angle to the optical axis",
+            f"expected depth as the Z coordinate, found that planes are flat if depth is the distance along the ray"
+            f" ({as_ray:.0%} of the pixels on one plane, as Z {as_z:.0%}): multiply depth by the cosine of the angle"
+            " to the optical axis",
         )
     if as_raw > MORE_RAW * as_z and as_raw >= MIN_RAW:
         return warning(
             PLANARITY,
-            f"expected depth in metres, found planes that are flat as raw disparity of a Kinect v1 ({as_raw:.0%} of the"
-            f" pixels on one plane, {as_z:.0%} without): store 1 / (3.331 - 0.00307 * raw) metres",
+            f"expected depth in metres, found that planes are flat if depth is the raw disparity of a Kinect v1"
+            f" ({as_raw:.0%} of the pixels on one plane, as metres {as_z:.0%}): store 1 / (3.331 - 0.00307 * raw)"
+            " metres",
         )
     return fine(PLANARITY, f"the largest plane is flat: {as_z:.0%} of the pixels lie on it")
 

@@ -58,17 +58,18 @@ def check_steps(depth: DepthMap) -> Finding:
     """Check if the steps between depth values are much larger than the steps of any depth camera."""
     levels = levels_of(depth)
     if levels.ticks.size < FEWEST:
-        return note(STEPS, f"depth steps cannot be judged: {levels.ticks.size} different depths are few", judged=False)
+        why = f"depth steps cannot be judged: the frame has only {levels.ticks.size} different depth values"
+        return note(STEPS, why, judged=False)
     share = _alone(levels)
     middle = int(np.searchsorted(np.cumsum(levels.counts), levels.counts.sum() / 2))
     if share < ALONE:
-        return fine(STEPS, f"{levels.ticks.size} different depths, no wide gaps between them")
+        return fine(STEPS, f"{levels.ticks.size} different depth values, without wide gaps between them")
     gap_m = _gap_m(levels, middle)
     return warning(
         STEPS,
         f"expected depth in steps of millimetres, found steps of {1000 * gap_m:.0f} mm at"
-        f" {levels.ticks[middle] * TICK_M:.2f} m and {levels.ticks.size} depths in all: switch subpixel disparity on,"
-        " and store depth with 16 bits, not 8 bits scaled up",
+        f" {levels.ticks[middle] * TICK_M:.2f} m and {levels.ticks.size} depth values in all: switch on subpixel"
+        " disparity, and store depth with 16 bits instead of scaled 8-bit values",
     )
 
 
@@ -83,11 +84,11 @@ def check_saturated(depth: DepthMap) -> Finding:
             value_m = levels.ticks[-1] * TICK_M
             return warning(
                 "largest depth",
-                f"expected distances, found {value_m:.3f} m in {share:.1%} of the frame and nothing else beyond"
-                f" {levels.ticks[-2] * TICK_M:.3f} m: if it stands for missing depth, store 0 (raw Kinect disparity has"
-                " 2047: convert it to metres first)",
+                f"expected measured depth, found {value_m:.3f} m in {share:.1%} of the frame and no other value beyond"
+                f" {levels.ticks[-2] * TICK_M:.3f} m: if this value means missing depth, store 0 instead (raw Kinect"
+                " disparity uses 2047: convert the disparity to metres first)",
             )
-    return fine("largest depth", "no single value stands apart from all other depths")
+    return fine("largest depth", "no single value lies far beyond all other depth values")
 
 
 def _alone(levels: Levels) -> float:

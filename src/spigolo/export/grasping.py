@@ -26,7 +26,7 @@ def contact_graspnet(result: Segmentation, path: PathLike) -> None:
     """
     camera = result.frame.camera
     if camera is None:
-        raise CameraError("Contact-GraspNet needs intrinsics, got a frame without a camera: give it one")
+        raise CameraError("Contact-GraspNet needs intrinsics, got a frame without a camera: give the frame a camera")
     K = np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1]], np.float64)
     buffer = BytesIO()
     np.savez_compressed(buffer, depth=result.frame.depth, K=K, rgb=result.frame.color, segmap=result.labels)

@@ -35,13 +35,13 @@ def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
             _check_unpacked(stored)
             return {name: np.asarray(stored[name]) for name in stored.files}
     except Exception as error:  # NumPy evaluates the file header as Python code, which may raise any exception
-        raise FileError(f"expected {what} in {path}, but it cannot be read: {_reason(error)}") from None
+        raise FileError(f"expected {what} in {path}, but the file cannot be read: {_reason(error)}") from None
 
 
 def _check_unpacked(stored: Any) -> None:
     size = sum(member.file_size for member in stored.zip.infolist())
     if size > MAX_UNPACKED:
-        raise ValueError(f"its arrays have {size} bytes, at most {MAX_UNPACKED} are read: save fewer or smaller ones")
+        raise ValueError(f"the arrays have {size} bytes (maximum {MAX_UNPACKED}): save fewer or smaller arrays")
 
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:
@@ -54,7 +54,9 @@ def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: Pat
         found = next(iter(arrays.values()))
     if found is None:
         named = ", ".join(arrays) or "none"
-        raise FileError(f"expected {what} as {' or '.join(names[:3])} in {path}, got the arrays {named}: rename one")
+        raise FileError(
+            f"expected {what} as {' or '.join(names[:3])} in {path}, got the arrays {named}: rename an array"
+        )
     return found
 
 
@@ -70,5 +72,8 @@ def names_in(path: PathLike) -> tuple[str, ...]:
 def _reason(error: Exception) -> str:
     sentence = " ".join(str(error).split())
     if "allow_pickle" in sentence:
-        return "it holds pickled Python objects, such as a dict: save arrays with numpy.savez(FILE, depth=..., rgb=...)"
+        return (
+            "the file holds pickled Python objects, such as a dict: save arrays with numpy.savez(FILE, depth=...,"
+            " rgb=...)"
+        )
     return sentence

@@ -96,7 +96,7 @@ class Camera:
         if abs(skew) > MAX_SKEW * abs(fx) or below != 0 or last != [0, 0, 1]:
             raise CameraError(
                 "expected a camera matrix [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], got"
-                f" {rows.reshape(3, 3).tolist()}: transpose it where it is stored column by column"
+                f" {rows.reshape(3, 3).tolist()}: transpose the matrix if it is stored column by column"
             )
         return cls(fx, fy, cx, cy, width, height, tuple(distortion))
 
@@ -146,7 +146,8 @@ class Camera:
                 return camera.scaled(width, height)
         sizes = " or ".join(f"{camera.width}x{camera.height}" for camera in cameras)
         raise CameraError(
-            f"expected images of the aspect ratio of {sizes} for {name}, got {width}x{height}: give its intrinsics"
+            f"expected images of the aspect ratio of {sizes} for {name}, got {width}x{height}: give the intrinsics"
+            " of this image size"
         )
 
     def scaled(self, width: int, height: int) -> Camera:
@@ -194,12 +195,12 @@ def _too_wide(camera: Camera) -> str:
     fx, fy, cx, cy = camera.fx, camera.fy, camera.cx, camera.cy
     view_deg = math.degrees(2 * math.atan(camera.width / (2 * fx)))
     if max(fx, fy) < 10 and max(abs(cx), abs(cy)) <= 2:
-        mend = "they are shares of the image: multiply fx and cx by its width, fy and cy by its height"
+        mend = "the values are shares of the image size: multiply fx and cx by the width, fy and cy by the height"
     else:
-        mend = "a focal length in millimetres is divided by the size of a pixel"
+        mend = "divide a focal length in millimetres by the pixel size in millimetres"
     return (
         f"expected intrinsics in pixels of {camera.width}x{camera.height}, got fx={fx:g}, fy={fy:g}, cx={cx:g},"
-        f" cy={cy:g}, which see {view_deg:.0f} degrees: {mend}"
+        f" cy={cy:g}, a field of view of {view_deg:.0f} degrees: {mend}"
     )
 
 

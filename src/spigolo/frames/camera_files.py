@@ -83,9 +83,7 @@ def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]
     read = _text if suffix in (".txt", ".csv") else READERS.get(suffix, _json)
     values = read(path)
     if not isinstance(values, Mapping):
-        raise CameraError(
-            f"{path}: expected fields with the intrinsics of a camera, got {type(values).__name__}: not found"
-        )
+        raise CameraError(f"{path}: expected a mapping with the fields of a camera, got {type(values).__name__}")
     return values if image is None else of_image(values, image)
 
 
@@ -121,7 +119,7 @@ def _yaml(path: PathLike) -> Any:
 
 def _unreadable(kind: str, path: PathLike, error: Exception) -> FileError:
     sentence = " ".join((getattr(error, "strerror", None) or str(error)).split())
-    return FileError(f"expected a camera in {kind} in {path}, but it cannot be read: {sentence}")
+    return FileError(f"expected a camera in {kind} in {path}, but the file cannot be read: {sentence}")
 
 
 def _text(path: PathLike) -> Mapping[str, Any]:
@@ -176,14 +174,16 @@ def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
         names = COLMAP.get(model)
         if names is None:
             raise CameraError(
-                f"{path}: expected a camera model of {', '.join(COLMAP)}, got {model}: undistort the images first"
-                " (colmap image_undistorter) and give their cameras.txt"
+                f"{path}: expected one of the camera models {', '.join(COLMAP)}, got {model}: undistort the images"
+                " first (colmap image_undistorter) and give their cameras.txt"
             )
         try:
             fields: dict[str, Any] = dict(zip(names, map(float, parameters), strict=True))
             fields |= {"width": int(width), "height": int(height)}
         except ValueError:
-            raise FileError(f"expected the parameters {' '.join(names)} of {model} in {path}, got others") from None
+            raise FileError(
+                f"expected the parameters {' '.join(names)} of {model} in {path}, got other parameters"
+            ) from None
         focal = fields.pop("f", None)
         cameras[f"camera {number}"] = fields if focal is None else {"fx": focal, "fy": focal, **fields}
     return cameras

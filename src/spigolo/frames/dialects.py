@@ -42,7 +42,7 @@ def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:
         images = "images" if all(key.isdecimal() for key in inner) else "cameras"
         some = ", ".join(list(inner)[:4])
         raise CameraError(
-            f"expected one camera, got those of {len(inner)} {images} ({some}): store the fields of one alone"
+            f"expected one camera, got {len(inner)} {images} ({some}): store the fields of only one camera"
         )
     return {**{key: values[key] for key in SHARED if key in values}, **own_fields(inner[name])}
 

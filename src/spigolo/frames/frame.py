@@ -148,7 +148,7 @@ def depth_in_metres(
 def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike) -> Camera | None:
     if depth.shape != color.shape[:2]:
         raise FrameError(
-            f"expected depth registered to colour, of its size {_size(color)}, got {_size(depth)}:"
+            f"expected depth registered to colour, of size {_size(color)}, got {_size(depth)}:"
             " align depth to colour first (register_depth does)"
         )
     camera = as_camera(value, depth.shape[1], depth.shape[0])
@@ -188,11 +188,15 @@ def _check_color(color: npt.NDArray[Any], max_pixels: int) -> None:
 def _check_depth(depth: npt.NDArray[Any], depth_scale: float | None) -> None:
     if depth.ndim != 2:
         single = depth.ndim == 3 and 1 in depth.shape
-        mend = "take its one channel (np.squeeze)" if single else "a picture of depth in colours is no depth"
+        squeeze, no_colors = (
+            "remove the axis of length 1 (np.squeeze)",
+            "give distances, not a colour image of the depth",
+        )
+        mend = squeeze if single else no_colors
         raise FrameError(f"expected depth of shape (H, W), got {depth.shape}: {mend}")
     if depth.dtype == np.uint8:
         raise FrameError(
-            "expected depth as 16-bit integers or floating-point metres, got 8 bits: distances are lost in it"
+            "expected depth as 16-bit integers or floating-point metres, got 8 bits, which are too few for distances"
         )
     if depth.dtype.kind in "ui":
         if depth_scale is None:

@@ -60,8 +60,8 @@ def _tell_of_one_channel(path: PathLike, max_pixels: int) -> None:
     if stored.ndim == 2:
         bits = max(int(stored.max(initial=0)).bit_length(), 8)
         warn(
-            f"{path}: the colour image is one channel of 16 bits, read as grey of {bits} bits: if it is the depth"
-            " image, give colour first and depth second"
+            f"{path}: the colour image has one channel of 16 bits and is read as a grey image of {bits} bits. If"
+            " the file is the depth image, give colour first and depth second"
         )
 
 
@@ -72,7 +72,7 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
     """
     suffix = Path(path).suffix.lower()
     if suffix in LOSSY:
-        raise FrameError(f"expected depth without loss, got the JPEG {path}: store depth as 16-bit PNG")
+        raise FrameError(f"expected a lossless depth image, got the JPEG {path}: store depth as 16-bit PNG")
     if suffix in ARRAYS:
         return pick(load_arrays(path, "a depth array"), DEPTH_KEYS, "a depth array", path)
     stored = decode(path, cv2.IMREAD_UNCHANGED, max_pixels)
@@ -81,8 +81,8 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
     if stored.dtype.kind == "f" and all(np.array_equal(stored[..., 0], one) for one in np.moveaxis(stored, 2, 0)[1:3]):
         return np.ascontiguousarray(stored[..., 0])
     raise FrameError(
-        f"expected distances in one channel in {path}, got {stored.shape[2]} channels: it is a picture of depth"
-        " in colours, and no depth"
+        f"expected distances in one channel in {path}, got {stored.shape[2]} channels: give distances, not a colour"
+        " image of the depth"
     )
 
 
@@ -93,7 +93,7 @@ def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXEL
     if stored.ndim == 2 and stored.dtype != np.uint8:
         raise FrameError(
             f"expected colour first and depth second, got them swapped: {color} holds one channel of {stored.dtype},"
-            f" {depth} a picture"
+            f" {depth} holds a colour image"
         )
 
 
@@ -138,7 +138,7 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pi
         image = cv2.imdecode(data, flags) if data.size else None
     except (cv2.error, MemoryError, OverflowError, ValueError) as error:
         told = " ".join(str(getattr(error, "err", "") or error).split())
-        raise FileError(f"expected an image in {path}, but it cannot be read: {told}") from None
+        raise FileError(f"expected an image in {path}, but the file cannot be read: {told}") from None
     if image is None:
         raise FileError(f"expected an image in {path}, got {data.size} bytes that OpenCV cannot read{_advice(path)}")
     return image
@@ -149,27 +149,29 @@ def read_bytes(path: PathLike) -> npt.NDArray[np.uint8]:
     try:
         return np.fromfile(path, np.uint8)
     except OSError as error:
-        raise FileError(f"expected an image in {path}, but it cannot be read: {error.strerror or error}") from None
+        raise FileError(
+            f"expected an image in {path}, but the file cannot be read: {error.strerror or error}"
+        ) from None
 
 
 def _advice(path: PathLike) -> str:
     suffix = Path(path).suffix.lower()
     if suffix in RECORDINGS:
-        return f". It is a recording: {how_to_extract(suffix)}"
+        return f". The file is a recording: {how_to_extract(suffix)}"
     if suffix == ".exr":
         return (
-            ". EXR needs an OpenCV built with it (opencv-python-headless before 5) and OPENCV_IO_ENABLE_OPENEXR=1:"
-            " or save the array as .npy"
+            ". EXR needs an OpenCV build with EXR (opencv-python-headless before 5) and OPENCV_IO_ENABLE_OPENEXR=1."
+            " Or save the array as .npy"
         )
     kinds = f". Supported: {READABLE}"
     if suffix in (".raw", ".bin", ".z16", ".dat"):
-        kinds += "; raw numbers: numpy.save(NAME.npy, numpy.fromfile(FILE, numpy.uint16).reshape(H, W))"
+        kinds += ". Convert raw numbers first: numpy.save(NAME.npy, numpy.fromfile(FILE, numpy.uint16).reshape(H, W))"
     return kinds
 
 
 def how_to_extract(suffix: str) -> str:
     """Return instructions to extract frames from a recording. suffix: suffix of the recording file."""
     if suffix in OPENED:
-        return "sp.open_source reads its frames, and so does `spigolo segment RECORDING`"
-    tool = "Open3D or k4arecorder" if suffix == ".mkv" else "its recorder or driver"
-    return f"extract its colour and depth images first (with {tool})"
+        return "read the frames with sp.open_source or `spigolo segment RECORDING`"
+    tool = "Open3D or k4arecorder" if suffix == ".mkv" else "the recorder or driver of the camera"
+    return f"extract the colour and depth images first (with {tool})"

@@ -162,8 +162,8 @@ def _through(window: Window, camera: Camera, width: int | None, height: int | No
     seen = window.of(camera)
     if None not in (width, height) and (seen.width, seen.height) != (width, height):
         raise CameraError(
-            f"expected images of {seen.width}x{seen.height}, as {window} of {camera.width}x{camera.height} says, got"
-            f" {width}x{height}: set these fields to 0 if K and the size are those of the images"
+            f"expected images of {seen.width}x{seen.height} for {window} of {camera.width}x{camera.height}, got"
+            f" {width}x{height}: set these fields to 0 if K and the camera size belong to the given images"
         )
     return seen
 
@@ -172,7 +172,7 @@ def _require(found: Mapping[str, Any]) -> None:
     lacking = [name for name, value in found.items() if value is None]
     if lacking:
         raise CameraError(
-            "expected fx, fy, cx, cy, width, height of a camera (or its matrix as one of"
+            "expected fx, fy, cx, cy, width, height of a camera (or a camera matrix as one of"
             f" {', '.join(MATRIX_NAMES[:5])}): {', '.join(lacking)} not found"
         )
 
@@ -199,8 +199,8 @@ def _matrix(values: Mapping[str, Any]) -> npt.NDArray[np.float64] | None:
         return K
     if any(_coefficients(values)):
         raise CameraError(
-            f"expected a camera matrix, got zeros with distortion coefficients, and {other}: give K of the images, or"
-            " leave the coefficients out if they are rectified"
+            f"expected a camera matrix K, got zeros, distortion coefficients and {other}: give K of the images, or"
+            " leave out the coefficients if the images are rectified"
         )
     return P
 

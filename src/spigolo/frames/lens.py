@@ -54,11 +54,11 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
         return
     wanted = f"expected the distortion model plumb_bob or rational_polynomial, got {name}"
     if name in EXACTLY_NO_PINHOLE or any(part in name for part in NO_PINHOLE):
-        raise CameraError(f"{wanted}: {MEND}. Coefficients of 0 are no pinhole camera with this model either")
+        raise CameraError(f"{wanted}: {MEND}. With this model, coefficients of 0 do not mean a pinhole camera")
     if name == INVERSE:
         raise CameraError(
-            f"{wanted}: {MEND}, or leave out the coefficients, which costs up to"
-            f" {inverse_error_px(coefficients, camera):.1f} px in the corners: OpenCV cannot undistort this model"
+            f"{wanted}: {MEND}. OpenCV cannot undistort this model. Without the coefficients, the error is up to"
+            f" {inverse_error_px(coefficients, camera):.1f} px in the corners"
         )
     if coefficients or certain:
         raise CameraError(f"{wanted}: {MEND}")

@@ -28,8 +28,8 @@ def numeric_arrays(data: bytes) -> dict[str, npt.NDArray[Any]]:
     """Return the numeric arrays of a MATLAB file, indexed by name. Raises ValueError if `data` is not a MATLAB file."""
     order = {b"IM": "<", b"MI": ">"}.get(data[126:128])
     if order is None:
-        kind = "version 7.3, which is HDF5: save it with -v7" if data.startswith(b"\x89HDF") else "not of version 5"
-        raise ValueError(f"the file is {kind}")
+        kind = "of version 7.3 (HDF5)" if data.startswith(b"\x89HDF") else "not of version 5"
+        raise ValueError(f"the file is {kind}: save the file in MATLAB with -v7")
     try:
         return dict(_variables(data[HEADER_BYTES:], order))
     except (struct.error, zlib.error, KeyError, IndexError, OverflowError, StopIteration) as error:

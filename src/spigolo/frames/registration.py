@@ -46,7 +46,7 @@ def register_depth(
     for camera in (depth_camera, color_camera):
         if not isinstance(camera, Camera):
             raise CameraError(
-                f"expected a Camera, which has a size, got {type(camera).__name__}:"
+                f"expected a Camera with an image size, got {type(camera).__name__}:"
                 " make one with spigolo.Camera.from_matrix(K, width, height)"
             )
     metres, _, beyond = depth_in_metres(np.asarray(np.ma.filled(depth, 0)), depth_scale)
@@ -55,7 +55,7 @@ def register_depth(
     if metres.shape != (depth_camera.height, depth_camera.width):
         raise FrameError(
             f"expected depth of its camera's size {depth_camera.width}x{depth_camera.height},"
-            f" got {metres.shape[1]}x{metres.shape[0]}: take the intrinsics of the stream that it comes from"
+            f" got {metres.shape[1]}x{metres.shape[0]}: take the intrinsics of the depth stream, at this image size"
         )
     if color_camera.distortion:
         raise CameraError(
@@ -94,10 +94,10 @@ def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.N
     if not np.isfinite(T).all():
         raise CameraError(f"expected {name} as finite numbers, got some that are NaN or infinite")
     if not np.allclose(T[3], (0, 0, 0, 1), rtol=0, atol=ROTATION_TOLERANCE):
-        raise CameraError(f"expected the last row of {name} as 0 0 0 1, got {T[3].tolist()}: transpose it")
+        raise CameraError(f"expected the last row of {name} as 0 0 0 1, got {T[3].tolist()}: transpose the matrix")
     R = T[:3, :3]
     if np.abs(R @ R.T - np.eye(3)).max() > ROTATION_TOLERANCE or np.linalg.det(R) < 0:
-        raise CameraError(f"expected a rotation in {name}[:3, :3], got one that scales, shears or mirrors")
+        raise CameraError(f"expected a rotation in {name}[:3, :3], got a matrix that scales, shears or mirrors")
     if np.linalg.norm(T[:3, 3]) > farthest_m:
         raise CameraError(f"expected the translation of {name} in metres, got {T[:3, 3].tolist()}")
     return T

@@ -54,7 +54,8 @@ def check_scale(scale: float, where: object) -> None:
     if scale > LARGEST_SCALE_M:
         raise CameraError(
             f"expected depth_scale in {where} as metres per unit, 0.001 for millimetres, got {scale}:"
-            " divide it by 1000 if it is millimetres per unit, take 1 / depth_scale if it is units per metre"
+            " divide the value by 1000 if it is in millimetres per unit, or take 1 / depth_scale if it is in units per"
+            " metre"
         )
 
 
@@ -71,8 +72,8 @@ def _refuse_similar(values: Mapping[str, Any]) -> None:
         plain = str(name).lower().replace("-", "_").replace(" ", "_")
         if plain in SIMILAR and is_number(alone) and alone > 0:
             raise CameraError(
-                f"expected depth_scale in metres per unit, got {name} {alone:g}: did you mean depth_scale"
-                f" {_as_metres(float(alone)):g}? Write that field"
+                f"expected depth_scale in metres per unit, got {name} {alone:g}: replace the field with depth_scale"
+                f" {_as_metres(float(alone)):g} if this is the unit"
             )
 
 

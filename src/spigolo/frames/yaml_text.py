@@ -37,7 +37,7 @@ def _load(yaml: Any, text: str) -> Any:
         def get_node(self) -> Any:
             node = super().get_node()
             if _count_aliased(node) > MAX_ALIASED:
-                raise yaml.YAMLError(f"its aliases repeat more than {MAX_ALIASED} values, or hold themselves")
+                raise yaml.YAMLError(f"the aliases repeat more than {MAX_ALIASED} values, or contain themselves")
             return node
 
     Loader.add_constructor(MATRIX, lambda loader, node: loader.construct_mapping(node, deep=True))

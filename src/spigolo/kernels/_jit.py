@@ -30,7 +30,7 @@ from numba.extending import intrinsic
 
 PACKAGE = __name__.rpartition(".")[0]
 VERSION = str(sys.modules[__name__.partition(".")[0]].__version__)
-ADVICE = "set SPIGOLO_CACHE_DIR to a folder that can be written"
+ADVICE = "set SPIGOLO_CACHE_DIR to a writable folder"
 
 
 def _cache_folder() -> Path | None:
@@ -136,7 +136,7 @@ class _Cache(FunctionCache):
 @functools.cache
 def _announce() -> None:
     """Log a message, once per process, that kernels are being compiled."""
-    logging.getLogger("spigolo").warning("compiling kernels that are new on this machine: up to a minute")
+    logging.getLogger("spigolo").warning("compiling kernels for this machine: this takes up to a minute")
 
 
 @functools.cache
@@ -144,7 +144,7 @@ def _warn() -> None:
     """Warn, once per process, that compiled kernels cannot be cached."""
     where = f" in {CACHE_FOLDER}" if CACHE_FOLDER is not None else ""
     warnings.warn(
-        f"spigolo cannot keep its compiled kernels{where} and compiles them in each process; {ADVICE}", stacklevel=2
+        f"compiled kernels cannot be stored{where}, so each process compiles them again: {ADVICE}", stacklevel=2
     )
 
 

@@ -208,13 +208,13 @@ class Segmentation:
         for region in regions:
             if not isinstance(region, RegionFacts):
                 raise SpigoloError(
-                    f"expected an object or region of this answer, as its `at` gives it, got {shortened(region)}"
+                    f"expected an object or region from the method `at` of this result, got {shortened(region)}"
                 )
             # a region that was pickled without its result has a copy of the labels
             if region.regions is not own and not np.array_equal(region.regions, own):
                 raise SpigoloError(
-                    "expected an object or region of this answer, got one of regions that were numbered otherwise, such"
-                    " as those before a merge: ask this answer's `at`"
+                    "expected an object or region of this result, got one of another result, for example of the result"
+                    " before a merge: take the region from the method `at` of this result"
                 )
 
     def _with(self, region: RegionFacts, verdict: Verdict | None) -> Segmentation:

@@ -90,7 +90,9 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
     warn_of_depth(scene.frame)
     facts = scene.measure(regions)
     if not scene.frame.depth.any():
-        return assemble(scene, regions, facts, [(Reason.NO_DEPTH, "no depth: the frame has none at all")] * len(facts))
+        return assemble(
+            scene, regions, facts, [(Reason.NO_DEPTH, "no depth: the frame has no measured depth")] * len(facts)
+        )
     verdicts = [judge(f, scene.rejection, scene.rules, scene.support) for f in facts]
     if None not in verdicts:
         warn_of_reach(scene)
@@ -102,14 +104,14 @@ def warn_of_depth(frame: Frame) -> None:
     pixels.
     """
     if not frame.depth.any():
-        warn("the frame has no depth at all, so nothing in it is an object")
+        warn("the frame has no measured depth, so no objects are returned: check the depth image")
         return
     median = _median_m(frame)
     if median > FARTHEST_M:
         warn(f"the median depth is {median:.0f} m: if it is stored in millimetres, give depth_scale=0.001", UnitWarning)
     if 0 < median < NEAREST_M:
         found = f"the median depth is {1000 * median:.2g} mm"
-        warn(f"{found}: is depth_scale applied twice? Floating-point depth is in metres already", UnitWarning)
+        warn(f"{found}: do not apply depth_scale twice, because floating-point depth is in metres already", UnitWarning)
 
 
 def warn_of_reach(scene: Scene) -> None:
@@ -118,12 +120,12 @@ def warn_of_reach(scene: Scene) -> None:
     """
     median, reach_m = _median_m(scene.frame), scene.rejection.max_distance_m
     if reach_m is not None and max(reach_m, FAR_M) < median <= FARTHEST_M:
-        why = f"beyond the reach of {reach_m:g} m (rejection.max_distance_m)"
+        why = f"more than the maximum of {reach_m:g} m (rejection.max_distance_m)"
     elif NEAREST_M <= median < CLOSE_M:
         why = "nearer than most cameras measure"
     else:
         return
-    warn(f"no object is found, and the median depth is {median:.2f} m, {why}: check depth_scale", UnitWarning)
+    warn(f"no object was found, and the median depth is {median:.2f} m, {why}: check depth_scale", UnitWarning)
 
 
 def _median_m(frame: Frame) -> float:

@@ -45,8 +45,9 @@ class Reason(str, Enum):
     """The object was dropped (`Segmentation.drop`)."""
 
 
-REACH = "centroid at {:.2f} m (maximum {:.2f} m)"
-MISSING = "{:.0%} of it without depth (maximum {:.0%})"
+REACH = "the region's centroid is at {:.2f} m (maximum {:.2f} m)"
+MISSING = "{:.0%} of the region has no depth (maximum {:.0%})"
+THIN = "the region's eccentricity is {:.3f} (maximum {:.3f})"
 
 Verdict = tuple[Reason, str]
 
@@ -74,10 +75,10 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
 def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
     """Check that a region lies inside the region of interest and above the support plane."""
     if facts.inside is not None and facts.inside < LEAST_INSIDE:
-        why = f"only {facts.inside:.0%} of it lies in the region of interest (minimum {LEAST_INSIDE:.0%})"
+        why = f"only {facts.inside:.0%} of the region lies in the region of interest (minimum {LEAST_INSIDE:.0%})"
         return Reason.OUTSIDE, f"outside: {why}"
     if support is not None and facts.above is not None and facts.above < support.min_above:
-        why = f"only {facts.above:.0%} of it stands above the plane (minimum {support.min_above:.0%})"
+        why = f"only {facts.above:.0%} of the region is above the support plane (minimum {support.min_above:.0%})"
         return Reason.SUPPORT, f"support: {why}"
     return None
 
@@ -87,7 +88,8 @@ def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
     if rules.wall is not None and (why := _lacks_stance(facts, rules.wall)):
         return Reason.WALL, f"wall: {why}"
     if rules.min_contour is not None and facts.contour < rules.min_contour and not _is_ledge(facts, rules.ledge):
-        why = f"mean boundary along its border {facts.contour:.2f} (minimum {rules.min_contour:.2f})"
+        limit = f"(minimum {rules.min_contour:.2f})"
+        why = f"the mean boundary value along the region's border is {facts.contour:.2f} {limit}"
         return Reason.WEAK_CONTOUR, f"weak contour: {why}"
     return None
 
@@ -102,13 +104,21 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)
     least = rule.min_hides + rule.min_hides_cut * cut + slant
     if facts.hides is not None and facts.hides < least:
-        leans = f" at a lean of {lean_deg:.0f} deg" if slant > 0 else ""
-        return f"depth steps back along {facts.hides:.0%} of its outline (minimum {least:.0%}{leans})"
+        leans = f" for a surface tilted by {lean_deg:.0f} deg" if slant > 0 else ""
+        share, limit = _percent(facts.hides, least)
+        return f"depth increases by a step along {share} of the region's outline (minimum {limit}{leans})"
     length, width = facts.size_m or (0.0, 0.0)
     if cut > 0 and rule.max_cut_ratio is not None and length > rule.max_cut_ratio * width:
         ratio = length / max(width, 1e-9)
-        return f"the image cuts it off, and it is {ratio:.1f} times as long as wide (maximum {rule.max_cut_ratio:.1f})"
+        limit = f"(maximum {rule.max_cut_ratio:.1f})"
+        return f"the image border cuts off the region, and the region is {ratio:.1f} times as long as wide {limit}"
     return None
+
+
+def _percent(value: float, limit: float) -> tuple[str, str]:
+    """Return a share and its limit in per cent, with a decimal place if both would read the same without it."""
+    form = "{:.1%}" if f"{value:.0%}" == f"{limit:.0%}" else "{:.0%}"
+    return form.format(value), form.format(limit)
 
 
 def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
@@ -126,12 +136,12 @@ def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict |
     in_metres = ours.metric and length is not None
     max_large, max_small = (None, None) if in_metres else (paper.max_lambda1_px2, paper.max_lambda2_px2)
     return (
-        _below(Reason.TOO_SMALL, length, ours.min_length_m, "length {:.3f} m (minimum {:.3f} m)")
-        or _above(Reason.TOO_LONG, large, max_large, "lambda1 {:.0f} px2 (maximum {:.0f} px2)")
-        or _above(Reason.TOO_LONG, length, ours.max_length_m, "{:.2f} m (maximum {:.2f} m)")
-        or _above(Reason.TOO_WIDE, small, max_small, "lambda2 {:.0f} px2 (maximum {:.0f} px2)")
-        or _above(Reason.TOO_WIDE, width, ours.max_width_m, "{:.2f} m (maximum {:.2f} m)")
-        or _above(Reason.TOO_THIN, facts.eccentricity, paper.max_eccentricity, "eccentricity {:.3f} (maximum {:.3f})")
+        _below(Reason.TOO_SMALL, length, ours.min_length_m, "the region's length is {:.3f} m (minimum {:.3f} m)")
+        or _above(Reason.TOO_LONG, large, max_large, "the region's lambda1 is {:.0f} px2 (maximum {:.0f} px2)")
+        or _above(Reason.TOO_LONG, length, ours.max_length_m, "the region's length is {:.2f} m (maximum {:.2f} m)")
+        or _above(Reason.TOO_WIDE, small, max_small, "the region's lambda2 is {:.0f} px2 (maximum {:.0f} px2)")
+        or _above(Reason.TOO_WIDE, width, ours.max_width_m, "the region's width is {:.2f} m (maximum {:.2f} m)")
+        or _above(Reason.TOO_THIN, facts.eccentricity, paper.max_eccentricity, THIN)
     )
 
 
@@ -139,7 +149,8 @@ def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
     """Check that not too many pixels of a region lack depth or are dark."""
     missing = _above(Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, MISSING)
     if missing is None and rules.max_dark is not None and facts.dark >= rules.max_dark:
-        return Reason.DARK, f"dark: {facts.dark:.0%} of it in the three darkest bins (maximum {rules.max_dark:.0%})"
+        share = f"{facts.dark:.0%} of the region is in the three darkest of 32 brightness bins"
+        return Reason.DARK, f"dark: {share} (maximum {rules.max_dark:.0%})"
     return missing
 
 
@@ -153,7 +164,8 @@ def _judge_rim(facts: RegionFacts, rule: Rim | None, support: Support | None) ->
     share = surrounded_support(facts.mask, plane, facts.frame.depth, camera, support)
     if share <= rule.max_support:
         return None
-    why = f"inside its convex hull, the plane is {share:.0%} as large as the region (maximum {rule.max_support:.0%})"
+    limit = f"(maximum {rule.max_support:.0%})"
+    why = f"the support plane inside the region's convex hull has {share:.0%} of the region's area {limit}"
     return Reason.WALL, f"wall: {why}"
 
 

@@ -205,8 +205,8 @@ class SpigoloNode:
             return
         median = f", median {np.median(self._times_ms):.0f} ms" if self._times_ms else ""
         self._log.info(
-            f"{self._answered} pairs answered{median}; {self._waiting.dropped} dropped for newer ones,"
-            f" {self._matcher.unmatched} images without a partner, {self._failed} pairs not segmented"
+            f"{self._answered} pairs segmented{median}; {self._waiting.dropped} pairs dropped for newer pairs,"
+            f" {self._matcher.unmatched} images without a partner, {self._failed} pairs failed"
         )
 
     def _hint(self) -> str:
@@ -214,9 +214,9 @@ class SpigoloNode:
         for name in (topic for topic, count in self._received.items() if not count):
             publishers = self.node.get_publishers_info_by_topic(self.node.resolve_topic_name(name))
             if not publishers:
-                return f". Nobody publishes there: give the topic with --{name.replace('_', '-')}"
+                return f". The topic has no publisher: give another topic with --{name.replace('_', '-')}"
             if self._parameters.state.options.reliable:
-                return ". If the driver publishes with best effort, start with --reliable false"
+                return ". If the driver publishes with best-effort reliability, start the node with --reliable false"
         return ""
 
 

@@ -277,7 +277,7 @@ class Additions(Settings):
     def _has_support(self) -> Additions:
         if self.joining is not None and self.support is None:
             raise ValueError(
-                "joining needs additions.support, as its rules test what stands on the plane: switch it off too"
-                " (--additions.joining none)"
+                "joining requires additions.support, because joining tests which parts stand on the support plane:"
+                " switch off joining too (--additions.joining none)"
             )
         return self

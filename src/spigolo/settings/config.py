@@ -49,7 +49,9 @@ class Config(Parameters):
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:
         if isinstance(self.cost, AutoCost) != (self.partition.gamma_shadows is not None):
-            raise ValueError("partition.gamma_shadows goes with an AutoCost, and only with it")
+            raise ValueError(
+                "partition.gamma_shadows is required with an AutoCost, and must be None with any other cost"
+            )
         return self
 
     def at_size(self, shape: tuple[int, int], lengths: bool = False) -> Config:

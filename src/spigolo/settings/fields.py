@@ -28,7 +28,7 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
         if inner is not None:
             yield from _walk(inner, f"{prefix}{name}.")
             if type(None) in candidates:
-                yield f"{prefix}{name}", "`none` switches it off."
+                yield f"{prefix}{name}", "`none` switches off this stage."
         elif name not in ("name", "kind"):
             yield f"{prefix}{name}", " ".join((field.description or "").split())
 

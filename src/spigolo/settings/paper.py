@@ -177,10 +177,13 @@ class EdgesConfig(Settings):
 
     @model_validator(mode="after")
     def _ordered(self) -> EdgesConfig:
-        if self.canny_low > self.canny_high or self.contact_low_deg > self.contact_high_deg:
-            raise ValueError("a low threshold is above its high one")
+        if self.canny_low > self.canny_high:
+            raise ValueError(f"expected canny_low <= canny_high, got {self.canny_low:g} and {self.canny_high:g}")
+        if self.contact_low_deg > self.contact_high_deg:
+            low, high = self.contact_low_deg, self.contact_high_deg
+            raise ValueError(f"expected contact_low_deg <= contact_high_deg, got {low:g} and {high:g}")
         if self.blur_px % 2 == 0:
-            raise ValueError("blur_px must be odd")
+            raise ValueError(f"expected an odd number of pixels as blur_px, got {self.blur_px}")
         return self
 
 
@@ -223,7 +226,7 @@ class BoundaryCost(Settings):
     @model_validator(mode="after")
     def _has_weight(self) -> BoundaryCost:
         if self.k_x + self.k_b == 0:
-            raise ValueError("k_x and k_b are both 0")
+            raise ValueError("expected k_x or k_b above 0, got 0 for both")
         return self
 
 

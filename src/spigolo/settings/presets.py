@@ -120,12 +120,12 @@ PRESETS = {
 BASES.update(PRESETS)
 
 SUMMARIES = {
-    "OBJECTS": "your own data: the newest of OBJECTS_1, OBJECTS_2, ...",
-    "OBJECTS_1": "fitted to real frames of several sensors; depth contours and support plane",
-    "OBJECTS_2": "the same with parts of an object joined: cups, bowls, boxes that noise cut",
-    "SHELF": "the paper's Rutgers APC: shelves, low light, large shadows (first cost function)",
-    "TABLE": "the paper's RGB-D Scenes: table-tops, nearly full depth (second cost function)",
-    "CLUTTER": "the paper's multiple instances among clutter (second cost function)",
+    "OBJECTS": "for your own data: the newest of OBJECTS_1, OBJECTS_2, ...",
+    "OBJECTS_1": "fitted to real frames of several sensors, with depth contours and support plane",
+    "OBJECTS_2": "like OBJECTS_1, but joins the parts of objects such as cups, bowls and boxes",
+    "SHELF": "the paper's preset for Rutgers APC: shelves, low light, large shadows (first cost function)",
+    "TABLE": "the paper's preset for RGB-D Scenes: table-tops, nearly full depth (second cost function)",
+    "CLUTTER": "the paper's preset for several instances of an object in clutter (second cost function)",
 }
 
 
@@ -148,8 +148,8 @@ def preset(name: str | Path) -> Config:
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is no text"
-        raise ConfigError(f"expected a preset in {path}, but it cannot be read: {reason}") from None
+        reason = getattr(error, "strerror", None) or "the file is not text"
+        raise ConfigError(f"expected a preset in {path}, but the file cannot be read: {reason}") from None
     try:
         return _from_text(text, path)
     except ConfigError as error:
@@ -164,8 +164,8 @@ def _from_text(text: str, path: Path) -> Config:
         config = Config(**values)
         if not values.keys() >= WHOLE:
             raise ConfigError(
-                'expected the line base = "OBJECTS", or another preset to start from, first in a file that holds only'
-                " what differs"
+                'expected base = "OBJECTS" (or another preset) as the first line of a file that does not set all'
+                " parameters: add the line"
             )
         return config
     return base_preset(base).replace(**values)

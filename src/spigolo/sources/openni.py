@@ -86,7 +86,7 @@ class OpenNICamera(LiveSource):
         except Exception as error:  # each module of the binding has its own exception class
             found = [one.decode() for one in self._sdk.Device.enumerate_uris()]
             raise FileError(
-                f"{self.name} does not open ({_told(error)}). Connected: {', '.join(found) or 'none'}"
+                f"{self.name} cannot be opened ({_told(error)}). Connected: {', '.join(found) or 'none'}"
             ) from None
 
     def _stream(self, device: Any, kind: str) -> Any:
@@ -102,8 +102,8 @@ class OpenNICamera(LiveSource):
         if wanted not in modes:
             having = ", ".join(f"{w}x{h} at {fps} Hz" for w, h, fps, form in modes if form == int(pixels))
             raise FileError(
-                f"{self.name} has no {kind} of {own.width}x{own.height} at {own.fps} Hz: choose one of"
-                f" {having or 'none'} with ?width=W&height=H&fps=N"
+                f"{self.name} has no {kind} stream of {own.width}x{own.height} at {own.fps} Hz: choose another one with"
+                f" ?width=W&height=H&fps=N. Available: {having or 'none'}"
             )
         stream = device.create_stream(sensor)
         if _numbers(stream.get_video_mode()) != wanted:

@@ -83,7 +83,9 @@ def _pairs(files: Sequence[Path]) -> list[FramePaths]:
     if len(files) % 2:
         alone = f"expected files in pairs, colour then depth, got {len(files)}: {files[-1]} has no depth image"
         if files[-1].suffix.lower() == ".npz":
-            raise FileError(f"{alone}. A .npz file alone is a frame if it holds the arrays rgb and depth, and best K")
+            raise FileError(
+                f"{alone}. A single .npz file is a frame if it holds the arrays rgb and depth, and preferably K"
+            )
         raise FileError(alone)
     matched = match_by_name(files) if len(files) > 2 else []
     if 2 * len(matched) == len(files):

@@ -24,7 +24,7 @@ class PublishedSource(SizedSource):
         self.entries = guess(folder)
         super().__init__(str(folder), options, len(self.entries))
         if options.camera is None:
-            self.intrinsics = f"those of {type(self.entries).__name__}"
+            self.intrinsics = f"from the data set ({type(self.entries).__name__})"
 
     def __getitem__(self, number: int) -> Frame:
         return self._read(self.entries[number])

@@ -218,7 +218,7 @@ def _start(pipeline: Any, config: Any, name: str) -> Any:
         return pipeline.start(config)
     except RuntimeError as error:
         raise FileError(
-            f"{name} does not start ({error}): choose a size and rate that it has with ?width=W&height=H&fps=N"
+            f"{name} does not start ({error}): choose a size and rate of the camera with ?width=W&height=H&fps=N"
         ) from None
 
 
@@ -226,7 +226,7 @@ def _filters(rs: Any, names: tuple[str, ...]) -> list[Any]:
     """Return the filters of the SDK with the given names. Raises FileError for an unknown name."""
     unknown = next((name for name in names if name not in FILTERS), None)
     if unknown is not None:
-        raise FileError(f"there is no filter {unknown}: expected some of {', '.join(FILTERS)}")
+        raise FileError(f"there is no filter {unknown}: expected one or more of {', '.join(FILTERS)}")
     makers = (
         rs.decimation_filter, rs.threshold_filter, rs.spatial_filter, rs.temporal_filter, rs.hole_filling_filter,
     )  # fmt: skip

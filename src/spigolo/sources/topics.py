@@ -52,12 +52,15 @@ def _guessed(found: Sequence[str], what: str, depth_of: Mapping[str, bool], name
     if not found:
         kind = "depth as 16UC1, mono16 or 32FC1" if what == "depth" else "colour"
         raise FileError(
-            f"expected a topic with {kind} images in {name}, got {', '.join(depth_of) or 'no images'}: name one with"
-            f" {what}=TOPIC"
+            f"expected a topic with {kind} images in {name}, got {', '.join(depth_of) or 'no images'}: give the topic"
+            f" with {what}=TOPIC"
         )
     rank = _color_rank if what == "color" else _depth_rank
     if len(found) > 1 and rank(found[0])[:-1] == rank(found[1])[:-1]:
-        warn(f"{name}: took {found[0]} as {what}, of {', '.join(found)}: name another with {what}=TOPIC")
+        warn(
+            f"{name}: using {found[0]} as {what} topic, found {', '.join(found)}: choose another topic with"
+            f" {what}=TOPIC"
+        )
     return found[0]
 
 

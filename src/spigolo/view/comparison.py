@@ -21,5 +21,5 @@ def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], 
         objects, time = len(answer), f"{1e3 * seconds:.0f} ms" if seconds < 1 else f"{seconds:.1f} s"
         pictures[f"{name}: {objects} objects, {time}"] = region_picture(answer.regions.labels)
     result = answers[ours][0]
-    pictures[f"{ours}: its {len(result)} objects"] = result.overlay()
+    pictures[f"objects of {ours}: {len(result)}"] = result.overlay()
     return tile(pictures, columns=4 if len(pictures) > 6 else 3)

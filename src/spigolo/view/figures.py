@@ -62,7 +62,9 @@ def figure3(frame: Frame, config: Config = SHELF) -> Color:
     pictures = {
         "colour": frame.color,
         "(a) saliency": _grey(saliency),
-        f"(b) its power law, exponent {config.saliency.power:g}": _grey(power_law(saliency, config.saliency.power)),
+        f"(b) saliency after the power law, exponent {config.saliency.power:g}": _grey(
+            power_law(saliency, config.saliency.power)
+        ),
     }
     return tile(pictures, columns=3)
 
@@ -80,7 +82,7 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
     internal = find_edges(frame.color, depth, frame.camera, with_internal)
     edges = find_edges(frame.color, depth, frame.camera, config.edges)
     pictures = {
-        "(a) final edges, internal boundaries too": _lines(internal.final),
+        "(a) final edges with internal boundaries": _lines(internal.final),
         "(b) final edges (eq. 20)": _lines(edges.final),
     }
     for k, window in enumerate(_busiest(segment(frame, OBJECTS), edges)):

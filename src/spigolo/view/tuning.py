@@ -155,7 +155,7 @@ class TuningPage:
             self._times = gui.add_markdown("")
 
     def _build_view(self, gui: viser.GuiApi) -> None:
-        stages = gui.add_dropdown("show", scene.STAGES, hint="Name of the stage to show as a picture.")
+        stages = gui.add_dropdown("show", scene.STAGES, hint="Stage of the method to show as an image.")
         stages.on_update(lambda event: self._show(event.target.value))
         views = gui.add_button_group("look at", VIEWS)
         views.on_click(self._turn)
@@ -166,7 +166,7 @@ class TuningPage:
             self._place.on_update(lambda event: self._go(event.target.value - 1))
         steps = gui.add_button_group("go to", (BACK, ON), visible=several)
         steps.on_click(lambda event: self._move(1 if event.target.value == ON else -1))
-        self._playing = gui.add_checkbox("play", False, hint="Show frame after frame.", visible=several)
+        self._playing = gui.add_checkbox("play", False, hint="Show all frames one after the other.", visible=several)
         self._playing.on_update(lambda _: self.worker.ask())
 
     def _build_presets(self, gui: viser.GuiApi) -> None:

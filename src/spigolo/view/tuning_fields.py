@@ -25,12 +25,12 @@ MAIN = {
     "additions.support.min_height_m": "height above plane (m)",
     "additions.contours.step_m": "depth step (m)",
     "additions.rules.min_contour": "min. contour",
-    "additions.merging.max_mean": "merge up to",
+    "additions.merging.max_mean": "max. boundary to merge",
     "partition.gamma": "region size (gamma)",
     "partition.min_size_px2": "min. region (px²)",
     "additions.rules.max_length_m": "max. length (m)",
     "additions.rules.max_width_m": "max. width (m)",
-    "rejection.max_distance_m": "reach (m)",
+    "rejection.max_distance_m": "max. distance (m)",
 }
 """Names of the most important parameters, in the order of the page, and their labels on the page."""
 

@@ -7,7 +7,7 @@ from spigolo.objects.segmentation import ObjectMask, RejectedRegion
 from spigolo.view.tuning_session import Answer, Session
 
 HINT = "Click an object or any other region, in the picture or the cloud."
-MERGE_HINT = "Now click the other part."
+MERGE_HINT = "Now click the region to merge with."
 
 
 def status(answer: Answer, session: Session) -> str:
@@ -23,13 +23,13 @@ def status(answer: Answer, session: Session) -> str:
     if session.corrections:
         lines.append(f"{count(len(session.corrections), 'correction')} by hand")
     if answer.result.left_out:
-        lines.append(f"No intrinsics: without {', '.join(answer.result.left_out)}.")
+        lines.append(f"No intrinsics. Left out: {', '.join(answer.result.left_out)}.")
     return "  \n".join([*lines[:1], "\n" + "  \n".join([*lines[1:], *(f"⚠ {note}" for note in answer.notes)])])
 
 
 def trouble(error: Exception) -> str:
     """Return the status text for an error."""
-    return f"### ⚠ No answer\n\n{error}"
+    return f"### ⚠ No result\n\n{error}"
 
 
 def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
@@ -50,7 +50,7 @@ def line(region: ObjectMask | RejectedRegion, box: OrientedBox | None) -> str:
 
 def facts(region: ObjectMask | RejectedRegion) -> str:
     """Return a text with the most important measurements of a region."""
-    parts = [f"{region.area_px} px", f"contour {region.contour:.2f}", f"missing {region.missing:.0%}"]
+    parts = [f"{region.area_px} px", f"mean boundary {region.contour:.2f}", f"missing depth {region.missing:.0%}"]
     if region.above is not None:
         parts.append(f"above plane {region.above:.0%}")
     if region.distance_m is not None:
@@ -61,7 +61,7 @@ def facts(region: ObjectMask | RejectedRegion) -> str:
 def times(answer: Answer) -> str:
     """Return the time of each stage as a Markdown table."""
     rows = [f"| {name} | {1000 * spent:.1f} |" for name, spent in answer.stages_s.items()]
-    head = f"**{answer.wall_s * 1000:.0f} ms** for this frame, the picture of the page not counted."
+    head = f"**{answer.wall_s * 1000:.0f} ms** for this frame, without drawing the page."
     return "\n".join([head, "", "| stage | ms |", "|:--|--:|", *rows])
 
 

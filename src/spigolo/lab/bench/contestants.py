@@ -100,7 +100,10 @@ def check_merging(graph: Graph, config: Config) -> None:
     textbook = sort_and_merge(graph, config.partition.gamma)
     if not np.array_equal(ours, textbook):
         differ = np.count_nonzero(ours != textbook)
-        raise SpigoloError(f"expected the regions of the textbook's merging for {config.name}, {differ} pixels differ")
+        raise SpigoloError(
+            f"expected equal regions from our merging and the textbook's merging for {config.name}, got {differ}"
+            " different pixels"
+        )
 
 
 def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:

@@ -95,7 +95,7 @@ class Worker:
         except ValueError:
             answer = None
         if not isinstance(answer, dict):
-            raise FileError(f"expected a Python interpreter in {self.python}, but it ended: {self._last_words()}")
+            raise FileError(f"the Python interpreter {self.python} ended unexpectedly: {self._last_words()}")
         return answer
 
     def _last_words(self) -> str:
@@ -103,7 +103,7 @@ class Worker:
         self._process.wait()
         self._errors.seek(0)
         lines = self._errors.read().strip().splitlines()
-        return lines[-1] if lines else "without a word"
+        return lines[-1] if lines else "no error message"
 
 
 class Peers:
@@ -129,8 +129,8 @@ class Peers:
             if name not in self._home:
                 lacking.setdefault(package, []).append(name)
         return [
-            f"left out: {', '.join(names)}, as {package} is missing: python3 -m venv {DEFAULT_PYTHON.parents[1]} &&"
-            f" {DEFAULT_PYTHON} -m pip install {package}"
+            f"left out: {', '.join(names)}, because {package} is missing: python3 -m venv {DEFAULT_PYTHON.parents[1]}"
+            f" && {DEFAULT_PYTHON} -m pip install {package}"
             for package, names in lacking.items()
         ]
 

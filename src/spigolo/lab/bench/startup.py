@@ -59,7 +59,7 @@ def measure_startup(frame: Frame, repeats: int, cold: bool, tell: Tell = silent)
             tell("start of a new process", k / (repeats + cold))
             samples.append(_start(words))
         if cold:
-            tell("start with nothing compiled", repeats / (repeats + 1))
+            tell("start without compiled kernels", repeats / (repeats + 1))
         cold_s = _start(words, folder / "cache")[0] if cold else None
     totals, opencv = zip(*samples, strict=True)
     return Startup(statistics.median(totals), statistics.median(opencv), cold_s, samples)

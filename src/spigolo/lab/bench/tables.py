@@ -12,7 +12,7 @@ from spigolo.lab.bench.stages import PARTS, STAGES
 from spigolo.lab.page import Page, Table, cells, to_markdown
 
 Row = tuple[str, ...]
-PAIRED = "CPU time; median of the ratios within each round."
+PAIRED = "Ratios of CPU times, computed in each round. The table gives the median over the rounds."
 
 
 def tables(report: Report) -> Iterator[Table]:
@@ -50,7 +50,7 @@ def times_table(contest: Contest) -> Table:
         (name, _ms(s.cpu_ms), _ms(s.cpu_min_ms), _ms(s.wall_ms), _ms(s.wall_min_ms))
         for name, s in contest.summaries.items()
     ]
-    header = ("ms", "CPU, median", "CPU, least", "wall, median", "wall, least")
+    header = ("ms", "CPU, median", "CPU, minimum", "wall, median", "wall, minimum")
     rounds = len(next(iter(contest.samples.values())))
     return _table(f"{_title(contest)}, one thread, {rounds} rounds", header, rows)
 
@@ -63,7 +63,7 @@ def ratio_table(contest: Contest) -> Table:
     ratios = {(pair.ours, pair.peer): pair.ratio for pair in contest.comparisons if pair.ours in CONFIGS}
     peers = list(dict.fromkeys(peer for _, peer in ratios))
     rows = [(name, *(f"{ratios[name, peer]:.2f}" for peer in peers)) for name in CONFIGS]
-    return _table(f"{_title(contest)}: how many times our time they take", ("ours", *peers), rows, PAIRED)
+    return _table(f"{_title(contest)}: time relative to ours", ("ours", *peers), rows, PAIRED)
 
 
 def overall_table(contests: Sequence[Contest]) -> Table:
@@ -72,15 +72,15 @@ def overall_table(contests: Sequence[Contest]) -> Table:
     for pair in (pair for contest in contests for pair in contest.comparisons):
         ratios.setdefault((pair.ours, pair.peer), []).append(pair.ratio)
     rows = [(*pair, f"{median(r):.2f}", f"{min(r):.2f}", f"{max(r):.2f}") for pair, r in ratios.items()]
-    header = ("ours", "theirs", "how many times our time, median", "least", "most")
-    return _table(f"All {len(contests)} frames", header, rows, "Over the frames, of each frame's ratio.", text=2)
+    header = ("ours", "theirs", "time relative to ours, median", "minimum", "maximum")
+    return _table(f"All {len(contests)} frames", header, rows, "Statistics over the ratios of the frames.", text=2)
 
 
 def parts_table(contest: Contest) -> Table:
     """Return the table that compares single steps, such as saliency, with the same steps of other libraries."""
     rows = [(pair.ours, pair.peer, f"{pair.ratio:.2f}") for pair in contest.comparisons if pair.ours not in CONFIGS]
     title = f"{_title(contest)}: parts"
-    return _table(title, ("ours", "theirs", "how many times our time"), rows, PAIRED, text=2)
+    return _table(title, ("ours", "theirs", "time relative to ours"), rows, PAIRED, text=2)
 
 
 def growth_table(report: Report) -> Table:
@@ -98,10 +98,10 @@ def growth_table(report: Report) -> Table:
         for name, g in report.growth.items()
     ]
     note = (
-        f"{report.contests[0].frame} rescaled. Behind an exponent: root mean square distance of the times from the fit."
+        f"{report.contests[0].frame} rescaled. After ±: root mean square distance of the times from the fit."
         " Last column: time per pixel at 1920x1080 relative to 640x480."
     )
-    return _table("Time against pixels", header, rows, note)
+    return _table("Time against number of pixels", header, rows, note)
 
 
 def stage_table(report: Report) -> Table:
@@ -123,8 +123,14 @@ def memory_table(report: Report) -> Table:
         m = report.memory[name]
         figures = (m.workspace, m.frame, m.answer, m.workspace + m.frame - m.answer)
         rows.append((name, *(f"{figure:.0f}" for figure in figures)))
-    header = ("bytes a pixel", "workspace, kept", "a frame's peak, on top", "the answer's part of it", "without that")
-    return _table("Memory", header, rows, "Temporaries inside OpenCV's functions are not seen.")
+    header = (
+        "bytes per pixel",
+        "workspace, kept",
+        "peak per frame, added",
+        "result, part of the peak",
+        "sum without result",
+    )
+    return _table("Memory", header, rows, "Temporary arrays inside OpenCV functions are not counted.")
 
 
 def rest_table(report: Report) -> Table:
@@ -132,15 +138,15 @@ def rest_table(report: Report) -> Table:
     t, s = report.throughput, report.startup
     rows = [
         ("one thread", f"{median(t.one_thread):.1f} frames/s"),
-        ("two threads, a Segmenter each", f"{median(t.two_threads):.1f} frames/s, {t.ratio:.2f} times that"),
+        ("two threads, one Segmenter each", f"{median(t.two_threads):.1f} frames/s, {t.ratio:.2f} times one thread"),
     ]
     if report.latency is not None:
         la = report.latency
         figures = f"median {la.median_ms:.1f} ms, 99 % within {la.p99_ms:.1f} ms, worst {la.worst_ms:.1f} ms"
         rows.append((f"{la.frames} frames in a row", figures))
-    rows.append(("a new process to its first labels", f"{s.warm_s:.2f} s, {s.opencv_s:.2f} s of it import cv2"))
+    rows.append(("new process until its first labels", f"{s.warm_s:.2f} s, of which {s.opencv_s:.2f} s import cv2"))
     if s.cold_s is not None:
-        rows.append(("the same, nothing compiled yet", f"{s.cold_s:.1f} s"))
+        rows.append(("the same, without compiled kernels", f"{s.cold_s:.1f} s"))
     return _table(f"Throughput, latency, start-up ({MAIN})", ("wall time", ""), rows, text=2)
 
 

@@ -112,7 +112,7 @@ class BopImage(Entry):
             mask = read_labels(path)
             labels = np.zeros(mask.shape, np.int32) if labels is None else labels
             if mask.shape != labels.shape:
-                raise FrameError(f"expected masks of one size, got another in {path}")
+                raise FrameError(f"expected masks of the same size, got another size in {path}")
             labels[mask > 0] = label
         assert labels is not None
         return labels
@@ -162,7 +162,7 @@ class Bop(DataSet):
             except (KeyError, TypeError, ValueError, OverflowError):
                 raise FileError(
                     f"expected nine numbers cam_K in {scene}/scene_camera.json, and obj_id, nine numbers cam_R_m2c and"
-                    f" three cam_t_m2c of each object in scene_gt.json, got something else for image {key}"
+                    f" three cam_t_m2c of each object in scene_gt.json, got other content for image {key}"
                 ) from None
             labelling: Labelling = self._labelled(data_set) if poses else "none"
             color = colors.get(image, scene / "rgb" / f"{image:06d}.png")

@@ -40,7 +40,7 @@ def write_models(folder: Path, models: Sequence[Model]) -> None:
 def write_description(folder: Path, models: Sequence[Model], about: str) -> None:
     """Write dataset_info.md with a description of the data set and a list of its objects."""
     objects = [f"- {obj_id}: {model.name}" for obj_id, model in enumerate(models, start=1)]
-    lines = [f"# {folder.name}: rendered frames, no photographs", "", about, "", "Objects:", "", *objects, ""]
+    lines = [f"# {folder.name}: rendered frames", "", about, "", "Objects:", "", *objects, ""]
     write_bytes(folder / "dataset_info.md", "\n".join(lines).encode())
 
 
@@ -62,7 +62,7 @@ class SceneFiles:
         """
         frame, key = sample.frame, str(image)
         if frame.camera is None or key in self._cameras:
-            raise FrameError(f"expected frame {frame.name} once in its scene and with a camera, got another")
+            raise FrameError(f"expected frame {frame.name} with a camera and only once in its scene")
         unit_mm = FINE_MM if frame.depth.max() < FULL * FINE_MM * MILLIMETRES else COARSE_MM
         stored = np.round(frame.depth / (unit_mm * MILLIMETRES)).clip(0, FULL).astype(np.uint16)
         write_png(self._folder / f"rgb/{image:06d}.png", frame.color)

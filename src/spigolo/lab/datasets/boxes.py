@@ -44,7 +44,7 @@ def read_boxes(path: Path, number: int) -> tuple[ObjectBox, ...]:
     """
     frames = _read_all(path)
     if not 1 <= number <= len(frames):
-        raise FileError(f"expected boxes of frame {number} in {path}, got those of {len(frames)} frames")
+        raise FileError(f"expected boxes of frame {number} in {path}, got boxes of {len(frames)} frames")
     return frames[number - 1]
 
 

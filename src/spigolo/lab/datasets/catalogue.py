@@ -108,8 +108,8 @@ KNOWN_SETS = (
     ),
     KnownSet(
         "mosd",
-        "OSD with labels mended near edges (Alexandrov), as clouds",
-        "that of OSD",
+        "OSD with corrected labels near edges (Alexandrov), as point clouds",
+        "as for OSD",
         "111 frames",
         "github.com/PointCloudLibrary/data, segmentation/mOSD",
     ),

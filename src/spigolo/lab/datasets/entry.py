@@ -79,7 +79,7 @@ class Entry(ABC):
             try:
                 value = zlib.crc32(path.read_bytes(), value)
             except OSError as error:
-                raise FileError(f"expected {path}, but it cannot be read: {error.strerror or error}") from None
+                raise FileError(f"expected {path}, but the file cannot be read: {error.strerror or error}") from None
         return f"{value:08x}"
 
     @abstractmethod
@@ -164,7 +164,7 @@ class DataSet(ABC):
 
     layout: ClassVar[str]
     """Description of the file layout, for error messages."""
-    mend: ClassVar[str] = "fetch or unpack the set again"
+    mend: ClassVar[str] = "fetch or unpack the data set again"
     """Advice in the error message for a missing file."""
 
     def __init__(self, folder: Path | str, full: Sequence[str] = FULL_SETS) -> None:
@@ -229,7 +229,7 @@ class DataSet(ABC):
             return usual, scale
         camera, own = read_camera(path, usual.width, usual.height)
         if camera.distortion:
-            raise FileError(f"expected a camera without distortion in {path}, got one with: undistort the images first")
+            raise FileError(f"expected a camera without distortion in {path}: undistort the images first")
         if own is not None:
             check_scale(own, path)
         return camera, scale if own is None else own
@@ -247,7 +247,7 @@ def _require_files(entries: Iterable[Entry], mend: str) -> None:
     lacking = [(entry, path) for entry in entries for path in entry.files if not path.is_file()]
     if lacking:
         entry, path = lacking[0]
-        more = f" ({len(lacking)} files are missing in all)" if len(lacking) > 1 else ""
+        more = f" ({len(lacking)} missing files in all)" if len(lacking) > 1 else ""
         raise FileError(
             f"expected {path} with frame {entry.name} of {entry.data_set}, but there is no such file{more}: {mend}"
         )

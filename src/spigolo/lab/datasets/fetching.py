@@ -42,11 +42,11 @@ def fetch(known: KnownSet, to: Path, tell: Tell | None = None) -> Path:
     """
     target = to / known.name
     if target.exists():
-        raise FileError(f"expected no {target} yet, but it is there: remove it to fetch {known.name} again")
+        raise FileError(f"expected no folder {target}, but the folder exists: remove it to fetch {known.name} again")
     if not known.archives:
         raise FileError(
-            f"expected a set whose files have a known hash, got {known.name}: fetch it yourself from where it is"
-            f" published ({known.home}), then give its folder to `spigolo evaluate`"
+            f"expected a data set with a known hash, got {known.name}: download the data set yourself"
+            f" ({known.home}), then give its folder to `spigolo evaluate`"
         )
     _pooch()
     try:
@@ -74,8 +74,8 @@ def _download(archive: Archive, to: Path, tell: Tell | None) -> Path:
         return Path(pooch.retrieve(archive.url, known, archive.file_name, to, downloader=download))
     except ValueError:  # raised by pooch for a wrong hash
         raise FileError(
-            f"expected a file with SHA-256 {archive.sha256} from {archive.url}, got another one: nothing of it is kept;"
-            " it may have been changed there"
+            f"expected a file with SHA-256 {archive.sha256} from {archive.url}, got a different file, which was"
+            " deleted: the file on the server may have changed"
         ) from None
 
 
@@ -89,13 +89,13 @@ def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
         except urllib.error.HTTPError as error:
             if error.code == http.HTTPStatus.REQUESTED_RANGE_NOT_SATISFIABLE and partial.exists():
                 return  # complete
-            raise FileError(f"expected {url}, but the server answers {error.code} {error.reason}") from None
+            raise FileError(f"expected {url}, but the server answered {error.code} {error.reason}") from None
         except (OSError, http.client.HTTPException) as error:
             reason = getattr(error, "reason", None) or error
         if attempt == ATTEMPTS:
             size = partial.stat().st_size if partial.exists() else 0
             raise FileError(
-                f"expected {url}, but after {size} bytes: {reason}. Run the same again: it goes on from there"
+                f"the download of {url} stopped after {size} bytes: {reason}. Run the same command again to continue"
             )
 
 

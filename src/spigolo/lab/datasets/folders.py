@@ -75,8 +75,8 @@ class FrameFolder(Entry):
         ignore = labels == self.ignore_label
         if self.ignore_label == IGNORE_LABEL and set(np.unique(labels).tolist()) == {0, IGNORE_LABEL}:
             warn(
-                f"{self.folder / 'label.png'} holds 0 and 255 alone, and 255 is the ignored label: nothing is labelled."
-                " Store objects as 1..N, or another ignore_label in info.json"
+                f"{self.folder / 'label.png'} holds only 0 and 255, and 255 is the ignored label: no object is"
+                " labelled. Store objects as 1..N, or another ignore_label in info.json"
             )
         camera = self._distorting_camera(labels.shape[1], labels.shape[0])
         if camera is not None and (camera.height, camera.width) == labels.shape:
@@ -100,7 +100,7 @@ class Folders(DataSet):
     """Data set with one folder per frame."""
 
     layout = "SET/FRAME/ with rgb.png, depth.png and camera.json"
-    mend = "put it there, or take the frame's folder away"
+    mend = "add the file, or remove the folder of the frame"
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
@@ -147,7 +147,7 @@ def _groups(root: Path) -> Mapping[str, str]:
     groups = [[str(name) for name in members] for members in groups]
     absent = [name for members in groups for name in members if _is_absent(root, name)]
     if absent:
-        warn(f"{root / 'splits.json'} names {absent[0]}, but no frame is called so: write SET/FRAME")
+        warn(f"{root / 'splits.json'} names {absent[0]}, but there is no such frame: write SET/FRAME")
     return {name: members[0] for members in groups for name in members}
 
 

@@ -76,8 +76,8 @@ def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SET
             other = found.setdefault((entry.data_set, entry.name), entry)
             if other != entry:
                 raise FileError(
-                    f"expected one frame {entry.data_set}/{entry.name}, got {other.files[0]} and {entry.files[0]}:"
-                    " rename one set"
+                    f"expected only one frame {entry.data_set}/{entry.name}, got {other.files[0]} and"
+                    f" {entry.files[0]}: rename one of the data sets"
                 )
     return [found[key] for key in sorted(found)]
 

@@ -15,7 +15,7 @@ def read_mapping(path: Path) -> Mapping[str, Any]:
     try:
         values = json.loads(path.read_text(encoding="utf-8-sig"))
     except (OSError, ValueError, RecursionError) as error:
-        raise FileError(f"expected JSON in {path}, but it cannot be read: {error}") from None
+        raise FileError(f"expected JSON in {path}, but the file cannot be read: {error}") from None
     if not isinstance(values, Mapping):
         raise FileError(f"expected an object with fields in {path}, got {type(values).__name__}")
     return values

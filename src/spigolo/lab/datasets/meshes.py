@@ -27,11 +27,11 @@ def read_model(path: Path, unit_m: float = 1.0) -> Model:
     try:
         mesh = trimesh.load_mesh(str(path), process=False)
     except Exception as error:  # readers of the formats may raise any exception
-        raise FileError(f"expected a triangle mesh in {path}, but it cannot be read: {error}") from None
+        raise FileError(f"expected a triangle mesh in {path}, but the file cannot be read: {error}") from None
     vertices = np.asarray(getattr(mesh, "vertices", ()), np.float64)
     triangles = np.asarray(getattr(mesh, "faces", ()), np.int32)
     if not triangles.size:
-        raise FileError(f"expected a triangle mesh in {path}, got one without triangles")
+        raise FileError(f"expected a triangle mesh in {path}, got a mesh without triangles")
     if triangles.min() < 0 or triangles.max() >= len(vertices) or not np.isfinite(vertices).all():
         raise FileError(
             f"expected a triangle mesh in {path}, got triangles with corners that do not exist: the file is damaged"

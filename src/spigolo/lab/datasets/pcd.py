@@ -34,7 +34,7 @@ def read_pcd(path: Path) -> npt.NDArray[Any]:
         return _records(header, body, shape[0] * shape[1]).reshape(shape)
     except (OSError, ValueError, KeyError, IndexError, ArithmeticError, MemoryError, struct.error) as error:
         reason = getattr(error, "strerror", None) or error
-        raise FileError(f"expected a point cloud in {path}, but it cannot be read: {reason}") from None
+        raise FileError(f"expected a point cloud in {path}, but the file cannot be read: {reason}") from None
 
 
 def colors_of(points: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
@@ -55,8 +55,8 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
         fy, cy, y_off = _line(points["y"][seen] / z, y)
     if not max(x_off, y_off) <= MAX_MISFIT_PX:
         raise CameraError(
-            f"expected an organised cloud, a point for each of {width}x{height} pixels of a pinhole camera, got points"
-            f" {max(x_off, y_off):.1f} px off"
+            f"expected an organised point cloud, with a point for each of {width}x{height} pixels of a pinhole camera,"
+            f" got points up to {max(x_off, y_off):.1f} px beside their pixels"
         )
     return Camera(fx, fy, cx, cy, width, height)
 
@@ -78,7 +78,7 @@ def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
     while "DATA" not in header:
         line, newline, data = data.partition(b"\n")
         if not newline:
-            raise ValueError("it has no line DATA")
+            raise ValueError("the file has no line DATA")
         key, *values = line.decode("ascii", "replace").split() or ["#"]
         header[key] = values
     return header, data
@@ -99,7 +99,7 @@ def _records(header: dict[str, list[str]], body: bytes, count: int) -> npt.NDArr
         return _from_columns(record, [column.astype(np.float64) for column in words.T], count)
     if form == "binary_compressed":
         return _from_planes(record, _unpacked(body), count)
-    raise ValueError(f"DATA is {form}, none of ascii, binary, binary_compressed")
+    raise ValueError(f"DATA is {form} instead of ascii, binary or binary_compressed")
 
 
 def _from_columns(record: np.dtype[Any], columns: list[npt.NDArray[np.float64]], count: int) -> npt.NDArray[Any]:
@@ -126,5 +126,5 @@ def _unpacked(body: bytes) -> npt.NDArray[np.uint8]:
     packed = np.frombuffer(body, np.uint8, packed_size, 8).copy()  # kernels do not accept read-only arrays
     out = np.zeros(size, np.uint8)
     if not unpack_lzf(packed, out):
-        raise ValueError("its packed points are damaged")
+        raise ValueError("the compressed points are damaged")
     return out

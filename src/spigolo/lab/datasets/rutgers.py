@@ -90,7 +90,7 @@ def read_pose(path: Path) -> list[Pose]:
             raise ValueError("not all numbers are finite")
     except (OSError, ValueError, TypeError, KeyError, OverflowError, RecursionError):
         raise FileError(
-            f"expected {ROTATION} as an OpenCV matrix and {TRANSLATION} as three numbers in {path}, got something else"
+            f"expected {ROTATION} as an OpenCV matrix and {TRANSLATION} as three numbers in {path}, got other content"
         ) from None
     return [pose]
 

@@ -82,7 +82,7 @@ def read_poses(path: Path) -> list[Pose]:
         poses = np.array(numbers, np.float64).reshape(int(count), 4, 4)
     except (OSError, ValueError):
         raise FileError(
-            f"expected the number of instances and 16 numbers for each in {path}, got something else"
+            f"expected the number of instances and 16 numbers for each in {path}, got other content"
         ) from None
     return list(poses)
 

@@ -101,7 +101,7 @@ def _text(path: Path) -> str:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise FileError(f"expected a list in {path}, but it cannot be read: {error.strerror or error}") from None
+        raise FileError(f"expected a list in {path}, but the file cannot be read: {error.strerror or error}") from None
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         return data.decode("utf-16", errors="replace")
     if b"\0" in data[:4]:

@@ -205,7 +205,9 @@ class _Images:
 def _parts(sample: Sample, pattern: str, shape: str) -> tuple[str, str]:
     found = re.fullmatch(pattern, sample.frame.name)
     if found is None:
-        raise FrameError(f"expected a frame named {shape}, got {sample.frame.name!r}: its name is its place in the set")
+        raise FrameError(
+            f"expected a frame named {shape}, got {sample.frame.name!r}: the name becomes the path in the data set"
+        )
     return found[1], found[2]
 
 

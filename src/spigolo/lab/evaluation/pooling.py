@@ -185,7 +185,7 @@ def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
 
 def _check(rows: Sequence[Row]) -> None:
     if not rows:
-        raise ValueError("expected rows to put together, got none: evaluate some frames")
+        raise ValueError("expected at least one row, got none: evaluate some frames")
     counts = Counter((row.data_set, row.frame) for row in rows)
     (data_set, frame), most = counts.most_common(1)[0]
     if most > 1:

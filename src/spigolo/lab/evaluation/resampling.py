@@ -124,7 +124,9 @@ def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = N
         raise ValueError(f"expected at least two data sets to leave one out, got {len(names)}: add frames")
     alike = list(range(len(sets))) if groups is None else groups
     if len(alike) != len(sets):
-        raise ValueError(f"expected a group per frame, got {len(alike)} for {len(sets)}: give both in one order")
+        raise ValueError(
+            f"expected one group per frame, got {len(alike)} groups for {len(sets)} frames: give both in the same order"
+        )
     return [_split(name, len(sets), [i for i, s in enumerate(sets) if s == name], alike) for name in names]
 
 

@@ -226,7 +226,7 @@ def read_rows(path: Path | str) -> list[Row]:
     try:
         data = Path(path).read_bytes()
     except OSError as error:
-        raise FileError(f"expected rows in {path}, but it cannot be read: {error.strerror or error}") from None
+        raise FileError(f"expected rows in {path}, but the file cannot be read: {error.strerror or error}") from None
     return _parse(data[: data.rfind(b"\n") + 1], path)
 
 
@@ -240,8 +240,8 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
             where = ".".join(map(str, first["loc"]))
             what = f"{where}: {first['msg']}" if where else first["msg"]
             raise FileError(
-                f"expected a row as `spigolo evaluate` writes it in line {number} of {path}, got {what}:"
-                " remove the line, or give a file of rows"
+                f"expected a row of `spigolo evaluate` in line {number} of {path}, got {what}:"
+                " remove the line, or give another file"
             ) from None
     return rows
 

@@ -87,8 +87,8 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
         return found
     known = "; ".join(f"{c.label} ({c.which[1]})" for c in contenders)
     raise ConfigError(
-        f"expected the label or digest of one method in the rows, or a file, got {name!r}, which fits"
-        f" {len(found) or 'none'} of them: {known}"
+        f"expected a file, or the label or digest of one method, got {name!r}, which matches"
+        f" {len(found) or 'none'} of the methods: {known}"
     )
 
 

@@ -23,13 +23,13 @@ def limitations(contenders: Sequence[Contender]) -> list[str]:
         *_size(groups),
         *_coverage(contenders, rows),
         *_failures(contenders),
-        "Rows do not say which frames a preset was fitted to; its figures on those flatter it, and only frames left out"
-        " tell what it does on new ones.",
-        f"Not a comparison with learned methods: the rows hold {_list(methods)} alone.",
-        "The interval of the found share takes objects as independent, though those of one frame share its light, view"
-        " and camera; it is rather too narrow.",
-        "Times are CPU times of one run per frame, measured while other programs may have run, after one run that was"
-        " not timed.",
+        "The report does not know which frames a preset was fitted to. The values on these frames are too good. Only"
+        " held-out frames show the quality on new frames.",
+        f"The report does not compare with learned methods. It contains only {_list(methods)}.",
+        "The interval of the found share assumes that objects are independent. The objects of one frame share light,"
+        " view and camera, so the interval is too narrow.",
+        "Times are CPU times of one run per frame, after one run that was not timed. Other programs may have run at the"
+        " same time.",
         *_mixed(rows),
     ]
 
@@ -39,28 +39,28 @@ def _labelling(rows: Sequence[Row]) -> list[str]:
     told = []
     if part:
         told.append(
-            f"{_list(part)}: only some objects are labelled. Such frames cannot show precision, since a segment on an"
-            " unlabelled object is not wrong; overlap P and F, boundary F and false objects are left out."
+            f"{_list(part)}: only some objects are labelled. Precision cannot be measured, because a segment on an"
+            " unlabelled object is not wrong. Overlap P and F, boundary F and false objects are left out."
         )
     if none:
-        told.append(f"{_list(none)}: no labels; such frames show time and the number of predicted objects alone.")
+        told.append(f"{_list(none)}: no labels. Only the time and the number of predicted objects are measured.")
     return told
 
 
 def _size(groups: dict[str, str]) -> list[str]:
     if not groups:
-        return ["No frame has labels: nothing is said about accuracy."]
+        return ["No frame has labels: the report does not measure accuracy."]
     count = Counter(groups.values())
     few = sorted(name for name, n in count.items() if n < FEW_GROUPS)
     biggest, most = count.most_common(1)[0]
     told = [
-        f"{len(groups)} distinct labelled frames of {len(count)} data sets: rooms, cameras and objects of few places."
+        f"{len(groups)} distinct labelled frames of {len(count)} data sets show only a few rooms, cameras and objects."
     ]
     if few:
-        told.append(f"Fewer than {FEW_GROUPS} distinct frames in {_list(few)}: read these figures as examples.")
+        told.append(f"Fewer than {FEW_GROUPS} distinct frames in {_list(few)}: these values are only examples.")
     if len(count) > 1 and most > MOST * len(groups):
         told.append(
-            f"{biggest} has {most} of the {len(groups)} distinct frames, so that the pooled figures are mostly its."
+            f"{biggest} has {most} of the {len(groups)} distinct frames, so this data set dominates the pooled values."
         )
     return told
 
@@ -71,9 +71,7 @@ def _coverage(contenders: Sequence[Contender], rows: Sequence[Row]) -> list[str]
     short = [f"{label} lacks {n}" for label, n in lacking.items() if n]
     if not short:
         return []
-    return [
-        f"Not every method ran on all {len(every)} frames ({'; '.join(short)}): compare by the table of differences."
-    ]
+    return [f"Not every method ran on all {len(every)} frames ({'; '.join(short)}): use the table of differences."]
 
 
 def _failures(contenders: Sequence[Contender]) -> list[str]:
@@ -82,9 +80,9 @@ def _failures(contenders: Sequence[Contender]) -> list[str]:
         failed = [row for row in contender.rows if row.error is not None]
         if failed:
             told.append(
-                f"{contender.label} failed on {len(failed)} frames, which are scored as if it had found nothing, or"
-                f" left out where the labels could not be read. First: {failed[0].data_set}/{failed[0].frame}:"
-                f" {failed[0].error}"
+                f"{contender.label} failed on {len(failed)} frames. They are scored as frames without predicted"
+                " objects, or left out if the labels could not be read. First:"
+                f" {failed[0].data_set}/{failed[0].frame}: {failed[0].error}"
             )
     return told
 
@@ -92,9 +90,9 @@ def _failures(contenders: Sequence[Contender]) -> list[str]:
 def _mixed(rows: Sequence[Row]) -> list[str]:
     told = []
     if len({row.machine for row in rows}) > 1:
-        told.append("The rows come from several machines or versions of libraries: do not compare their times.")
+        told.append("The results come from several machines or library versions: do not compare the times.")
     if len({row.version for row in rows}) > 1:
-        told.append("The rows come from several versions of spigolo.")
+        told.append("The results come from several versions of spigolo.")
     return told
 
 

@@ -69,7 +69,7 @@ def lost_objects(losses: Sequence[Loss]) -> Table:
     rows = [
         (f"{x.data_set}/{x.frame}", str(x.fate.label), x.fate.cause.value, f"{x.fate.iou:.2f}", x.why) for x in lost
     ]
-    return Table(("frame", "object", "cause", "IoU", "region rejected as"), cells(rows), names=5)
+    return Table(("frame", "object", "cause", "IoU", "reason for rejection"), cells(rows), names=5)
 
 
 def share_found(losses: Sequence[Loss]) -> float:

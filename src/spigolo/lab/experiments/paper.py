@@ -100,8 +100,8 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
     if not measured:
         known = ", ".join(printed.data_set for printed in TABLES)
         raise FileError(
-            f"expected rows of {known}, or of their stand-ins, got none: evaluate one of them, or stand-ins of"
-            " `spigolo render FAMILY --layout original`"
+            f"expected rows of {known}, or of their stand-ins, got none: evaluate one of these data sets, or stand-ins"
+            " of `spigolo render FAMILY --layout original`"
         )
     return measured
 
@@ -121,8 +121,8 @@ def _measure(contenders: Sequence[Contender], printed: Printed, rendered: bool) 
     order = sorted(held, key=lambda label: held[label][0].which != ours)
     if held[order[0]][0].which != ours:
         raise FileError(
-            f"expected rows of toscana2016 with preset {printed.preset} on {name} for Table {printed.number}, got those"
-            f" of {', '.join(order)}: `spigolo evaluate FOLDER --presets {printed.preset}` into the same file"
+            f"expected rows of toscana2016 with preset {printed.preset} on {name} for Table {printed.number}, got rows"
+            f" of {', '.join(order)}: run `spigolo evaluate FOLDER --presets {printed.preset}` with the same --out"
         )
     tallies = {label: _tally(held[label][1], printed) for label in order}
     reference = next((label for label in order if held[label][0].which[0] == printed.beside), None)
@@ -146,8 +146,8 @@ def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
     assert score is not None
     if not len(score.names) == len(score.covered) == score.n_objects:
         raise FileError(
-            f"expected names of the objects in the row of {row.data_set}/{row.frame}, got one of spigolo {row.version}"
-            " without them: evaluate again into a new file"
+            f"expected the names of the objects in the row of {row.data_set}/{row.frame}, got a row of spigolo"
+            f" {row.version} without names: evaluate the frames again into a new file"
         )
     for name, covered, by_region in zip(score.names, score.covered, score.covered_by_regions, strict=True):
         place = printed.place(row.frame, name)
@@ -213,18 +213,18 @@ def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
 
 
 def _about(measured: Measured) -> str:
-    kind = "rendered frames, no photographs" if measured.rendered else "frames"
+    kind = "rendered frames" if measured.rendered else "frames"
     return f"{measured.n_frames} {kind}. {measured.printed.note}"
 
 
 def _explanations(measured: Sequence[Measured]) -> list[str]:
-    stand_in = "On a rendered stand-in a figure says how this code does there, and nothing about the printed one."
+    stand_in = "Values measured on rendered stand-ins cannot be compared with the printed values."
     return [
-        "Found: one returned object covers more than 70 % of the object's pixels, whatever else it covers. In the"
-        " regions: the same by any region, rejected ones as well; the paper does not say which of the two it counts. A"
-        " region that holds half the scene covers whatever lies in it.",
-        "Printed: Toscana and Rosa 2016, whose masks were drawn by hand. Each object of each frame counts once.",
-        "– : there is no such object in these frames.",
+        "Found: one returned object covers more than 70 % of the object's pixels. It may also cover other pixels. In"
+        " its regions: the same for any region, including rejected regions. The paper does not say which of the two it"
+        " counts. A region with half of the scene covers every object inside.",
+        "Printed: values of Toscana and Rosa 2016, with masks drawn by hand. Each object of each frame counts once.",
+        "– : these frames have no such object.",
         *([stand_in] if any(one.rendered for one in measured) else []),
     ]
 

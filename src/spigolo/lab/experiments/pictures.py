@@ -114,7 +114,11 @@ def _caption(row: Row, then: RowScore, now: RowScore) -> str:
     figure = f"F {then.overlap_f:.2f}" if row.labelling == "full" else f"recall {then.overlap_recall:.2f}"
     found = f"{then.true_positives} of {then.n_objects} objects found"
     false = f", {then.false_positives} false" if row.labelling == "full" else ""
-    changed = "" if abs(then.overlap_f - now.overlap_f) < SAME_F else "; the picture shows another answer than the row"
+    changed = (
+        ""
+        if abs(then.overlap_f - now.overlap_f) < SAME_F
+        else ". The image shows a new result, which differs from the scored result"
+    )
     return f"{row.data_set}/{row.frame}: {figure}, {found}{false}{changed}"
 
 

@@ -99,7 +99,8 @@ TABLES = (
             ("Run_3", ALL): Figure("75.6", objects=121),
         },
         _run,
-        note="A run: so many objects in the bin. The set has the pose of one object in each frame, which alone counts.",
+        note="The number of a run is the number of objects in the bin. The data set gives the pose of one object per"
+        " frame, and only this object counts.",
     ),
     Printed(
         "II",
@@ -113,8 +114,8 @@ TABLES = (
         },
         _scene,
         beside="mishra2012",
-        note="In parentheses Mishra et al. 2012: printed by their rule of 50 % and with the camera's pose, measured by"
-        " the rule of 70 % and without it.",
+        note="In parentheses: Mishra et al. 2012. Their printed values require 50 % coverage and use the camera's pose."
+        " The measured values require 70 % and do not use the pose.",
     ),
     Printed(
         "III",
@@ -128,6 +129,6 @@ TABLES = (
             ("Camera", ALL): Figure("96.3", objects=894),
         },
         _object,
-        note="The instances of the one object of a scene count, nothing else.",
+        note="Only the instances of the one object of each scene count.",
     ),
 )

@@ -79,7 +79,7 @@ def _opening(contenders: Sequence[Contender], rows: Sequence[Row]) -> list[Block
 
 def _accuracy(contenders: Sequence[Contender]) -> list[Block]:
     pooled = pooled_table(contenders)
-    together: list[Block] = [Heading("Accuracy and time, sets together"), pooled] if pooled.rows else []
+    together: list[Block] = [Heading("Accuracy and time, all data sets together"), pooled] if pooled.rows else []
     return [*together, Heading("Accuracy and time, by data set"), set_table(contenders)]
 
 
@@ -91,8 +91,9 @@ def _differences(contenders: Sequence[Contender], references: Sequence[Contender
     return [
         Heading(f"Differences to {' and '.join(c.label for c in references)}"),
         Paragraph(
-            "On the frames that both have, with a paired 95 % interval. Bold: the interval leaves out zero, on"
-            f" {FEW_GROUPS} distinct frames or more. Of many intervals some leave it out by chance."
+            "Differences on the frames that both methods have, with a paired 95 % interval. Bold: the interval does not"
+            f" include zero, on at least {FEW_GROUPS} distinct frames. Among many intervals, some exclude zero by"
+            " chance."
         ),
         table,
     ]
@@ -112,15 +113,15 @@ def _worst(contenders: Sequence[Contender], frames: Sequence[Entry], out: Path, 
         pictures = draw_worst(contender, folders, out, tell)
         if pictures:
             unfolded = not any(isinstance(block, Gallery) for block in galleries)
-            galleries.append(Gallery(f"{contender.label}: the {len(pictures)} worst", pictures, unfolded))
+            galleries.append(Gallery(f"{contender.label}: the {len(pictures)} worst frames", pictures, unfolded))
         else:
-            galleries.append(Paragraph(f"{contender.label}: no pictures, as {_why_none(contender, folders)}."))
+            galleries.append(Paragraph(f"{contender.label}: no images, because {_why_none(contender, folders)}."))
     return [
         Heading("Worst frames"),
         Paragraph(
-            "By overlap F where every object is labelled, by overlap recall elsewhere; of near-identical frames the"
-            " worst. Left: the predicted objects. Right: the labelled objects, green where one predicted object has IoU"
-            " above 0.7, red where none has; hatched: ignored."
+            "Frames with the lowest overlap F if every object is labelled, otherwise with the lowest overlap recall. Of"
+            " near-identical frames, only the worst is shown. Left: the predicted objects. Right: the labelled objects,"
+            " green if a predicted object has IoU above 0.7, otherwise red. Hatched: ignored pixels."
         ),
         *galleries,
     ]
@@ -129,24 +130,24 @@ def _worst(contenders: Sequence[Contender], frames: Sequence[Entry], out: Path, 
 def _why_none(contender: Contender, folders: dict[tuple[str, str], Entry]) -> str:
     if any((row.data_set, row.frame) in folders and row.score is not None for row in contender.rows):
         if contender.rows[0].method not in METHODS:
-            return f"{contender.rows[0].method} is none of spigolo.METHODS, so that it cannot be run again here"
-        return "this version of spigolo no longer makes a method with the digest of its rows"
-    return "the folders given hold none of its labelled frames"
+            return f"{contender.rows[0].method} is not in spigolo.METHODS and cannot be run again"
+        return "this version of spigolo has no method with the digest of the results"
+    return "the given folders contain none of the labelled frames"
 
 
 def _explanations() -> list[str]:
     return [
-        "Overlap: predicted and labelled objects are paired one to one with the largest sum of F; P is the share of the"
-        " predicted pixels that lie within the pairs, R the share of the labelled ones. Boundary F: boundary pixels"
-        " within 0.003 of the image diagonal count as met. Both are means over frames. F@.75: share of the labelled"
-        " objects whose partner has F above 0.75, mean over frames.",
-        "Found: share of all labelled objects with one predicted object of IoU above 0.7, the count, and Wilson's 95 %"
-        " interval. In the regions: the same share before regions were rejected. False: predicted objects that meet no"
-        " labelled one so.",
-        "Near-identical frames count once: each weighs one over the number of frames in its group, in the means and in"
-        " the counts of objects.",
-        f"The interval of F and those of differences: {DRAWS} draws of as many groups as there are, with replacement,"
-        f" from seed {SEED}; percentiles 2.5 and 97.5. None is given for a single group.",
-        "CPU time: of one thread, for one frame; the median over frames, below it their mean.",
-        "– : the frames cannot say it.",
+        "Overlap: predicted and labelled objects are paired one to one, so that the sum of F is largest. P is the share"
+        " of the predicted pixels inside the pairs, R the share of the labelled pixels. Boundary F: boundary pixels"
+        " match within 0.003 of the image diagonal. Both are means over frames. F@.75: share of the labelled objects"
+        " with F above 0.75 in their pair, mean over frames.",
+        "Found: share of all labelled objects with a predicted object of IoU above 0.7, with the count and Wilson's"
+        " 95 % interval. In the regions: the same share before regions are rejected. False: predicted objects without a"
+        " labelled object of IoU above 0.7.",
+        "Near-identical frames count once: each frame has the weight 1 / (number of frames in its group), in means and"
+        " in counts of objects.",
+        f"Intervals of F and of differences: bootstrap over groups of near-identical frames, {DRAWS} draws with"
+        f" replacement, seed {SEED}, percentiles 2.5 and 97.5. A single group has no interval.",
+        "CPU time: time of one thread for one frame. The median over frames, and below the mean.",
+        "– : the value cannot be measured on these frames.",
     ]

@@ -173,8 +173,8 @@ def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
         changed = place in contents and row.content != contents[place]
         if changed and row.error is None and row.content:
             raise FileError(
-                f"expected {row.data_set}/{row.frame} as it was when {file.path} was written, got another frame of that"
-                " name, or another ignored label: give another --out"
+                f"expected the same frame {row.data_set}/{row.frame} as in {file.path}, got another frame of that name,"
+                " or another ignored label: give another --out"
             )
         if not (changed and row.error is not None):
             rows.append(_as_described(row, entries.get(place)))
@@ -218,7 +218,7 @@ def engine_of(jobs: int) -> Engine:
     A single job runs in the current process. Raises SpigoloError if `jobs` is less than 1.
     """
     if jobs < 1:
-        raise SpigoloError(f"expected at least one job, got {jobs}: leave it out for one")
+        raise SpigoloError(f"expected at least one job, got {jobs}: leave out the number for one job")
     return here if jobs == 1 else local(jobs)
 
 

@@ -34,7 +34,7 @@ BRIEF = ("frames", "overlap F", "boundary F", "F@.75", FOUND, "CPU time")
 
 def pooled_table(contenders: Sequence[Contender]) -> Table:
     """Return a table of accuracy and CPU time over all data sets together."""
-    return _accuracy("sets together", contenders, pooled_scopes(contenders))
+    return _accuracy("all data sets", contenders, pooled_scopes(contenders))
 
 
 def brief_table(contenders: Sequence[Contender]) -> Table:

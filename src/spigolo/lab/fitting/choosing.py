@@ -58,8 +58,8 @@ def check_folds(groups: Sequence[str], count: int) -> None:
     distinct = len(set(groups))
     if not 2 <= count <= distinct:
         raise SpigoloError(
-            f"expected 2 folds or more and no more than distinct labelled frames, of which there are {distinct}, got"
-            f" {count}: give --folds, or label more frames"
+            f"expected from 2 folds to as many folds as distinct labelled frames ({distinct}), got {count}: give"
+            " another --folds, or label more frames"
         )
 
 
@@ -100,7 +100,7 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
     if not splits:
         names = ", ".join(sorted({place.data_set for place in search.subject.places}))
         raise SpigoloError(
-            f"expected frames of several data sets that differ, got {names}: label those of another place"
+            f"expected frames of at least two different data sets, got {names}: label frames of another place"
         )
     return _score_outside(search, splits, with_start)
 

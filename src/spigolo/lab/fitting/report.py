@@ -50,16 +50,16 @@ def make_page(search: Search, held: HeldOut, start: Method) -> Page:
         f"{start.name} {start.preset}".rstrip() + ", fitted",
         [
             Paragraph(
-                f"{len(search.trials) - 1} settings drawn at random, seed {search.subject.seed}, each tried on"
+                f"{len(search.trials) - 1} random settings, seed {search.subject.seed}, each tested on"
                 f" {len(search.subject.places)} labelled frames."
             ),
             score_table(search, held),
             Items([f"{contender.label}: {meaning}" for contender, meaning in lines]),
             *_of_each_set(search, lines),
-            Paragraph("What is left out, compared with the start:"),
+            Paragraph("Held-out scores minus the scores of the start:"),
             change_table([(first, last)]),
             Items(list(_remarks(search, held))),
-            Paragraph("What changed:"),
+            Paragraph("Changed parameters:"),
             _changes(start, fitted(search, start)),
         ],
     )
@@ -68,19 +68,22 @@ def make_page(search: Search, held: HeldOut, start: Method) -> Page:
 def _lines(search: Search, held: HeldOut) -> list[tuple[Contender, str]]:
     best = best_trial(search.trials)
     lines = [
-        (Contender("start", "", search.start.rows), "the parameters that the search began with."),
+        (Contender("start", "", search.start.rows), "parameters at the start of the search."),
         (
             Contender("fitted", "", best.rows),
-            "the parameters in the TOML file, on the frames that chose them; this flatters them.",
+            "parameters in the TOML file, scored on the frames that chose them. New frames have lower scores.",
         ),
         (
             Contender("held out", "", held.rows),
-            f"{len(held.chosen)} folds, each with the setting that is best on the others: what to expect on new frames"
-            " of the same kind.",
+            f"cross-validation over {len(held.chosen)} folds. Each fold is scored with the setting that is best on the"
+            " other folds. Expect these scores on new frames of the same kind.",
         ),
     ]
     if set_splits(search):
-        means = "each set with the setting that is best on the other sets: what to expect of another camera or place."
+        means = (
+            "each data set is scored with the setting that is best on the other data sets. Expect these scores with"
+            " another camera or at another place."
+        )
         lines.append((Contender("set held out", "", hold_out_sets(search).rows), means))
     return lines
 
@@ -88,21 +91,21 @@ def _lines(search: Search, held: HeldOut) -> list[tuple[Contender, str]]:
 def _of_each_set(search: Search, lines: Sequence[tuple[Contender, str]]) -> list[Paragraph | Table]:
     if not set_splits(search):
         return []
-    return [Paragraph("Each set:"), set_table([contender for contender, _ in lines])]
+    return [Paragraph("Scores per data set:"), set_table([contender for contender, _ in lines])]
 
 
 def _remarks(search: Search, held: HeldOut) -> Iterator[str]:
     chosen = ", ".join(str(trial.number) for trial in held.chosen)
     yield (
-        f"Chosen over all frames: trial {best_trial(search.trials).number}; in the folds: {chosen}. Trial 0 is the"
-        " start. What was chosen is what finds most objects (IoU > 0.7) plus the mean overlap F where every object is"
-        " labelled."
+        f"Best trial over all frames: {best_trial(search.trials).number}. Best trials in the folds: {chosen}. Trial 0"
+        " is the start. The best trial has the highest sum of the share of found objects (IoU > 0.7) and the mean"
+        " overlap F on fully labelled frames."
     )
     groups = len({place.group for place in search.subject.places})
     if groups < FEW_GROUPS:
-        yield f"{groups} distinct frames: too few to tell settings apart; label more."
+        yield f"{groups} distinct frames are too few to compare settings: label more frames."
     if not set_splits(search):
-        yield "Frames that are not like these, of another camera or another place, are another question."
+        yield "The scores do not show the quality with another camera or at another place."
 
 
 def _changes(before: Method, after: Method) -> Table:

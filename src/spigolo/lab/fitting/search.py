@@ -82,9 +82,9 @@ def search(
     """
     if importlib.util.find_spec("scipy") is None:
         raise SpigoloError('fitting needs scipy, which is not installed: pip install "spigolo[fit]"')
-    for value, what, least in ((trials, "trials", 1), (jobs, "jobs", 1), (seed, "a seed", 0)):
+    for value, what, least in ((trials, "a number of trials", 1), (jobs, "a number of jobs", 1), (seed, "a seed", 0)):
         if value < least:
-            raise SpigoloError(f"expected {what} of {least} or more, got {value}: leave it out for the usual")
+            raise SpigoloError(f"expected {what} of {least} or more, got {value}: leave out the value for the default")
     engine = engine_of(jobs) if engine is None else engine
     labelled = only_labelled(frames)
     settings: list[Setting] = [{}, *draw(space_of(start), trials, seed)]
@@ -96,7 +96,7 @@ def search(
         with closing(in_order(engine, Attempt.__call__, attempts)) as done:
             for count, trial in enumerate(done, start=1):
                 if isinstance(trial, Lost):
-                    raise SpigoloError(f"trial {there + count - 1} was lost: {trial.reason}; trials before it are kept")
+                    raise SpigoloError(f"trial {there + count - 1} failed: {trial.reason}. Earlier trials are kept")
                 _check(trial)
                 file.append(trial)
                 if tell is not None:
@@ -108,7 +108,7 @@ def only_labelled(frames: Sequence[Entry]) -> tuple[Entry, ...]:
     """Return the frames with labels. Raises FileError if no frame has labels."""
     labelled = tuple(frame for frame in frames if frame.labelling != "none")
     if not labelled:
-        raise FileError(f"expected labelled frames, got {len(frames)} without labels: label about twenty of them")
+        raise FileError(f"expected labelled frames, got {len(frames)} without labels: label about 20 frames")
     return labelled
 
 
@@ -126,5 +126,5 @@ def _check(trial: Trial) -> None:
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)
     if unread is not None:
         raise FileError(
-            f"expected frames that can be worked with, got {unread.data_set}/{unread.frame}: {unread.error}"
+            f"expected frames that can be segmented and scored, got {unread.data_set}/{unread.frame}: {unread.error}"
         )

@@ -203,8 +203,8 @@ def _ours(config: Config) -> Space:
                 "partition.gamma": Range(unit, 20 * unit, log=True),
             }
     raise ConfigError(
-        f"expected a preset with one cost function, got {config.name} with kind 'auto': fit one for frames with large"
-        " shadows and one for the others"
+        f"expected a preset with one cost function, got {config.name} with kind 'auto': fit one preset for frames with"
+        " large shadows and one for other frames"
     )
 
 

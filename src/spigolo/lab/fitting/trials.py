@@ -90,8 +90,8 @@ def read_search(path: Path | str) -> Search:
         data = Path(path).read_bytes()
         text = (gzip.decompress(data) if data.startswith(GZIP) else data).decode()
     except (OSError, EOFError, zlib.error, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is no text"
-        raise FileError(f"expected trials in {path}, but it cannot be read: {reason}") from None
+        reason = getattr(error, "strerror", None) or "the file is not text"
+        raise FileError(f"expected trials in {path}, but the file cannot be read: {reason}") from None
     lines = text[: text.rfind("\n") + 1].splitlines()
     trials: list[Trial] = []
     try:
@@ -100,8 +100,8 @@ def read_search(path: Path | str) -> Search:
             trials.append(_unpack_trial(json.loads(line), subject, len(trials)))
     except (ValueError, KeyError, TypeError, IndexError, AttributeError):
         raise FileError(
-            f"expected trials as `spigolo fit` writes them in {path}, got something else after {len(trials)} of them:"
-            " remove the file, or give another one"
+            f"expected trials of `spigolo fit` in {path}, got other content after {len(trials)} trials:"
+            " remove the file, or give another file"
         ) from None
     return Search(subject, tuple(trials))
 
@@ -124,7 +124,7 @@ class TrialFile:
                 write_bytes(path, b"")  # an incomplete first trial is removed
             elif held.subject != subject:
                 other = _describe(held.subject)
-                got = f"those of {other}" if other != _describe(subject) else "those of other frames, or other labels"
+                got = f"trials of {other}" if other != _describe(subject) else "trials of other frames or labels"
                 raise FileError(
                     f"expected trials of {_describe(subject)} in {path}, got {got}: give another folder with --out"
                 )

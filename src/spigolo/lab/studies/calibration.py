@@ -55,7 +55,7 @@ def main() -> None:
                 scores.append(o.score)
                 right.append(iou > 0.7)
     score, hit = np.array(scores), np.array(right)
-    print("| score | objects | mean score | right (IoU > 0.7) | 95 % interval |\n|---|---|---|---|---|")
+    print("| score | objects | mean score | correct (IoU > 0.7) | 95 % interval |\n|---|---|---|---|---|")
     for low, high in pairwise(EDGES):
         of = (score >= low) & ((score < high) | (high == 1.0))
         if of.any():
@@ -66,7 +66,8 @@ def main() -> None:
             )
     worse = (score[hit][:, None] > score[~hit]).mean() + 0.5 * (score[hit][:, None] == score[~hit]).mean()
     print(
-        f"\n{len(score)} objects, {hit.mean():.0%} right; a right one scores above a wrong one in {worse:.0%} of pairs"
+        f"\n{len(score)} objects, {hit.mean():.0%} correct. A correct object scores above a wrong object in"
+        f" {worse:.0%} of the pairs"
     )
 
 

@@ -74,7 +74,7 @@ def logged(name: str) -> Search:
     """
     held = read_search(log(name))
     if held.subject.digest != sp.METHODS[name].digest:
-        raise SystemExit(f"{log(name)} is of other parameters ({held.subject.digest}): run `search` again")
+        raise SystemExit(f"{log(name)} has trials of other parameters ({held.subject.digest}): run `search` again")
     return held
 
 
@@ -113,7 +113,14 @@ def time_all(methods: dict[str, Method]) -> dict[str, float]:
     return {name: float(np.median(np.array(times[1:]) / ours)) for name, times in taken.items()}
 
 
-BESIDE = ("F, defaults", "F, best on all frames", "F, drawn alone", "best region, drawn alone", "pieces", "leaks")
+BESIDE = (
+    "F, defaults",
+    "F, best on all frames",
+    "F, random only",
+    "best region, random only",
+    "pieces",
+    "leaks",
+)
 HEAD = ("overlap P", "R", "F", "boundary F", "F@.75", "70 %", "70 %, precise", "best region", "pieces", "leaks", "time")
 
 
@@ -122,8 +129,8 @@ def table() -> None:
     times = time_all({name: fitted(held) for name, held in searches.items()})
     rows = {name: hold_out(held, FOLDS, SEED).rows for name, held in searches.items()}
     counts = ", ".join(str(len(held.trials) - 1) for held in searches.values())
-    print(f"{counts} trials, {FOLDS} folds, {len(rows['toscana2016'])} frames; time: how many times ours\n")
-    print(line("", *HEAD, "F to ours"), line("---", *["---:"] * (len(HEAD) + 1)), sep="\n")
+    print(f"{counts} trials, {FOLDS} folds, {len(rows['toscana2016'])} frames; time: relative to ours\n")
+    print(line("", *HEAD, "F minus ours"), line("---", *["---:"] * (len(HEAD) + 1)), sep="\n")
     for name, held_out in rows.items():
         change = compare(rows["toscana2016"], held_out).overlap_f
         told = "" if name == "toscana2016" else "{:+.3f} ({:+.3f} to {:+.3f})".format(*change)
@@ -131,7 +138,7 @@ def table() -> None:
     print()
     for data_set in SETS:
         print(data_set, *(f"{name} {pool(of_set(held, data_set)).overlap_f.value:.3f}" for name, held in rows.items()))
-    print("\nPieces and leaks are those of the defaults on the first set:\n")
+    print("\nPieces and leaks are measured with the defaults on the first data set:\n")
     print(line("", "folds that chose the defaults", *BESIDE), line("---", *["---:"] * (len(BESIDE) + 1)), sep="\n")
     for name, held in searches.items():
         kept = sum(trial is held.start for trial in hold_out(held, FOLDS, SEED).chosen)

@@ -160,7 +160,7 @@ def main() -> None:
     parser.add_argument("folder", nargs="?", type=Path, default=FRAMES, help="data folder, default: %(default)s")
     folder = parser.parse_args().folder
     if not (folder / "splits.json").is_file():
-        parser.error(f"expected splits.json in {folder}; SPIGOLO_DATA names the data folder")
+        parser.error(f"expected splits.json in {folder}: set SPIGOLO_DATA to the data folder")
     measure(folder)
 
 
@@ -188,10 +188,10 @@ def measure(folder: Path) -> None:
                 found[kind].append(hit)
                 if not hit:
                     print(f"missed: {kind} in {name}", file=sys.stderr)
-    print(f"{'spoilt':22s} frames  found")
+    print(f"{'error':22s} frames  found")
     for kind, caught in found.items():
         print(f"{kind:22s} {len(caught):6d}  {np.mean(caught):5.1%}")
-    print(f"\n{'check':20s} false alarms on {len(names)} good frames")
+    print(f"\n{'check':20s} false warnings on {len(names)} correct frames")
     for check, where in false.items():
         print(f"{check:20s} {len(where) / len(names):5.1%}  {' '.join(where)}")
     print(f"\ndiagnose: median {np.median(seconds):.2f} s, slowest {max(seconds):.2f} s")

@@ -36,7 +36,7 @@ def main() -> None:
             false[f"{name} {family}"] += len(sp.segment(empty, sp.PRESETS[name]))
             found[f"{name} {family}"] += finds(frame, box, sp.PRESETS[name])
         print(f"{k}/{len(PLACES)}", end="\r", flush=True)
-    print("| | objects seen in empty tables / bins / shelves | boxes found there |")
+    print("| | false objects on empty tables / bins / shelves | boxes found |")
     print("|---|---|---|")
     for name in PRESETS:
         counts = " / ".join(str(false[f"{name} {family}"]) for family in FAMILIES)

@@ -222,7 +222,7 @@ def run(root: Path, count: int, kills: int) -> Iterator[Outcome]:
             done = disturb(out, times)
             yield study.outcome(name, out, done, time.perf_counter() - start)
         if disk is None:
-            print("full disk: left out, because nothing can be mounted here", file=sys.stderr)
+            print("full disk: left out, because mounting a file system is not permitted", file=sys.stderr)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -234,7 +234,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if given.work:
         source, out, log, engine = given.work
         return work(Path(source), Path(out), Path(log), local(WORKERS) if engine == "local" else dask_local(WORKERS))
-    print("| run | disturbed | frames | begun again | files | different files | s |", "|---" * 7 + "|", sep="\n")
+    print(
+        "| run | interruptions | frames | frames started twice | files | different files | s |",
+        "|---" * 7 + "|",
+        sep="\n",
+    )
     failed = False
     with tempfile.TemporaryDirectory() as folder:
         for o in run(Path(folder), given.frames, given.kills):
@@ -242,7 +246,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print(f"| {o.name} | {figures} |", flush=True)
             failed |= bool(o.different)
             with contextlib.suppress(IndexError):
-                print(f"first of them: {o.different[0]}", file=sys.stderr)
+                print(f"first different file: {o.different[0]}", file=sys.stderr)
     return int(failed)
 
 

@@ -28,9 +28,9 @@ from spigolo.stages.regions import Regions
 
 Labels = npt.NDArray[np.int32]
 
-COVERED, JOINED, SPLIT, REJECTED = "covered", "with its surroundings", "split", "rejected otherwise"
+COVERED, JOINED, SPLIT, REJECTED = "covered", "joined with its surroundings", "split", "rejected otherwise"
 LARGER = 3.0
-"""Minimum ratio of the area of a region to the area of the object, for the class "with its surroundings"."""
+"""Minimum ratio of the area of a region to the area of the object, for the class "joined with its surroundings"."""
 
 
 def main() -> None:
@@ -64,11 +64,11 @@ def main() -> None:
             found[gamma] += [best_iou(truth.labels == k, regions) > 0.7 for k in np.unique(truth.labels) if k]
     print_fates(fates)
     print("reasons:", ", ".join(f"{what} {count}" for what, count in reasons.most_common()))
-    print(f"region over what is joined or rejected: {np.median(shares or [0]):.2f} of the image in the median")
-    print(f"exact masks: {np.mean(np.array(missing) > 0.3):.0%} lack more than 30 % of their depth,", end=" ")
-    print(f"{np.mean(broken):.0%} break a rule of {config.name}")
+    print(f"median area of regions on joined or rejected objects: {np.median(shares or [0]):.2f} of the image")
+    print(f"exact masks: {np.mean(np.array(missing) > 0.3):.0%} have more than 30 % missing depth,", end=" ")
+    print(f"{np.mean(broken):.0%} violate a rule of {config.name}")
     for gamma, hits in found.items():
-        print(f"gamma {gamma:g}: {np.mean(hits):.0%} of {len(hits)} with a region of IoU above 0.7")
+        print(f"gamma {gamma:g}: {np.mean(hits):.0%} of {len(hits)} objects have a region of IoU above 0.7")
 
 
 def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple[str, int]:

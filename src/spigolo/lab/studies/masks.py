@@ -25,7 +25,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=24, help="number of frames per family and seed")
     parser.add_argument("--seeds", type=int, nargs="+", default=[0, 1])
     given = parser.parse_args()
-    print(f"| family | depth | objects | IoU, least | median | at least {LEAST_IOU} | frames | arrangements not kept |")
+    print(f"| family | depth | objects | minimum IoU | median | at least {LEAST_IOU} | frames | discarded scenes |")
     print("|---|---|---|---|---|---|---|---|")
     for family in FAMILIES:
         ideal, measured, refused = [], [], 0

@@ -54,7 +54,7 @@ def main() -> None:
     parser.add_argument("--presets", action="store_true", help="also print the share of found objects")
     arguments = parser.parse_args()
     real = real_figures(arguments.frames)
-    print("| family | figure | rendered: quartile, median, quartile | real |\n|---|---|---|---|")
+    print("| family | statistic | rendered: lower quartile, median, upper quartile | real |\n|---|---|---|---|")
     found = {}
     for family in arguments.families:
         samples = [render_family(family, k, arguments.seed) for k in range(arguments.count)]

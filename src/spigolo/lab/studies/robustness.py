@@ -28,13 +28,13 @@ OTHERS = ("6dof-graspnet", "cleargrasp-opaque", "dexnet-single", "hand-misc", "y
 IGNORE = 255
 CONFIGS = {
     "`OBJECTS`": sp.OBJECTS,
-    "lengths as they are": sp.OBJECTS.replace(**{"additions.lengths_grow": False}),
+    "`OBJECTS`, lengths not scaled": sp.OBJECTS.replace(**{"additions.lengths_grow": False}),
     "`OBJECTS_1`": sp.PRESETS["OBJECTS_1"],
 }
 SHELVES = {
     "`OBJECTS`": sp.OBJECTS,
-    "without contours of holes": sp.OBJECTS.replace(additions={"contours": {"holes_from": None}}),
-    "the front of a shelf may support": sp.OBJECTS.replace(rejection={"support": {"opaque": False}}),
+    "without hole outlines": sp.OBJECTS.replace(additions={"contours": {"holes_from": None}}),
+    "shelf fronts allowed as support plane": sp.OBJECTS.replace(rejection={"support": {"opaque": False}}),
     "`OBJECTS_1`": sp.PRESETS["OBJECTS_1"],
     "`SHELF`": sp.SHELF,
 }
@@ -102,7 +102,7 @@ def know_camera(name: str | None, frame: sp.Frame, truth: np.ndarray) -> Labelle
 
 
 CHANGES: dict[str, Change] = {
-    "as they are": keep,
+    "unchanged": keep,
     "mirrored": mirror,
     "320x240": partial(resize, 0.5),
     "800x600": partial(resize, 1.25),
@@ -111,10 +111,10 @@ CHANGES: dict[str, Change] = {
     "half the light": partial(light, 0.5),
     "1.5 times the light": partial(light, 1.5),
     "depth noise 1.4 mm at 1 m": partial(noise, 0.0014),
-    "5 % more of the depth missing": partial(holes, 0.05),
+    "5 % additional missing depth": partial(holes, 0.05),
     "turned by 8 degrees": partial(turn, -8.0),
     "colour shifted by 2 px against depth": partial(move_color, -2),
-    "intrinsics guessed, 60deg": partial(know_camera, "60deg"),
+    "estimated intrinsics, 60deg": partial(know_camera, "60deg"),
     "no intrinsics": partial(know_camera, None),
 }
 
@@ -158,7 +158,7 @@ def on_shelves(count: int, seed: int) -> Iterator[str]:
     from spigolo.lab.synthetic.families import render_family
 
     samples = [render_family("shelf", number, seed) for number in range(count)]
-    yield f"| {count} rendered shelves, seed {seed} | overlap F | found | segments an object |"
+    yield f"| {count} rendered shelves, seed {seed} | overlap F | found | segments per object |"
     yield "|---|---|---|---|"
     for name, config in SHELVES.items():
         result = summarise([score(config, sample.frame, sample.labels) for sample in samples])

@@ -175,7 +175,7 @@ def main() -> int:
     given = parser.parse_args()
     machine = this_machine()
     print(f"{machine}; load {machine.load}\n")
-    print("| jobs in a group | jobs | s | ms a group | us a job |", "|---" * 5 + "|", sep="\n")
+    print("| jobs per group | jobs | s | ms per group | us per job |", "|---" * 5 + "|", sep="\n")
     schedulers = []
     for group, jobs in JOBS.items():
         found = overhead(group, max(round(given.share * jobs), 10 * group), max(given.workers))
@@ -187,8 +187,8 @@ def main() -> int:
         first = min(frames.rates)
         print(f"| {workers} | {one:.2f} | {100 * one * first / workers / frames.rates[first]:.0f} % |")
     print(
-        f"\nread {frames.read_bytes / 1e3:.0f} kB a frame, written {frames.written_bytes / 1e3:.1f} kB in"
-        f" {frames.files:.0f} files, {frames.writer_ms:.2f} ms of the writing process\n"
+        f"\nper frame: {frames.read_bytes / 1e3:.0f} kB read, {frames.written_bytes / 1e3:.1f} kB written in"
+        f" {frames.files:.0f} files, {frames.writer_ms:.2f} ms in the writing process\n"
     )
     hours = FRAMES * core_s(frames) / 3600
     print(f"{FRAMES} frames: {hours:.0f} core-hours, {FRAMES * frames.written_bytes / 1e9:.0f} GB written\n")

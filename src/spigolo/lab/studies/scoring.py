@@ -25,7 +25,7 @@ def main() -> None:
     arguments = parser.parse_args()
     cv2.setNumThreads(1)
     read = [e.read_both() for e in find_labelled_frames(arguments.frames) if e.labelling != "none"]
-    print("| preset | frames | segmenting | scoring | ratio, median | below a fifth |\n|---|---|---|---|---|---|")
+    print("| preset | frames | segmenting | scoring | median ratio | ratio below 0.2 |\n|---|---|---|---|---|---|")
     for name in arguments.presets:
         segmenter = sp.Segmenter(sp.preset(name))
         took = np.array([times(segmenter, *one, arguments.rounds) for one in read])  # shape (frames, rounds, 2)

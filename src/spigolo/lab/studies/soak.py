@@ -132,14 +132,16 @@ def main() -> int:
     parser.add_argument("--presets", nargs="+", default=["OBJECTS", "TABLE", "SHELF"])
     given = parser.parse_args()
     if given.frames < 2 * SCENES:
-        parser.error(f"expected at least {2 * SCENES} frames, got {given.frames}: the first and last thousand compare")
+        parser.error(
+            f"expected at least {2 * SCENES} frames, got {given.frames}: the first and last {SCENES} are compared"
+        )
     cv2.setNumThreads(1)
     configs = [sp.preset(name) for name in given.presets]
     for config in configs:  # compile before time is measured
         sp.segment(Scenes()(0), config)
     found = soak(configs, given.frames)
     print(
-        "| presets | frames | other answers | MiB settled | range MiB after that | median ms | last / first thousand |",
+        "| presets | frames | different results | MiB after warm-up | MiB range | median ms | last / first thousand |",
         "|---" * 7 + "|",
         f"| {', '.join(given.presets)} | {found.frames} | {found.other_answers} | {found.settled_mib:.1f}"
         f" | {found.range_mib:.2f} | {found.first_ms:.1f} | {found.slower:.3f} |",

@@ -146,7 +146,7 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=30, help="number of frames per scene")
     parser.add_argument("--seed", type=int, default=0)
     own = parser.parse_args()
-    print("| scene | frames/s | frames | objects | found | id changes | of labels | tracker, ms |")
+    print("| scene | frames/s | frames | objects | found | id changes | label changes | tracker, ms |")
     print("|---|---|---|---|---|---|---|---|")
     for scene in TABLES:
         for row in report(scene, list(sequence(scene, own.frames, own.seed))):

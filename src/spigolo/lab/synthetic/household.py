@@ -86,7 +86,9 @@ def household(name: str) -> Product:
     """
     kind = kind_of(name)
     if kind not in KINDS:
-        raise ConfigError(f"unknown object {name!r}: expected one of {', '.join(KINDS)}, and a number, as soda_can_4")
+        raise ConfigError(
+            f"unknown object {name!r}: expected one of {', '.join(KINDS)}, optionally with a number, such as soda_can_4"
+        )
     make, rests = KINDS[kind]
     return Product(name, make(np.random.default_rng(zlib.crc32(name.encode()))), rests)
 

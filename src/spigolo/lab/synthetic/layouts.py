@@ -107,7 +107,9 @@ def _refuse_others(folder: Path, about: str) -> None:
     marker = folder / RENDERED
     there = read_mapping(marker).get("about") if marker.is_file() else about
     if there != about:
-        raise FileError(f"expected an empty folder or one of {about}, got {folder} with {there}: give another --out")
+        raise FileError(
+            f"expected an empty folder or a folder of {about}, got {folder} with {there}: give another --out"
+        )
 
 
 def _require_extra() -> None:

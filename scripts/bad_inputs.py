@@ -29,7 +29,7 @@ INTRODUCTION = """# Bad input
 
 spigolo refuses input that it cannot use, and gives a one-line message. The message says what was expected, what was
 given and, if possible, how to correct the input. The command line prints the message after `spigolo:` and ends with
-exit code 2. In Python, the message is the text of a `FileError`, `FrameError`, `CameraError` or `ConfigError`. These
+exit code 2. In Python, a `FileError`, `FrameError`, `CameraError` or `ConfigError` is raised with the message. These
 four exceptions are subclasses of `SpigoloError`. Warnings do not stop a run. `spigolo doctor` finds faults in a frame
 that can be read.
 

@@ -70,7 +70,7 @@ def bench(
     plot
         PNG file to write, with a plot of time against number of pixels.
     markdown
-        Markdown file to write, with the printed tables of times and memory.
+        Markdown file to which the tables of times and memory are written.
 
     """
     plan = _plan(quick, rounds, sizes, latency, startup)

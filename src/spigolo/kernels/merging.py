@@ -81,7 +81,9 @@ def merge_bound(internal, gamma, size):
 
 @inlined
 def bits_below(bound):
-    """Return the bits of the largest float32 that is at most a merge bound."""
+    """Return the bit pattern, as an integer, of the largest float32 that is not above a merge bound (the value of eq. 3
+    for a region).
+    """
     nearest = np.float32(bound)
     bits = nearest.view(np.uint32)
     return bits - np.uint32(1) if np.float64(nearest) > bound else bits

@@ -46,7 +46,9 @@ def is_recording(path: Path) -> bool:
 
 
 def _parted(name: str) -> tuple[str, dict[str, str]]:
-    """Split a source name at `?` into the name and its options. The name of an existing path is not split."""
+    """Split a source name at `?` into the name and its options. A name with `?` that is the path of an existing file is
+    not split.
+    """
     before, mark, after = name.partition("?")
     if not mark or Path(name).exists():
         return name, {}

@@ -108,7 +108,7 @@ def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
 
 
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
-    """Make equal frame names unique by adding the name of the folder, and a number if needed."""
+    """Make duplicate frame names unique by adding the name of the folder, and a number if needed."""
     count = Counter(frame.name for frame in frames)
     taken, apart = {name for name in count if count[name] == 1}, []
     for frame in frames:

@@ -31,8 +31,8 @@ class Topics:
 def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:
     """Choose the topics of a bag. Topics that are not in the options are guessed.
 
-    depth_of: True for each image topic that contains depth, indexed by topic. infos: topics of CameraInfo. Raises
-    FileError.
+    depth_of: dict from each image topic to True if the topic contains depth, else False. infos: CameraInfo topics.
+    Raises FileError.
     """
     colors = sorted((t for t, is_depth in depth_of.items() if not is_depth), key=_color_rank)
     depths = sorted((t for t, is_depth in depth_of.items() if is_depth), key=_depth_rank)

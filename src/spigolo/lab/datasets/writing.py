@@ -98,7 +98,7 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
     models
         Models of all objects.
     about
-        One-sentence description of the rendering for rendered.json.
+        One-sentence description of the rendering, which is written to rendered.json.
 
     """
     images = _Images(folder, about)

@@ -61,7 +61,7 @@ ABLATIONS: dict[str, dict[str, Any]] = {
         "additions.support.facing": None,
         "additions.support.min_things": None,
     },
-    "always the largest plane, even the floor": {"additions.support.stacked_share": None},
+    "always the largest plane, even if it is the floor": {"additions.support.stacked_share": None},
     "support plane of a heap not lowered": {"additions.support.max_below": None},
     "support plane at any distance": {"additions.support.within_reach": False},
     "no minimum depth of creases": {"additions.contours.crease_noise": None},

@@ -2,8 +2,8 @@
 
 The command `python -m spigolo.lab.studies.NAME --help` prints the purpose and the options of the script NAME.py.
 
-Real frames are read from the subfolder `frames` of the data folder, which the environment variable SPIGOLO_DATA sets
-(default: ../shared/data).
+Real frames are read from the subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data
+folder (default: ../shared/data).
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
-"""Measure the share of correct objects among the predicted objects in each range of scores, as in docs/score.md.
+"""Group predicted objects by their score, and print the share of correct objects in each group, as in docs/score.md.
 
     python -m spigolo.lab.studies.calibration [--preset OBJECTS]
 
-A predicted object is correct if its IoU with a labelled object is above 0.7. Only data sets with all objects labelled
-are used (osd-mosd, osd-full, hand-uoc). The ground truth marks some pixels as ignored (label 255). A predicted object
-is not counted if more than half of its pixels are ignored. The printed confidence intervals of the shares are 95 %
-Wilson intervals.
+A predicted object is correct if its IoU with a labelled object is above 0.7. The frames are from data sets in which
+every object is labelled (osd-mosd, osd-full, hand-uoc). The ground truth marks some pixels as ignored (label 255). A
+predicted object is not counted if more than half of its pixels are ignored. The script also prints the 95 % confidence
+interval of each share (Wilson score interval).
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ IGNORE = 255
 
 
 def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
-    """Return the maximum IoU between a predicted mask (H, W) and the labelled objects. Ignored pixels (label 255) do
-    not count.
+    """Return the maximum IoU between a predicted mask (H, W) and the labelled objects. Pixels with label 255 (ignored)
+    are excluded from the IoU.
 
     Return NaN if more than half of the pixels of the mask are ignored.
     """

@@ -9,13 +9,13 @@ cross-validation.
 
 The command `search` scores random parameter values of every method, and writes the scores to
 docs/data/trials-METHOD.jsonl.gz. The command `table` reads the files written by `search`, and prints scores and CPU
-times of the fitted methods. The command `depth` compares the scores of the fitted `rao2010`, `abramov2012` and
-`mishra2012` with and without the use of depth. The command `points` scores `mishra2009`, started at the pixel of each
-ground-truth mask that is farthest from the outline of the mask. The command `pictures` draws the regions of all methods
-on every fifth frame.
+times of the fitted methods. The command `depth` scores `rao2010`, `abramov2012` and `mishra2012` with fitted
+parameters, once with depth and once without depth. The method `mishra2009` segments one object around a start pixel.
+The command `points` scores it with one start pixel per labelled object: the pixel farthest from the outline of the
+ground-truth mask. For every fifth frame, the command `pictures` draws the regions that each method returns.
 
-Frames are read from the subfolder `frames` of the data folder, which the environment variable SPIGOLO_DATA sets
-(default: ../shared/data).
+Frames are read from the subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data
+folder (default: ../shared/data).
 """
 
 from __future__ import annotations
@@ -45,17 +45,19 @@ from spigolo.view.comparison import comparison
 
 LOG = Path("docs/data")
 SETS = ("osd-mosd", "hand-uoc")
-"""Names of the data sets used, in which every object is labelled."""
+"""Names of the data sets. Every object in these data sets is labelled."""
 SEED, FOLDS, EVERY = 0, 5, 5
-"""Random seed, number of folds in the cross-validation, and step between frames that are timed or drawn."""
+"""Random seed, number of cross-validation folds, and step between frames for timing and drawing (5 = every fifth
+frame).
+"""
 DISC = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (11, 11))
 OFF: dict[str, dict[str, Any]] = {
     "rao2010": {"levels_per_m": 0},
     "abramov2012": {"step_m": None},
     "mishra2012": {"depth": False},
 }
-"""Parameter values that make a method ignore depth when it forms regions, indexed by the name of the method. Rules that
-reject regions still use depth.
+"""For each method: parameter values with which the method ignores depth when it forms regions. The rejection of regions
+still depends on depth.
 """
 
 
@@ -92,14 +94,16 @@ def search_all(trials: int, jobs: int, out: Path) -> None:
 
 
 def fitted(held: Search) -> Method:
-    """Return the method with the best tested parameter values: highest sum of the share of found objects and the mean
-    overlap F.
+    """Return the method with the best of the tested parameter values. The best values have the maximum sum of two
+    scores: share of found objects and mean overlap F.
     """
     return apply(best_trial(held.trials).setting, sp.METHODS[held.subject.method])
 
 
 def time_all(methods: dict[str, Method]) -> dict[str, float]:
-    """Return the CPU time of each method divided by the CPU time of `toscana2016`, as the median over frames."""
+    """Return the relative CPU time of each method: its CPU time divided by the CPU time of `toscana2016` on the same
+    frame. The returned values are medians over frames.
+    """
     cv2.setNumThreads(1)
     chosen = frames()[::EVERY]
     taken: dict[str, list[float]] = {name: [] for name in methods}
@@ -189,8 +193,8 @@ def draw_all(out: Path) -> None:
 def fixate() -> None:
     """Print the share of found objects and the mean IoU of `mishra2009`, for all objects and for isolated objects.
 
-    The method is started at the pixel of each ground-truth mask that is farthest from the outline of the mask. An
-    object is isolated if its mask, dilated by 5 px, does not touch another object.
+    The start pixel of an object is the pixel of its ground-truth mask that is farthest from the outline of the mask. An
+    object is isolated if its mask, dilated by 5 px, does not overlap the mask of another object.
     """
     for data_set in SETS:
         found: list[tuple[bool, float]] = []

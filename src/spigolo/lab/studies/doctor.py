@@ -1,9 +1,9 @@
 """Measure how often `spigolo doctor` detects simulated errors in frames, and how often it warns about correct frames.
 
-The table `SPOILT` lists the simulated errors, and the check of `spigolo doctor` that must detect each error. Each error
+For each simulated error, the table `SPOILT` names the check of `spigolo doctor` that must detect the error. Each error
 is applied to every frame. Only one frame of each group of near-identical frames is used. Shifted, mirrored or
-unregistered depth is tested only on frames with enough depth steps. A frame of 640x480 requires at least 500 pixels on
-depth steps.
+unregistered depth is tested only on frames with enough depth steps. For example, a frame of 640x480 must have at least
+500 pixels on depth steps.
 
     python -m spigolo.lab.studies.doctor [FOLDER]
 """
@@ -40,7 +40,7 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Shift the depth map by (dx, dy) pixels. Pixels at the image border without a shifted depth value become missing
+    """Shift the depth map by (dx, dy) pixels. Image borders that the shifted depth map does not cover have missing
     depth.
     """
     height, width = frame.depth.shape
@@ -83,7 +83,9 @@ def along_rays(frame: Frame) -> Frame:
 
 
 def not_registered(frame: Frame) -> Frame:
-    """Simulate unregistered depth of a RealSense D435 camera, whose depth camera is 15 mm from the colour camera."""
+    """Simulate a depth map of a RealSense D435 that is not registered to the colour image. The depth camera of the D435
+    is 15 mm from its colour camera.
+    """
     camera = frame.camera
     assert camera is not None
     ratio = 384 / 615 if camera.width * 3 < camera.height * 5 else 640 / 922.5
@@ -125,7 +127,7 @@ SPOILT: dict[str, tuple[str, Callable[[Frame], Frame]]] = {
 
 
 def looked_at(frame: Frame, check: str) -> Finding:
-    """Run one check of `spigolo doctor` on a frame, and return its finding.
+    """Run one check of `spigolo doctor` on a frame, and return the result of the check.
 
     check: name of the check, as in `SPOILT`.
     """
@@ -165,8 +167,8 @@ def main() -> None:
 
 
 def measure(folder: Path) -> None:
-    """Print the share of frames in which each error is detected, and the share of correct frames in which each check
-    warns. Undetected errors are listed on standard error.
+    """Print, for each simulated error, the share of frames in which it is detected. Also print, for each check, the
+    share of correct frames with a false warning. Undetected errors are printed to stderr.
     """
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}

@@ -1,7 +1,8 @@
-"""Count false objects in rendered scenes without objects, and found boxes in the same scenes with one added box.
+"""Count false objects in rendered scenes without objects. Then add one box to each scene, and count the boxes that are
+found.
 
-The default scenes were used to develop the rules of the presets. The option `--first 500` selects fifty held-out
-scenes.
+By default, the script renders fifty scenes on which the rules of the presets were developed. With `--first 500`, it
+renders fifty held-out scenes instead.
 """
 
 from __future__ import annotations

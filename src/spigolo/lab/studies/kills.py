@@ -2,8 +2,9 @@
 
 A batch of 2,000 small frames is segmented four times. The first run is not interrupted. The second run is killed by
 SIGKILL at five random moments. In the third run, workers of a Dask cluster are killed twice. In the fourth run, the
-disk becomes full twice. Each interrupted run is restarted until it is complete. The exit code is 1 if any output file
-differs from the uninterrupted run. The test with a full disk requires root rights on Linux.
+disk becomes full twice. The second and the fourth run are restarted until all frames are segmented. The exit code is 1
+if the output files of a run differ from those of the first run. The test with a full disk requires root rights on
+Linux.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ from spigolo.frames.files import write_json, write_png
 SIZE = 90, 120
 WORKERS = 2
 SETTLING_S = 0.05
-"""Maximum random delay before a process is killed, in seconds. Without a delay, every process would be killed directly
-after it has listed a frame as finished.
+"""Maximum of the random delay before a process is killed, in seconds. Without this delay, every process would be killed
+directly after it has added a frame to the list of finished frames.
 """
 
 
@@ -62,7 +63,7 @@ class Outcome:
     twice: int
     """Number of times that a frame was read again because of an interruption."""
     different: list[str]
-    """Output files that differ from the uninterrupted run, or exist in only one of the two runs."""
+    """Output files that differ from those of the uninterrupted run, or that only one of the two runs has written."""
     files: int
     wall_s: float
 
@@ -120,7 +121,9 @@ class Study:
         return self.root / f"{out.name}.log"
 
     def moments(self, count: int) -> list[int]:
-        """Return `count` random moments of interruption, as sorted numbers of finished frames."""
+        """Return `count` random moments for interruptions. Each moment is a number of finished frames. The numbers are
+        in ascending order.
+        """
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
@@ -144,7 +147,8 @@ class Study:
         return times
 
     def robbed(self, out: Path, times: int) -> int:
-        """Segment all frames on a Dask cluster, and kill the worker that read the latest frame, `times` times.
+        """Segment all frames on a Dask cluster, and kill workers at `times` random moments of the run. At each moment,
+        the worker that was the last to read a frame is killed.
 
         Return the number of kills.
         """
@@ -191,7 +195,9 @@ def mount(*arguments: str) -> None:
 
 @contextmanager
 def small_disk(folder: Path) -> Iterator[Path | None]:
-    """Create a folder, and mount a small in-memory file system there. Yield None if mounting is not possible."""
+    """Create a folder, and mount a small in-memory file system there. Yield the folder, or None if the system does not
+    allow mounting.
+    """
     folder.mkdir()
     try:
         mount("-t", "tmpfs", "-o", "size=1m", "tmpfs", str(folder))

@@ -1,14 +1,15 @@
-"""Count the reasons for missed labelled objects: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
+"""Count the reasons why labelled objects are not found: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
-There are four classes of labelled objects. Covered: a predicted object covers more than 70 % of the labelled object.
-With its surroundings: one region covers more than 70 % of the object, and has at least three times the area of the
-object. Split: no region covers more than 70 % of the object. Rejected otherwise: a smaller region covers more than 70 %
-of the object, but no predicted object does.
+The script divides the labelled objects into four classes. The class "covered" contains objects of which a predicted
+object covers more than 70 %. The class "split" contains objects of which no region covers more than 70 %. The two other
+classes contain objects of which a region covers more than 70 %, but no predicted object does. In the class "joined with
+its surroundings", the area of this region is at least three times the area of the object. In the class "rejected
+otherwise", the region is smaller.
 
 The script also prints the share of labelled objects with more than 30 % missing depth. It also prints the share of
-labelled objects whose ground-truth mask violates a rule of the preset. With `--gammas`, the script also segments every
-second frame with each given value of `partition.gamma`. It then prints the share of objects with a region of IoU above
-0.7.
+labelled objects that a rule of the preset rejects even if the region is equal to the ground-truth mask. With
+`--gammas`, the script also segments every second frame with each given value of `partition.gamma`. For each value, it
+prints the share of labelled objects for which a region has an IoU above 0.7.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ Labels = npt.NDArray[np.int32]
 
 COVERED, JOINED, SPLIT, REJECTED = "covered", "joined with its surroundings", "split", "rejected otherwise"
 LARGER = 3.0
-"""Minimum ratio of the area of a region to the area of the object, for the class "joined with its surroundings"."""
+"""Minimum area of a region divided by the area of the labelled object, for the class "joined with its surroundings"."""
 
 
 def main() -> None:
@@ -88,7 +89,7 @@ def judge(mask: npt.NDArray[np.bool_], labels: Labels, regions: Labels) -> tuple
 
 
 def best_iou(mask: npt.NDArray[np.bool_], regions: Labels) -> float:
-    """Return the maximum IoU of a mask (H, W) over all regions."""
+    """Compute the IoU of a mask (H, W) with each region, and return the maximum."""
     inside = np.bincount(regions[mask], minlength=regions.max() + 1)
     return float(np.max(inside / (mask.sum() + np.bincount(regions.ravel()) - inside)))
 

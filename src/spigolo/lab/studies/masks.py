@@ -1,11 +1,11 @@
-"""Compare rendered masks with exact masks: `python -m spigolo.lab.studies.masks`.
+"""Compare masks computed from object models and poses with exact masks: `python -m spigolo.lab.studies.masks`.
 
-Rendered masks are computed from the models and poses of the objects, exact masks by the renderer of the frames. A point
-of a model counts as visible if it is behind the surface in the depth map by at most a tolerance. The first test uses
-noise-free depth and a tolerance of 2 mm, to check the poses and models. The second test uses the depth of the simulated
-camera and BOP's tolerance of 15 mm, as in `spigolo.lab.datasets`. The last column of the printed table counts the
-discarded scenes. A scene is discarded if the IoU of a rendered mask with its exact mask is below `LEAST_IOU`, or if no
-object is visible.
+All frames are rendered, and their exact masks come from the renderer. To compute a mask, all points of a model are
+projected into the image. A point counts as visible if its depth exceeds the depth in the depth map by at most a
+tolerance. The first test uses noise-free depth and a tolerance of 2 mm, to check the poses and models. The second test
+uses the depth of the simulated camera and a tolerance of 15 mm, as in the BOP benchmark and in `spigolo.lab.datasets`.
+The last column of the printed table counts the discarded scenes. A scene is discarded if the IoU of a computed mask
+with its exact mask is below `LEAST_IOU`, or if no object is visible.
 """
 
 from __future__ import annotations

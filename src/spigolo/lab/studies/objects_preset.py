@@ -4,11 +4,11 @@ method.
     python -m spigolo.lab.studies.objects_preset search --trials 48 --out DIR
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
-The command `search` draws random parameter values. The values are scored by cross-validation over five folds of the
-frames, and by holding out one data set at a time. The search never chooses the preset OBJECTS itself, because the rules
-of OBJECTS were developed on these frames. The command `ablation` scores the preset with one extension removed or
-changed at a time. All scores are stored in the folder given by `--out`. Frames are read from the subfolder `frames` of
-the data folder, which the environment variable SPIGOLO_DATA sets (default: ../shared/data).
+The command `search` draws random parameter values. It scores the best values on held-out frames (cross-validation with
+five folds), and on held-out data sets (one data set at a time). The search never chooses the preset OBJECTS itself,
+because the rules of OBJECTS were developed on these frames. The command `ablation` scores the preset with one extension
+removed or changed at a time. All scores are stored in the folder given by `--out`. Frames are read from the subfolder
+`frames` of the data folder. The environment variable SPIGOLO_DATA sets the data folder (default: ../shared/data).
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ def ablation(out: Path, jobs: int) -> None:
 def figures(rows: Sequence[Row], sets: Sequence[str]) -> str:
     """Format overlap F, boundary F and the share of found objects, pooled over the data sets `sets`.
 
-    Only the share of found objects is given if some objects are not labelled.
+    If some objects in these data sets are not labelled, only the share of found objects is returned.
     """
     pooled = pool([row for row in rows if row.data_set in sets and row.frame not in LITTLE_WORTH])
     found = f"{pooled.true_positives / pooled.n_objects:.0%}".replace("%", " %")

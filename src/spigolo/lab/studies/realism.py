@@ -1,9 +1,10 @@
 """Compare statistics of rendered and real frames: `python -m spigolo.lab.studies.realism FRAMES --count 24`.
 
 FRAMES are folders of real frames, in any supported file layout. Only frames that match a name pattern in `REAL` are
-used. Statistics of real frames are averaged over the frames of each scene. With `--slant`, the script prints the depth
-noise for several ranges of disparity gradient. With `--presets`, the script prints the share of objects that each
-preset finds in the rendered frames.
+used. Statistics of real frames are averaged over the frames of each scene. With `--slant`, the script also prints the
+depth noise on slanted surfaces, for several ranges of disparity gradient. The disparity gradient is the change of
+disparity per image pixel. With `--presets`, the script also prints the share of objects that each preset finds in the
+rendered frames.
 """
 
 from __future__ import annotations
@@ -35,11 +36,11 @@ REAL = {
         "*pcl_bottles",
     ),
 }  # fmt: skip
-"""Name patterns SET/FRAME of real frames, one pattern per scene, indexed by the family of rendered scenes that the real
-scenes are compared with.
+"""For each family of rendered scenes: name patterns of real frames for the comparison. A pattern has the form
+SET/FRAME, and selects the frames of one real scene.
 """
 CHANGES_PX = (0.02, 0.04, 0.06, 0.09, 0.13, 0.2)
-"""Limits of the ranges of disparity gradient, in pixels of disparity per image pixel."""
+"""Limits between the ranges of disparity gradient (change of disparity per image pixel)."""
 BASELINE_M, NEAR_M, FAR_M = 0.075, 0.4, 2.5
 PRESETS = ("SHELF", "TABLE", "CLUTTER", "OBJECTS")
 
@@ -88,8 +89,8 @@ def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
 def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
     """Print the depth noise, in pixels of disparity, for each range of disparity gradient.
 
-    The noise is the root mean square distance to locally fitted planes. The printed values are medians over rendered
-    frames, or over real scenes.
+    The noise at a pixel is the root mean square deviation of its neighbourhood from a fitted plane. Printed values for
+    rendered frames are medians over frames. Printed values for real frames are medians over scenes.
     """
     print("\n| frames | " + " | ".join(f"{low}-{high}" for low, high in pairwise(CHANGES_PX)) + " |")
     print("|---" * len(CHANGES_PX) + "|")
@@ -110,8 +111,8 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
 def noise_by_slant(frame: sp.Frame) -> list[float]:
     """Return the median depth noise, in pixels of disparity, for each range of disparity gradient.
 
-    Only pixels at a depth of 0.4 to 2.5 m count, and only if their window of 7x7 pixels has no missing depth. The noise
-    is NaN for ranges with fewer than 400 such pixels, and for frames without a camera.
+    Only pixels at a depth of 0.4 to 2.5 m are used. In the 7x7 pixels around such a pixel, no depth may be missing. The
+    noise is NaN for ranges with fewer than 400 such pixels, and for frames without intrinsics.
     """
     planes = fit_local_planes(frame.depth)
     focal_px = frame.camera.fx if frame.camera else float("nan")
@@ -123,9 +124,10 @@ def noise_by_slant(frame: sp.Frame) -> list[float]:
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:
-    """Print the share of objects that a segment covers by more than 70 %, and the share with an IoU above 0.7.
+    """Print the share of objects of which a segment covers more than 70 %, and the share of objects with a segment of
+    IoU above 0.7.
 
-    A table row has the objects of one kind (family `table`) or of one scene (other families).
+    Each row of the printed table is for one kind of object (family `table`) or for one scene (other families).
     """
     hits: dict[str, list[list[bool]]] = defaultdict(list)
     for sample in samples:

@@ -2,9 +2,10 @@
 
 `python -m spigolo.lab.studies.robustness` prints the overlap F on the data set hand-uoc. It also prints the share of
 found objects on hand-uoc and on five other data sets. With `--shelves 24`, the script instead compares presets on 24
-rendered shelves, without simulated changes. Two thirds of the depth of a rendered shelf are missing. The rules of the
-presets were developed on rendered shelves with the seeds 413 and 977. Frames are read from the subfolder `frames` of
-the data folder, which the environment variable SPIGOLO_DATA sets (default: ../shared/data).
+rendered shelves, without simulated changes. In a frame of a rendered shelf, two thirds of the pixels have missing
+depth. The rules of the presets were developed on rendered shelves with the seeds 413 and 977. Frames are read from the
+subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data folder (default:
+../shared/data).
 """
 
 from __future__ import annotations
@@ -125,9 +126,10 @@ def score(config: sp.Config, frame: sp.Frame, truth: np.ndarray) -> FrameScore:
 
 
 def score_folder(task: tuple[Path, str, str]) -> FrameScore:
-    """Read a frame, apply a simulated change, and return the score of a preset.
+    """Read a frame, apply a simulated change, and return the score of a preset on the changed frame.
 
-    task: folder of the frame, key of `CHANGES`, key of `CONFIGS`.
+    task: tuple of the frame's folder, the name of the change (a key of `CHANGES`) and the name of the preset (a key of
+    `CONFIGS`).
     """
     cv2.setNumThreads(1)
     folder, change, config = task

@@ -2,8 +2,8 @@
 FRAMES`.
 
 The overhead of the Dask scheduler is measured with jobs that do nothing, in groups of 1 to 1000 jobs. The time for
-writing results is measured with results that were computed in advance. The scheduler and the writer share one process,
-as with `--scheduler local`.
+writing results is measured with results that were computed in advance. The scheduler and the writer of the results run
+in the same process, as with `--scheduler local`.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from spigolo.errors import FileError
 from spigolo.lab.machine import this_machine
 
 JOBS = {1: 2_000, 10: 20_000, 100: 200_000, 1000: 1_000_000}
-"""Number of empty jobs for each group size."""
+"""Number of empty jobs, indexed by the number of jobs per group."""
 FRAMES = 10_000_000
 CORES = 16
-"""Number of processor cores per machine in the extrapolated table."""
+"""Number of processor cores per machine that the extrapolated table assumes."""
 MACHINES = 1, 4, 16, 64, 256
 DISK_MB_PER_S = 500
-"""Data rate of the shared storage in the extrapolated table, MB/s."""
+"""Data rate of the shared storage that the extrapolated table assumes, MB/s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Overhead:
-    """Scheduling time of empty jobs."""
+    """Measured scheduling time of empty jobs, sent to the workers in groups."""
 
     group: int
     """Number of jobs in each group that is sent to a worker."""
@@ -74,7 +74,7 @@ class Frames:
 
 
 def tiny(job: int) -> int:
-    """Return `job` without any computation, as an empty job that measures the overhead of the scheduler."""
+    """Return `job` unchanged. This empty job is used to measure the overhead of the scheduler."""
     return job
 
 
@@ -122,7 +122,7 @@ def measure(jobs: list[FrameFiles], workers: Iterable[int]) -> Frames:
 def rate(jobs: list[FrameFiles], engine: Engine) -> float:
     """Measure the throughput of a batch run in frames per second.
 
-    The first fifth of the frames is excluded, because worker processes start during this time.
+    The first fifth of the frames is not timed, because the worker processes start during this time.
     """
     times: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -132,7 +132,7 @@ def rate(jobs: list[FrameFiles], engine: Engine) -> float:
 
 
 def ready(jobs: list[FrameFiles]) -> Engine:
-    """Return an executor that only returns results that were computed in advance."""
+    """Segment all frames in advance. Return an engine that returns these results without computing them again."""
     work = Work(sp.OBJECTS)
     answers = {job.name: work(job) for job in jobs}
 
@@ -143,7 +143,9 @@ def ready(jobs: list[FrameFiles]) -> Engine:
 
 
 def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
-    """Yield the rows of the extrapolated table: throughput, time and limiting component for each number of machines."""
+    """Yield the rows of the extrapolated table. A row gives the throughput, the total time and the limiting component
+    for one number of machines.
+    """
     frame_s = core_s(frames)
     group = max(int(TASK_S / frame_s), 1)  # same group size as in `dask_local`
     task_s = median(one.task_ms for one in schedulers) / 1e3
@@ -161,7 +163,7 @@ def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
 
 
 def core_s(frames: Frames) -> float:
-    """Return the processor time per frame in core seconds, with the maximum number of worker processes."""
+    """Return the processor time per frame in core seconds, measured with the maximum number of worker processes."""
     workers = max(frames.rates)
     return workers / frames.rates[workers]
 

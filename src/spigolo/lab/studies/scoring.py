@@ -1,6 +1,7 @@
 """Compare the times to score and to segment a frame: `python -m spigolo.lab.studies.scoring FRAMES --presets TABLE`.
 
-Times are CPU times with one thread. Each frame is segmented and scored several times, after one warm-up round.
+Times are CPU times with one thread. Each frame is segmented and scored several times. The first repetition is a warm-up
+that is not timed.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ def main() -> None:
 
 
 def times(segmenter: sp.Segmenter, frame: sp.Frame, truth: Truth | None, rounds: int) -> list[tuple[float, float]]:
-    """Return the CPU times of segmentation and of scoring in seconds, one pair per round."""
+    """Return the CPU times of segmentation and of scoring in seconds, one pair of times per repetition."""
     assert truth is not None
     answer = []
     for _ in range(rounds + 1):

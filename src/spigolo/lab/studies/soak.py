@@ -1,10 +1,10 @@
 """Segment many frames in one process and check memory, time and results: `python -m spigolo.lab.studies.soak`.
 
-A thousand different scenes are segmented twenty times each. The presets alternate from scene to scene. The exit code is
-1 if memory use varies by more than 5 MiB during the last three quarters of the frames. The exit code is also 1 if the
-last thousand frames take over 5 % longer than the first thousand. The exit code is also 1 if a result differs from that
-of a new `Segmenter`, or from an earlier result for the same scene. The test requires Linux, because memory is read from
-/proc.
+A thousand different scenes are segmented twenty times each. Consecutive scenes are segmented with different presets.
+The exit code is 1 if memory use varies by more than 5 MiB during the last three quarters of the frames. The exit code
+is also 1 if the last thousand frames take more than 5 % longer than the first thousand. The exit code is also 1 if a
+result differs from that of a new `Segmenter`, or from an earlier result for the same scene. The test requires Linux,
+because memory is read from /proc.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ SCENES = 1000
 The last thousand frames show the same scenes as the first thousand, so that their times are comparable.
 """
 SETTLED = 0.25
-"""Share of the frames after which memory use may vary by at most `MAY_GROW_MIB`."""
+"""Share of the frames that count as warm-up, 0..1. After the warm-up, memory use may vary by at most `MAY_GROW_MIB`."""
 MAY_GROW_MIB = 5.0
 MAY_SLOW = 1.05
-"""Maximum CPU time of the last thousand frames, relative to the first thousand frames.
+"""Maximum CPU time of the last thousand frames, divided by the CPU time of the first thousand frames.
 
 The limit is above 1, because CPU times vary by a few per cent on a busy machine.
 """
 EVERY = 50
-"""Step between frames whose results are compared with the results of `spigolo.segment`."""
+"""Step between frames whose result is compared with the result of `spigolo.segment` (50 = every 50th frame)."""
 WIDTHS_PX = 96, 200
 
 
@@ -54,13 +54,15 @@ class Soak:
     range_mib: float
     """Difference between maximum and minimum resident memory after the first quarter of the frames, MiB."""
     slower: float
-    """CPU time of a scene in the last round divided by the CPU time in the first round, median over the scenes."""
+    """CPU time of a scene in the last thousand frames divided by its CPU time in the first thousand frames. Median over
+    all scenes.
+    """
     first_ms: float
-    """Median CPU time per frame in the first round, in milliseconds."""
+    """Median CPU time per frame in the first thousand frames, in milliseconds."""
 
     @property
     def failed(self) -> bool:
-        """Return True if a result differs, or if memory or time exceeds its limit."""
+        """Return True if the test failed: a result differs, or memory range or CPU time exceeds its limit."""
         return self.other_answers > 0 or self.range_mib > MAY_GROW_MIB or self.slower > MAY_SLOW
 
 

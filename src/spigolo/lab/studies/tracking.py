@@ -1,13 +1,13 @@
 """Count identity switches of tracked objects in rendered sequences: `python -m spigolo.lab.studies.tracking`.
 
-A simulated hand-held camera moves around each table of the family `table`, by 0.7 degrees per frame at 30 frames per
-second. Using only every third or sixth frame simulates a lower frame rate.
+In each scene of the family `table`, a simulated hand-held camera moves around the table. It moves by 0.7 degrees per
+frame, at 30 frames per second. To simulate 10 or 5 frames per second, only every third or every sixth frame is used.
 
-A true object is found in a frame if a mask has an IoU of at least 0.5 with the object. An identity switch occurs if an
-object is found with another id than in the last frame in which it was found. The share of identity switches is the
-number of switches divided by the number of times that an object was found again. For comparison, the printed column `of
-labels` counts switches with the labels of each frame as ids. Labels are numbered in the order of scores, best score
-first.
+A ground-truth object is found in a frame if a predicted mask has an IoU of at least 0.5 with the object. An identity
+switch occurs if the id of an object has changed since the last frame in which the object was found. The share of
+identity switches is the number of switches divided by the number of times that an object was found again. For
+comparison, the printed column `label changes` counts the switches if the labels of each frame are used as ids. Labels
+are numbered in the order of scores, best score first.
 """
 
 from __future__ import annotations
@@ -39,17 +39,18 @@ class Count:
     """Numbers of found objects and identity switches in a sequence."""
 
     objects: int
-    """Number of true objects that were found at least once."""
+    """Number of ground-truth objects that were found at least once."""
     present: int
-    """Number of true objects, summed over frames."""
+    """Number of ground-truth objects in a frame, summed over all frames."""
     found: int
-    """Number of true objects that were found, summed over frames."""
+    """Number of ground-truth objects that were found in a frame, summed over all frames."""
     again: int
-    """Number of times that an object was found which had already been found in an earlier frame."""
+    """Number of times that an object was found again, after it had been found in an earlier frame."""
     switches: int
-    """Number of times that an object was found with another id than before (identity switches)."""
+    """Number of identity switches: the id of an object has changed since the last frame in which the object was found.
+    """
     ids: int
-    """Number of different ids assigned to true objects."""
+    """Number of different ids that were assigned to ground-truth objects."""
 
     @property
     def share(self) -> float:
@@ -87,7 +88,7 @@ def _carried(view: View, k: int, sway: npt.NDArray[np.float64]) -> View:
 
 
 def finds(sample: Sample, result: sp.Segmentation) -> Mapping[str, sp.ObjectMask]:
-    """Return the predicted masks that match true objects, indexed by the name of the true object."""
+    """Return the predicted masks that match ground-truth objects, indexed by the name of the ground-truth object."""
     found = {}
     for instance in sample.instances:
         truth = sample.labels == instance.label
@@ -99,7 +100,9 @@ def finds(sample: Sample, result: sp.Segmentation) -> Mapping[str, sp.ObjectMask
 
 
 def count(samples: Sequence[Sample], results: Sequence[sp.Segmentation], by_label: bool = False) -> Count:
-    """Count found objects and identity switches in a sequence. by_label: True to use mask labels as ids."""
+    """Count found objects and identity switches in a sequence. by_label: True to use the label of each mask instead of
+    its id.
+    """
     last: dict[str, int] = {}
     present = found = again = switches = 0
     ids: set[int] = set()

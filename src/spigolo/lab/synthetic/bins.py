@@ -29,10 +29,10 @@ PRODUCTS = (
     "soda_can_3",
 )  # fmt: skip
 VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
-"""Camera angles of each view, degrees: yaw to the side and pitch downwards."""
+"""For each view: yaw of the camera to the side and pitch of the camera downwards, in degrees."""
 _WALL_M, _BOARD_M = 0.006, 0.02
 _LIPS_M = 0.035, 0.05
-"""Minimum and maximum height of the lip at the front edge of a board, in metres."""
+"""Minimum and maximum height of the lip (vertical strip at the front edge) of a shelf board, in metres."""
 
 
 def shelf_stage(name: str, rng: Rng) -> Stage:
@@ -67,7 +67,7 @@ def shelf_stage(name: str, rng: Rng) -> Stage:
 
 
 def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m: float, rng: Rng) -> SceneObject | None:
-    """Place a product in a bin: standing, lying or leaning against a wall. Return None if no position is free."""
+    """Place a product in a bin: standing, lying or leaning against a wall. Return None if no free position is found."""
     if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
         side = int(rng.choice([-1, 1]))
         leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
@@ -164,7 +164,9 @@ def _light(view: View, rng: Rng) -> Lighting:
 
 
 def _tool(view: View, rng: Rng) -> SceneObject:
-    """Create a black robot gripper at the edge of the image. The gripper is too near for a depth measurement."""
+    """Create a black robot gripper at the edge of the image. The gripper is too near to the camera, so its depth is
+    missing.
+    """
     up, side = rng.choice([-1, 1]) * rng.uniform(0.115, 0.15), rng.uniform(-0.12, 0.12)
     forward = np.array(view.look_at_m) - view.position_m
     middle = view.position_m + 0.3 * forward / np.linalg.norm(forward) + side * view.axes[0] + up * view.axes[1]

@@ -49,8 +49,8 @@ def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
 
     Return the frame, and the mask (H, W) of the box.
 
-    The added box tests if a method still finds objects. A method that never finds an object has no false detections in
-    an empty scene either.
+    A method that never finds an object has no false detections in empty scenes. The box reveals such a method, because
+    the method does not find the box.
     """
     return _render(family, seed, lambda view: _box(family, seed, view))
 
@@ -112,7 +112,7 @@ def _table(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _bin(rng: np.random.Generator, kind: str) -> _Scene:
-    """Create a tote or box that is open at the top, stands on a floor, and fills most of the image."""
+    """Create a container that is open at the top, stands on a floor, and fills most of the image."""
     distance_m = rng.uniform(0.6, 1.3)
     length_m = distance_m * rng.uniform(0.75, 1.2)
     size_m = length_m, length_m * rng.uniform(0.55, 0.85)
@@ -133,8 +133,8 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create the outer surface, the inner surface and the floor of a plastic tote with slanted walls, round corners and
-    a flange.
+    """Create a plastic container with slanted walls, round corners and a flange at the top. Return its outer surface,
+    its inner surface and its floor.
     """
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))
@@ -154,7 +154,7 @@ def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Genera
 
 
 def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create the outer surface, the inner surface and the floor of a carton or crate with vertical walls."""
+    """Create a carton or crate with vertical walls. Return its outer surface, its inner surface and its floor."""
     thick, radius_m = rng.uniform(0.004, 0.018), 0.001
     skirt = [line((thick, 0.0), (thick, height_m)), line((thick, height_m), (0.0, height_m))]
     floor = prism(rounded_rectangle(size_m, radius_m, 2)[0], 0.0005, 0.005)
@@ -190,4 +190,4 @@ def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 FAMILIES: Mapping[str, Callable[[np.random.Generator, str], _Scene]] = {"table": _table, "bin": _bin, "shelf": _shelf}
-"""Functions that create a random scene, indexed by the kind of scene (family)."""
+"""For each kind of scene (family): function that creates a random scene."""

@@ -2,8 +2,9 @@
 
 The exact mask of an object contains the pixels at which the renderer shows the object.
 
-`shelf`: products in a shelf bin, as in Rutgers APC. `table`: different objects on tables, as in UW RGB-D Scenes.
-`multi`: three instances of one object among clutter, as in the data set of Tejani et al.
+The family `shelf` shows products in a shelf bin, as in the data set Rutgers APC. The family `table` shows different
+objects on tables, as in the data set UW RGB-D Scenes. The family `multi` shows three instances of one object among
+other objects, as in the data set of Tejani et al.
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ FAMILIES: Mapping[str, Family] = {
 def render_family(family: str, number: int, seed: int = 0) -> Sample:
     """Render one frame with its ground truth.
 
-    The frame's name consists of the name of its scene and a number, counted from 1.
+    The frame is named SCENE_NUMBER: the name of its scene, and a number that is counted from 1.
 
     Raises ConfigError for an unknown family.
 
@@ -87,13 +88,13 @@ def render_family(family: str, number: int, seed: int = 0) -> Sample:
 
 
 def record_family(family: str, number: int, seed: int = 0) -> Recording:
-    """Render the frame of `render_family`, and additionally return its noise-free depth map."""
+    """Render the same frame as `render_family`. Return the frame, its ground truth and its noise-free depth map."""
     return next(made for made in arrangements(family, number, seed) if is_told_by_poses(family, made.sample))
 
 
 def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]:
-    """Yield an endless sequence of random scenes for one frame. `record_family` uses the first scene that passes
-    `is_told_by_poses`.
+    """Yield an endless sequence of rendered random scenes for one frame. `record_family` returns the first of them for
+    which `is_told_by_poses` returns True.
     """
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
@@ -126,10 +127,10 @@ def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: floa
     sample
         Frame with exact masks and poses.
     measured
-        Depth map (H, W) in metres, to determine which pixels are visible.
+        Depth map (H, W) in metres. It determines which pixels of a model are visible.
     tolerance_m
-        Maximum distance of a model behind the measured surface, metres. Pixels of a model with a larger distance count
-        as hidden.
+        Maximum distance of a visible model behind the surface in `measured`, metres. Pixels of a model with a larger
+        distance count as hidden.
 
     """
     ious = _ious(sample, sample.instances, measured, tolerance_m)

@@ -28,7 +28,9 @@ class Rest:
     tilt_deg: float = 0.0
     """Angle between the object's z axis and the vertical, in degrees."""
     roll_deg: float | None = None
-    """Rotation about the object's z axis before tilting, degrees, or None if any rotation is stable."""
+    """Rotation about the object's z axis before the tilt, in degrees. None: the object is stable with any such
+    rotation.
+    """
 
 
 @dataclass(frozen=True)
@@ -80,7 +82,7 @@ FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
 
 @cache
 def household(name: str) -> Product:
-    """Create the object with this name: a key of `KINDS`, optionally with a number, such as soda_can_4.
+    """Create the object `name`. The name is a key of `KINDS`, optionally with a number: soda_can or soda_can_4.
 
     The size and the textures of the object depend only on its name. Raises ConfigError for an unknown kind of object.
     """

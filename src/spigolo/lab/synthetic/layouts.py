@@ -1,4 +1,4 @@
-"""Writer of rendered frames in three file layouts: one folder per frame, BOP, or the layout of a real data set."""
+"""Writer of rendered frames in one of three file layouts: one folder per frame, BOP, or layout of a real data set."""
 
 from __future__ import annotations
 
@@ -51,8 +51,9 @@ def write_family(
     folder
         Folder to write to.
     layout
-        File layout. "folders" is read by `Folders`, "bop" by `Bop`. "original" is the layout of the corresponding real
-        data set, read by `Rutgers`, `UwScenes` or `Tejani`.
+        File layout. "folders" is one folder per frame, read by `Folders`. "bop" is the BOP layout, read by `Bop`.
+        "original" is the layout of the real data set that is similar to the family, read by `Rutgers`, `UwScenes` or
+        `Tejani`.
     tell
         Function that is called after each frame with the number of finished frames.
 
@@ -113,7 +114,7 @@ def _refuse_others(folder: Path, about: str) -> None:
 
 
 def _require_extra() -> None:
-    """Raise SpigoloError before rendering starts if scipy or trimesh is not installed."""
+    """Check that scipy and trimesh are installed, before rendering starts. Raise SpigoloError if not."""
     for name in ("scipy", "trimesh"):
         if importlib.util.find_spec(name) is None:
             raise SpigoloError(f'this layout needs {name}, which is not installed: pip install "spigolo[datasets]"')

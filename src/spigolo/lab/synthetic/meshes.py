@@ -47,7 +47,7 @@ class Mesh:
 def arc(centre: tuple[float, float], radius_m: float, start_deg: float, stop_deg: float, count: int) -> FloatArray:
     """Return the points (count, 2) of a circular arc in the (r, z) plane, as a profile for `lathe`.
 
-    The direction of 0 degrees is +r, and 90 degrees is +z.
+    An angle of 0 degrees is the direction +r, and an angle of 90 degrees is the direction +z.
     """
     angle = np.radians(np.linspace(start_deg, stop_deg, count))
     return np.column_stack([centre[0] + radius_m * np.cos(angle), centre[1] + radius_m * np.sin(angle)])
@@ -67,8 +67,8 @@ def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     Parameters
     ----------
     sections
-        Smooth sections of the profile, each with points (r, z) as an array (K, 2), metres. Edges between sections
-        are sharp. The solid is on the left of the profile's direction.
+        Smooth sections of the profile. Each section is an array (K, 2) of points (r, z), metres. Edges between sections
+        are sharp. Seen along the direction of the profile, the solid is on the left.
     around
         Number of facets around the axis.
 
@@ -135,7 +135,8 @@ def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
 def box(size_m: tuple[float, float, float]) -> Mesh:
     """Create a box that stands on z = 0.
 
-    The texture has three panels from left to right: for front and back, for left and right side, for top and bottom.
+    The texture has three panels from left to right. The first panel covers front and back, the second panel the left
+    and right side, the third panel top and bottom.
     """
     x, y, z = size_m[0] / 2, size_m[1] / 2, size_m[2]
     front, side, top = panels()
@@ -154,10 +155,10 @@ def box(size_m: tuple[float, float, float]) -> Mesh:
 def rounded_rectangle(
     size_m: tuple[float, float], radius_m: float, per_corner: int = 8
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the points (N, 2) of a rounded rectangle centred at the origin, anticlockwise, and the outward unit
-    normals (N, 2).
+    """Return the points (N, 2) of a rounded rectangle in anticlockwise order, and the outward unit normals (N, 2) at
+    these points. The rectangle is centred at the origin.
 
-    With a radius of half the shorter side, the ends are semicircles.
+    If the radius is half the length of the shorter side, the ends are semicircles.
     """
     turn = np.radians(np.linspace(0, 90, per_corner) + 90 * np.arange(4)[:, None]).ravel()
     outward = np.column_stack([np.cos(turn), np.sin(turn)])
@@ -168,8 +169,8 @@ def rounded_rectangle(
 def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float | None = None) -> Mesh:
     """Create a vertical prism with a convex outline (N, 2) between two heights.
 
-    texture_m: side length of the square that the texture covers, metres, by default the larger side of the outline's
-    bounding box.
+    texture_m: side length of the square that the texture covers, in metres. The default is the larger side of the
+    outline's bounding box.
     """
     corner = outline_m.min(axis=0)
     extent = np.ptp(outline_m, axis=0).max() if texture_m is None else texture_m
@@ -189,7 +190,7 @@ def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float |
 
 
 def tub(size_m: tuple[float, float], radius_m: float, sections: Sequence[FloatArray]) -> Mesh:
-    """Create a solid like `lathe`, but with a rounded rectangle instead of a circle as its outline.
+    """Create a solid as `lathe` does, but move the profile along a rounded rectangle instead of a circle.
 
     In the profile (r, z), r is the distance outwards from the rounded rectangle.
 

@@ -1,6 +1,6 @@
 """Random placement of objects on a plane or on each other, without collisions.
 
-Objects on the plane do not collide if their vertical projections do not overlap.
+Objects on the plane are placed so that their vertical projections do not overlap.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_
     yaw_deg
         Rotation about the vertical axis, degrees.
     roll_deg
-        Rotation about the object's z axis, degrees, used only if `rest.roll_deg` is None.
+        Rotation about the object's z axis, in degrees. If `rest.roll_deg` is not None, `rest.roll_deg` replaces this
+        value.
     spot_m
         Position (x, y), metres.
 
@@ -58,7 +59,7 @@ def height_m(product: Product, rest: Rest) -> float:
 class Plot:
     """Horizontal area with a convex outline (N, 2) in metres, on which objects are placed.
 
-    allows: function that returns True if an object may be placed at its position.
+    allows: function of an object with a position. It returns True if the object may be placed there.
     """
 
     def __init__(self, outline_m: npt.ArrayLike, allows: Callable[[SceneObject], bool] = lambda thing: True) -> None:
@@ -67,7 +68,7 @@ class Plot:
         self.taken: list[tuple[SceneObject, Outline]] = []
 
     def keep_off(self, gap_m: float) -> None:
-        """Require a distance of `gap_m` (metres) between all objects already placed and all objects placed later."""
+        """Require a minimum distance of `gap_m` metres between objects already placed and objects placed later."""
         self.taken = [(thing, _grown(footprint, gap_m)) for thing, footprint in self.taken]
 
     def take(self, thing: SceneObject) -> bool:
@@ -117,7 +118,7 @@ class Plot:
     def pile(self, product: Product, rest: Rest, below: SceneObject, rng: np.random.Generator) -> SceneObject | None:
         """Place a product on the flat top of another object.
 
-        Return None if the product does not fit, or would touch other objects.
+        Return None if the product does not fit on the top, or would collide with another object.
         """
         points = world_points(below)
         top_m = float(points[:, 2].max())

@@ -31,7 +31,9 @@ _GOODS = ("original", "extra fine", "family size", "no. 64", "classic", "fresh",
 
 
 def palette(rng: np.random.Generator, dark: float = 0.35) -> Palette:
-    """Return random matching colours. dark: the probability of a dark background is 0.75 * dark."""
+    """Return random matching colours. dark: number from 0 to 1. The probability of a dark background is 75 % for dark =
+    1, and 0 % for dark = 0.
+    """
     hue = _HUES[int(rng.integers(len(_HUES)))] + rng.normal(0, 0.015)
     kind = rng.uniform()
     if kind < 0.25:
@@ -130,7 +132,9 @@ def brushed_metal(rng: np.random.Generator, grey: float) -> Image:
 
 
 def _backdrop(image: Image, colour: Colour, rng: np.random.Generator) -> None:
-    """Draw the background of a packaging texture: rays, slanted stripes, a second colour below, or nothing."""
+    """Draw the background of a packaging texture: rays, slanted stripes, a second colour in the lower part, or no
+    pattern.
+    """
     height, width = image.shape[:2]
     kind = int(rng.integers(4))
     if kind == 0:

@@ -16,15 +16,16 @@ from spigolo.frames.frame import Frame
 __all__ = ["BANDS_M", "Realism", "quartiles", "realism"]
 
 BANDS_M = (0.4, 0.6, 0.8, 1.1, 1.6)
-"""Limits of the depth ranges for which noise is measured, metres."""
+"""Limits between the depth ranges for which noise is measured, metres."""
 WIDTH_PX = 640
-"""Image width at which image edges are counted. Images are resized, because larger images have fewer edges per pixel.
+"""Width to which images are resized before image edges are counted, in pixels. Without resizing, larger images would
+have a smaller share of pixels on edges.
 """
 CANNY = (60.0, 150.0)
 """Thresholds of `cv2.Canny` on 8-bit grey images."""
 LEAST_WINDOWS = 500
-"""Minimum number of pixels in a depth range for an estimate of the depth noise. Only pixels whose window of 7x7 pixels
-has no missing depth count.
+"""Minimum number of pixels in a depth range for an estimate of the depth noise. A pixel counts only if no depth is
+missing in the 7x7 pixels around it.
 """
 
 
@@ -39,13 +40,13 @@ class Realism:
     brightness: float
     """Median grey level of the colour image, 0..255."""
     noise_04: float
-    """Depth noise at a depth of 0.4 to 0.6 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
+    """Depth noise at a depth of 0.4 to 0.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
     noise_06: float
-    """Depth noise at a depth of 0.6 to 0.8 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
+    """Depth noise at a depth of 0.6 to 0.8 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
     noise_08: float
-    """Depth noise at a depth of 0.8 to 1.1 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
+    """Depth noise at a depth of 0.8 to 1.1 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
     noise_11: float
-    """Depth noise at a depth of 1.1 to 1.6 m, mm, NaN with fewer than `LEAST_WINDOWS` pixels."""
+    """Depth noise at a depth of 1.1 to 1.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
 
 
 def realism(frame: Frame) -> Realism:
@@ -58,7 +59,8 @@ def realism(frame: Frame) -> Realism:
 
 
 def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
-    """Return the depth noise in each depth range, millimetres.
+    """Return the depth noise in each depth range in millimetres: the median deviation of pixels from a locally fitted
+    plane.
 
     Planes are fitted to inverse depth. Residuals of inverse depth are multiplied by the squared depth to get residuals
     of depth.

@@ -43,14 +43,16 @@ class Lighting:
     sky_rgb: FloatArray
     """Brightness of the diffuse light, linear RGB."""
     sky_tilt_deg: float = 0.0
-    """Tilt of the hemisphere of diffuse light from the vertical towards -y, in degrees."""
+    """Angle between the vertical and the axis of the hemisphere of diffuse light, towards -y, in degrees."""
     lamp_samples: int = 24
     """Number of point lights that approximate the lamp."""
     sky_samples: int = 40
     """Number of point lights that approximate the diffuse light."""
 
     def points(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Yield the position (metres) and brightness (linear RGB) of all point lights of lamp and sky."""
+        """Yield the position (metres) and brightness (linear RGB) of each point light that approximates the lamp or the
+        sky.
+        """
         golden = np.pi * (3 - np.sqrt(5))
         for k in range(self.lamp_samples):
             radius_m, turn = self.lamp_radius_m * np.sqrt((k + 0.5) / self.lamp_samples), golden * k
@@ -71,7 +73,7 @@ def render_depth(model: Any) -> FloatMap:
 
 
 def render_geoms(model: Any) -> npt.NDArray[np.int32]:
-    """Render the number of the MuJoCo geom at each pixel (H, W), -1 for the background."""
+    """Render the number of the MuJoCo geom (part of an object) at each pixel (H, W), -1 for the background."""
     with _renderer(model, samples=0) as renderer:
         return _geoms(renderer, _at_rest(model))
 
@@ -98,7 +100,7 @@ class Rendering:
     light: FloatArray
     """Colour image (H, W, 3), linear RGB."""
     lamp_light: FloatArray
-    """Colour image (H, W, 3) under the lighting `lamp` of `render_all`, linear RGB."""
+    """Colour image (H, W, 3) of the scene in the light of `lamp`, the argument of `render_all`. Linear RGB."""
     depth_m: FloatMap
     """Depth map (H, W), metres."""
     geoms: npt.NDArray[np.int32]
@@ -106,7 +108,7 @@ class Rendering:
 
 
 def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
-    """Render a colour image for each of two lightings, the depth map and the geom numbers.
+    """Render the depth map, the geom number of each pixel, and two colour images, one for each lighting.
 
     The images are rendered without supersampling, as in `render_quickly`.
     """
@@ -121,7 +123,8 @@ def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap
     """Render the colour image and the depth map ten times faster than `render_light` and `render_depth`, without
     supersampling.
 
-    For anti-aliasing, the image of each point light is shifted by a fraction of a pixel.
+    The colour image is the sum of one image per point light. For anti-aliasing, each of these images is shifted by a
+    different fraction of a pixel.
     """
     with _renderer(model, samples=0) as renderer:
         return _quick_light(renderer, model, lighting), _depth(renderer, _at_rest(model))

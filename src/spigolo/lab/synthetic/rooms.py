@@ -98,7 +98,9 @@ def _lighting(
     sky: float,
     sky_tilt_deg: float,
 ) -> Lighting:
-    """Create a lamp with a random warm or cold colour, and diffuse light with the opposite tint."""
+    """Create a lamp of random warm or cold colour, and diffuse light. If the lamp is warm, the diffuse light is cold,
+    and vice versa.
+    """
     warmth = rng.uniform(-0.06, 0.12)
     tint = np.array([1 + warmth, 1.0, 1 - 1.2 * warmth])
     return Lighting(

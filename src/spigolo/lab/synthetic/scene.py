@@ -1,4 +1,4 @@
-"""Description of scenes with textured meshes, and conversion to MuJoCo models.
+"""Scenes with textured meshes, and conversion of scenes to MuJoCo models.
 
 World frame: x to the right, y away from the camera, z up. Lengths are in metres.
 """

@@ -48,7 +48,7 @@ class Stage:
     bystanders: tuple[SceneObject, ...] = ()
     """Additional objects that are not labelled."""
     grey: float = 110.0
-    """Median grey level of the colour image, 0..255, set by the exposure."""
+    """Median grey level of the colour image, 0..255. The exposure of the simulated camera is adjusted to this value."""
     noise_levels: float = 1.5
     """Standard deviation of the colour noise, in grey levels 0..255."""
     blur_px: float = 0.6
@@ -70,7 +70,7 @@ class Recording:
 
 
 def record(stage: Stage, name: str, rng: np.random.Generator) -> Recording:
-    """Render a scene, simulate the noise of both cameras, and return the frame with its ground truth.
+    """Render a scene, simulate the noise of colour camera and depth camera, and return the frame with its ground truth.
 
     Depth is rounded to whole millimetres.
     """
@@ -128,7 +128,7 @@ def _objects(model: Any, geoms: npt.NDArray[np.int32], count: int) -> npt.NDArra
 def _gloss(model: Any, geoms: npt.NDArray[np.int32]) -> FloatArray:
     """Return the gloss of the surface at each pixel (H, W): 0 = matt, 1 = mirror.
 
-    A specular value of up to 0.4 counts as matt.
+    Surfaces with a specular value of at most 0.4 count as matt.
     """
     specular = np.append(model.mat_specular[model.geom_matid], 0.0)
     return np.clip((specular[geoms] - 0.4) / 0.6, 0.0, 1.0)

@@ -1,8 +1,8 @@
 """Model of a structured-light depth camera, similar to the first Kinect.
 
-A structured-light camera measures depth by triangulation. A projector next to the camera projects a pattern, and the
-disparity at depth Z is ``d = fx * baseline / Z``. The model simulates projector shadows, missing depth on dark, glossy
-or steep surfaces, disparity noise, and quantisation of the disparity.
+A structured-light camera measures depth by triangulation. A projector next to the camera projects a pattern. A surface
+at depth Z has the disparity ``d = fx * baseline / Z``. The model simulates projector shadows, missing depth on dark,
+glossy or steep surfaces, disparity noise, and quantisation of the disparity.
 
 Camera frame: x to the right, y down, Z forward. The projector is at ``x = +baseline_m``, so shadows are to the left of
 objects.
@@ -35,19 +35,21 @@ class StructuredLight:
     noise_px: float = 0.12
     """Standard deviation of the disparity noise, in pixels."""
     slant_noise_px: float = 0.0
-    """Additional disparity noise at a disparity gradient of 1 (slanted surface), in pixels."""
+    """Additional disparity noise on a slanted surface with a disparity gradient of 1, in pixels."""
     noise_radius_px: float = 1.2
     """Standard deviation of the Gaussian filter that smooths the disparity noise, in pixels."""
     disparity_step_px: float = 0.125
     """Quantisation step of the disparity, in pixels."""
     dark_brightness: float = 0.11
-    """Brightness (mean of RGB, 0..1) below which no depth is measured."""
+    """Minimum brightness (mean of RGB, 0..1) at which depth is measured. Darker pixels have missing depth."""
     shiny_brightness: float = 0.985
-    """Brightness (mean of RGB, 0..1) above which no depth is measured."""
+    """Maximum brightness (mean of RGB, 0..1) at which depth is measured. Brighter pixels have missing depth."""
     steepest_angle_deg: float = 75.0
     """Maximum angle between viewing ray and surface normal at which depth is measured, in degrees."""
     rim_jump_px: float = 1.0
-    """Disparity step between neighbouring pixels above which the pixels count as a depth discontinuity, in pixels."""
+    """Maximum disparity difference between neighbouring pixels on one surface, in pixels. A larger difference counts as
+    a depth discontinuity.
+    """
     rim_loss: float = 0.35
     """Strength of the depth loss at depth discontinuities, 0..1. At 0.5, half of the adjacent pixels have missing
     depth.
@@ -101,7 +103,7 @@ def simulate_structured_light(
     rgb
         Colour image (H, W, 3), 8 bit.
     fx_px
-        Focal length in pixels. The principal point is assumed at the image centre.
+        Focal length in pixels. The principal point is assumed to be the image centre.
     rng
         Random number generator.
     sensor
@@ -143,7 +145,8 @@ def simulate_structured_light(
 def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatArray | float:
     """Return the standard deviation of the disparity noise at each pixel (H, W), in pixels.
 
-    Noise is higher on slanted surfaces, where a matching window contains different disparities.
+    Noise is higher on slanted surfaces. The window that the camera matches with the pattern contains different
+    disparities there.
     """
     if sensor.slant_noise_px == 0:
         return sensor.noise_px
@@ -175,10 +178,10 @@ def projector_shadow(disparity_px: FloatArray) -> BoolArray:
 
 
 def _own_rise_px(disparity_px: FloatArray) -> FloatArray:
-    """Return the change of disparity across two projector columns along the surface at each pixel (H, W), in pixels.
+    """Return, for each pixel (H, W), the change of disparity over two projector columns on the same surface, in pixels.
 
-    On a steep surface, one projector column covers many pixels of different disparity. Nearer pixels of the same
-    surface must not cast a shadow on the other pixels.
+    On a steep surface, one projector column covers many pixels of different disparity. The returned value is a
+    tolerance: it prevents nearer pixels of a surface from casting a shadow on other pixels of the same surface.
     """
     if disparity_px.shape[1] < 2:
         return np.zeros_like(disparity_px)
@@ -209,7 +212,7 @@ def correlated_noise(shape: tuple[int, ...], radius_px: float, rng: np.random.Ge
 
 
 def _unlit(rgb: npt.NDArray[np.uint8], raggedness: FloatArray, sensor: StructuredLight) -> BoolArray:
-    """Return the mask (H, W) of the pixels without depth because they are too dark or too bright."""
+    """Return the mask (H, W) of the pixels that have no depth because they are too dark or too bright."""
     brightness = rgb.astype(np.float64).mean(axis=2) / 255.0
     uneven = brightness + 0.02 * raggedness
     unlit: BoolArray = (uneven < sensor.dark_brightness) | (brightness > sensor.shiny_brightness)
@@ -223,7 +226,7 @@ def _steep(
     sensor: StructuredLight,
     gloss: npt.NDArray[np.floating[Any]],
 ) -> BoolArray:
-    """Return the mask (H, W) of the pixels without depth because their surface is too steep.
+    """Return the mask (H, W) of the pixels that have no depth because their surface is too steep.
 
     The maximum angle between surface normal and viewing ray is smaller for glossy surfaces.
     """
@@ -245,8 +248,9 @@ def _steep(
 def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
     """Return the difference between adjacent points of a grid (H, W, K) along one axis.
 
-    The difference to the previous or to the next point is used, whichever is smaller in the last coordinate (depth or
-    disparity). This choice avoids differences across a depth discontinuity.
+    Each point has two differences: to the previous point and to the next point. The function returns the difference
+    with the smaller change of the last coordinate (depth or disparity). This choice avoids differences across a depth
+    discontinuity.
     """
     steps = np.diff(points, axis=axis)
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)
@@ -258,7 +262,7 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
 def _strayed(
     disparity_px: FloatArray, lost: BoolArray, spread_px: float, rng: np.random.Generator
 ) -> tuple[FloatArray, BoolArray]:
-    """Shift depth discontinuities in the disparity map, and outlines in the mask of missing depth, by random distances.
+    """Shift two kinds of outlines by random distances: depth discontinuities, and outlines of areas without depth.
 
     spread_px: standard deviation of the shift in each direction, in pixels.
     """

@@ -167,11 +167,11 @@ def _strewn(
     plot
         Area of the table top, with the objects already on it.
     middle_m, spread_m
-        Mean and standard deviation of the positions (x, y).
+        Mean and standard deviation of the random positions (x, y), in metres.
     rng
         Random number generator.
     lying
-        Probability of another stable orientation than the most likely one, for example lying instead of standing.
+        Probability that an object is not in its most likely orientation, for example that it lies and does not stand.
     touching
         Probability that an object touches another object.
     flat
@@ -192,8 +192,8 @@ def _strewn(
 
 
 def _piled(things: list[SceneObject], onto: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
-    """Move one of the objects onto a flat object, if it fits there. onto: objects that include the flat objects to
-    choose from.
+    """Move one of the objects onto a flat object, if it fits there. onto: objects among which the flat object is
+    chosen.
     """
     flat = [thing for thing in onto if kind_of(thing.name) in FLAT_KINDS]
     for below in rng.permutation(len(flat)):
@@ -210,7 +210,9 @@ def _rests(product: Product, lying: float, rng: Rng) -> tuple[Rest, ...]:
 
 
 def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part]:
-    """Create sheets of paper, and a monitor, keyboard or carton at the back of the table if there is room."""
+    """Create sheets of paper on the table. If there is room at the back of the table, usually create a monitor, a
+    keyboard or a carton there.
+    """
     parts = _paper(size_m, rng)
     back_m = size_m[1] / 2 - 0.12
     x_m = float(rng.uniform(-0.6, 0.6) * (size_m[0] / 2))
@@ -237,7 +239,9 @@ def _paper(size_m: tuple[float, float], rng: Rng) -> list[Part]:
 
 
 def _background(size_m: tuple[float, float], wall_y_m: float, rng: Rng) -> list[Part]:
-    """Create posters on the back wall, a chair behind the table, and cartons next to the table."""
+    """Create posters on the back wall, in some scenes a chair behind the table, and in some scenes cartons next to the
+    table.
+    """
     parts: list[Part] = []
     for _ in range(int(rng.integers(2, 7))):
         parts += furniture.poster((rng.uniform(-1.3, 1.3), wall_y_m - 0.01, rng.uniform(0.1, 0.9)), rng)

@@ -46,8 +46,8 @@ def smooth_noise(size: tuple[int, int], cells: tuple[int, int], rng: np.random.G
     size
         Height and width of the returned noise in pixels.
     cells
-        Number of rows and columns of cells in the grid of random values that is interpolated. More cells give finer
-        noise.
+        Numbers of rows and columns of cells in a grid of random values. The noise is interpolated in this grid, so more
+        cells give finer noise.
     rng
         Random number generator.
 

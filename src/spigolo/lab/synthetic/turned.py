@@ -170,7 +170,7 @@ def _decorated(colour: Colour, rng: np.random.Generator) -> Image:
 
 
 def _glaze(rng: np.random.Generator) -> Colour:
-    """Return a random colour of glaze, in 30 % of the cases white."""
+    """Return a random colour of glaze. The colour is white with a probability of 30 %."""
     if rng.uniform() < 0.3:
         return 238, 234, 222
     return palette(rng, dark=0.5)[0]

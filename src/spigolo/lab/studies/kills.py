@@ -2,9 +2,9 @@
 
 A batch of 2,000 small frames is segmented four times. The first run is not interrupted. The second run is killed by
 SIGKILL at five random moments. In the third run, workers of a Dask cluster are killed twice. In the fourth run, the
-disk becomes full twice. The second and the fourth run are restarted until all frames are segmented. The exit code is 1
-if the output files of a run differ from those of the first run. The test with a full disk requires root rights on
-Linux.
+disk is full at two moments. The second and the fourth run are restarted until all frames are segmented. The exit code
+is 1 if the output files of a run differ from those of the first run. The fourth run requires Linux and root rights.
+Without them, it is left out.
 """
 
 from __future__ import annotations

@@ -5,10 +5,11 @@ method.
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
 The command `search` draws random parameter values. It scores the best values on held-out frames (cross-validation with
-five folds), and on held-out data sets (one data set at a time). The search never chooses the preset OBJECTS itself,
-because the rules of OBJECTS were developed on these frames. The command `ablation` scores the preset with one extension
-removed or changed at a time. All scores are stored in the folder given by `--out`. Frames are read from the subfolder
-`frames` of the data folder. The environment variable SPIGOLO_DATA sets the data folder (default: ../shared/data).
+five folds), and on held-out data sets (one data set at a time). The values of the preset OBJECTS are not candidates in
+this search, because the rules of OBJECTS were developed on these frames. The command `ablation` scores variants of the
+preset. In each variant, one extension is removed or changed. All scores are stored in the folder given by `--out`.
+Frames are read from the subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data
+folder (default: ../shared/data).
 """
 
 from __future__ import annotations
@@ -96,7 +97,9 @@ def tell(done: int, total: int, trial: Trial | None) -> None:
 
 
 def ablation(out: Path, jobs: int) -> None:
-    """Print overlap F, boundary F and the share of found objects, with one extension removed or changed at a time."""
+    """Print overlap F, boundary F and the share of found objects for variants of the preset. In each variant, one
+    extension is removed or changed.
+    """
     frames = find_labelled_frames([FRAMES], WHOLE)
     print(f"| | {' | '.join(f'{group}: F / boundary F / found' for group in GROUPS)} | empty tote |")
     print("|---" * (2 + len(GROUPS)) + "|")

@@ -124,8 +124,8 @@ def noise_by_slant(frame: sp.Frame) -> list[float]:
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:
-    """Print the share of objects of which a segment covers more than 70 %, and the share of objects with a segment of
-    IoU above 0.7.
+    """Print two shares of the objects: those of which a segment covers more than 70 %, and those with a segment of IoU
+    above 0.7.
 
     Each row of the printed table is for one kind of object (family `table`) or for one scene (other families).
     """

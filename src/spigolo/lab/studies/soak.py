@@ -2,9 +2,9 @@
 
 A thousand different scenes are segmented twenty times each. Consecutive scenes are segmented with different presets.
 The exit code is 1 if memory use varies by more than 5 MiB during the last three quarters of the frames. The exit code
-is also 1 if the last thousand frames take more than 5 % longer than the first thousand. The exit code is also 1 if the
-results for one scene differ. Every 50th result is also compared with the result of a new `Segmenter`. The test requires
-Linux, because memory is read from /proc.
+is also 1 if the last thousand frames take more than 5 % longer than the first thousand. The exit code is also 1 if two
+results for the same scene differ. Every 50th result must be equal to the result of a new `Segmenter`. Otherwise, the
+exit code is also 1. The test requires Linux, because memory is read from /proc.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ CONFIGS = {
 }
 """Configurations to time: each preset with 8-connected and with 4-connected pixels."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Configurations for which the step that merges pixels into regions is also timed separately."""
+"""For these configurations, the step that merges pixels into regions is also timed separately."""
 OURS = "toscana2016"
 """Name of the method that runs with the presets in `CONFIGS`.
 
@@ -50,7 +50,10 @@ class Comparison:
     peer: str
     ours: str
     ratio: float
-    """CPU time of `peer` divided by CPU time of `ours`, median over rounds. Above 1 if `ours` is faster."""
+    """CPU time of `peer` divided by CPU time of `ours`, as the median of several measured ratios.
+
+    Above 1 if `ours` is faster.
+    """
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:
@@ -121,7 +124,7 @@ def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
 def everybody(frame: Frame, peers: Peers, key: str) -> dict[str, Run]:
     """Return all functions to time on one frame.
 
-    The worker processes store the colour image of the frame under the name `key`.
+    key: name under which the worker processes store the colour image of the frame.
     """
     peers.load(key, frame.color)
     return {**segmenters(frame), **baselines(frame), **saliency(frame), **mergings(frame), **peers.contestants(key)}

@@ -20,9 +20,12 @@ class Memory:
     """Memory use of a `Segmenter`, in bytes per pixel."""
 
     workspace: float
-    """Memory of the workspace, which the `Segmenter` keeps between frames, bytes per pixel."""
+    """Memory of the arrays that the `Segmenter` keeps between frames (workspace), bytes per pixel."""
     frame: float
-    """Additional peak memory while a frame is segmented, including the result, bytes per pixel."""
+    """Peak memory during the segmentation of a frame, in addition to `workspace`, bytes per pixel.
+
+    The segmentation result is included.
+    """
     answer: float
     """Memory of the segmentation result of one frame, bytes per pixel."""
 

@@ -81,7 +81,7 @@ class Ocid(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder contains a sequence, which has the subfolders rgb and label."""
+        """Return True if the folder contains a sequence, that is, a folder with the subfolders rgb and label."""
         return next(_sequences(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -96,7 +96,8 @@ class Ocid(DataSet):
 
 
 def _stands_on(sequence: Path, folder: Path) -> str:
-    """Return "table" or "floor", the surface below the objects, if the path of a sequence has a folder of this name.
+    """Return the surface below the objects, "table" or "floor", according to the folder names in the path of a
+    sequence.
 
     Return "" if no folder inside the data set is named "table" or "floor".
     """

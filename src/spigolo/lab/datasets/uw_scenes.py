@@ -72,7 +72,8 @@ class UwFrame(ImageEntry):
 class UwScenes(DataSet):
     """Data set UW RGB-D Scenes v1.
 
-    masks: folder of QuickFind's masks, by default quickfind_mask_data in or next to the data set.
+    masks: folder of QuickFind's masks. By default, this is the folder quickfind_mask_data in the data set or next to
+    it.
     """
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
@@ -127,7 +128,7 @@ def labels_of(picture: Color) -> Truth:
 
 
 def category_of(name: str) -> tuple[str, int]:
-    """Return the category and the number of an object as written in the files of bounding boxes.
+    """Convert an object's name to the category and number that the files of bounding boxes contain.
 
     "cereal_2" becomes ("cereal_box", 2).
     """

@@ -223,7 +223,7 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 def _share(rows: Sequence[Row], count: Figure) -> float:
     """Return a count divided by the number of labelled objects.
 
-    Both numbers are averaged within groups of near-identical frames and summed over the groups.
+    Both numbers are the mean per frame in each group of near-identical frames, summed over the groups.
     """
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

@@ -50,7 +50,7 @@ class Throughput:
     """Segmented frames per second with one thread and with two threads."""
 
     frames: int
-    """Number of frames per thread and repeat."""
+    """Number of frames that each thread segments in each repeat."""
     one_thread: list[float]
     """Frames per second with one thread, in each repeat."""
     two_threads: list[float]

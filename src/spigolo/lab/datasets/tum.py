@@ -2,7 +2,7 @@
 
     SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
-    SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
+    SEQUENCE/camera.json              optional: intrinsics and depth_scale, by default of a nominal Kinect v1
 
 Timestamps may be in seconds, milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from
 their values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image

@@ -3,7 +3,7 @@
     rgbd-scenes/SCENE/SCENE_K/SCENE_K_N.png               8 bits, 640 x 480; N from 1, without leading zeros
     rgbd-scenes/SCENE/SCENE_K/SCENE_K_N_depth.png         16 bits, millimetres, 0 = missing
     rgbd-scenes/SCENE/SCENE_K.mat                         optional: boxes, see `read_boxes`
-    rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
+    rgbd-scenes/camera.json                               optional: camera intrinsics, by default `CAMERA`
     quickfind_mask_data/SCENE_K_N_mask.png                optional, next to rgbd-scenes or in it: a colour per object
 
 QuickFind's masks were drawn by hand and label 22 objects. Label k is the k-th object in `MASK_COLORS`. Black mask

@@ -162,8 +162,8 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
     A frame name of the form "SCENE/IMAGE" gives the numbers of scene and image, for example "3/12". Frames with other
     names are numbered and written to scene 1. about: one-sentence description of the rendering, which is written to
     rendered.json and dataset_info.md. Returns the number of written frames. Raises FileError if a file cannot be
-    written. Raises FrameError if a frame has no camera, if two frames have the same numbers, or if an object has no
-    model.
+    written. Raises FrameError if a frame has no camera, if two frames have the same scene and image numbers, or if an
+    object has no model.
     """
     write_json(folder / RENDERED, {"about": about})
     write_description(folder, models, about)

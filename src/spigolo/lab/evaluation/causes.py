@@ -62,7 +62,7 @@ class Fate:
 
 
 def find_fates(truth: Labels, labels: Labels, regions: Labels, ignore: Mask | None = None) -> list[Fate]:
-    """Determine for every labelled object why the object was not found.
+    """Determine for every labelled object whether the object was found, and the reason if it was not found.
 
     Parameters
     ----------

@@ -29,7 +29,8 @@ class Loss:
 
 
 def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], None] | None = None) -> list[Loss]:
-    """Segment frames, and determine for every labelled object why the object was not found.
+    """Segment frames, and determine for every labelled object whether the object was found, and the reason if it was
+    not found.
 
     tell: progress callback with the number of finished frames.
     """

@@ -80,7 +80,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Gallery:
-    """Section of images. Readers can open and close the section in HTML output."""
+    """Section of images. In HTML output, the section can be opened and closed."""
 
     title: str
     pictures: Sequence[Picture]

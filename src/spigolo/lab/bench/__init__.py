@@ -3,10 +3,10 @@
 Run the benchmark on one frame and print the tables::
 
     report = bench({"mine": frame}, QUICK)          # everything that is measured
-    report.to_json()                                # with the raw rounds
+    report.to_json()                                # with all measured times
     print(markdown(report))
 
-The benchmark times presets of the method `toscana2016`, and the other methods in `spigolo.METHODS`.
+The benchmark measures the time of presets of the method `toscana2016`, and of the other methods in `spigolo.METHODS`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Functions that the benchmark times, and comparison of their CPU times."""
+"""Functions whose time the benchmark measures, and a comparison of their CPU times."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ CONFIGS = {
     for name in ("OBJECTS", "SHELF", "TABLE", "CLUTTER")
     for connectivity in (8, 4)
 }
-"""Configurations to time: each preset with 8-connected and with 4-connected pixels."""
+"""Configurations whose time is measured: each preset with 8-connected and with 4-connected pixels."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""Configurations for which the step that merges pixels into regions is also timed separately."""
+"""For these configurations, the step that merges pixels into regions is also timed separately."""
 OURS = "toscana2016"
 """Name of the method that runs with the presets in `CONFIGS`.
 
@@ -50,26 +50,36 @@ class Comparison:
     peer: str
     ours: str
     ratio: float
-    """CPU time of `peer` divided by CPU time of `ours`, median over rounds. Above 1 if `ours` is faster."""
+    """CPU time of `peer` divided by CPU time of `ours`, as the median of several measured ratios.
+
+    Above 1 if `ours` is faster.
+    """
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:
-    """Return one timed function per configuration. Each function segments the frame with its own `Segmenter`."""
+    """Return one function per configuration.
+
+    Each function segments the frame with its own `Segmenter`, and returns the CPU and wall time.
+    """
     return {name: _on(Segmenter(config), frame) for name, config in configs.items()}
 
 
 def baselines(frame: Frame) -> dict[str, Run]:
-    """Return one timed function for each method in `METHODS` other than `toscana2016`."""
+    """Return one function for each method in `METHODS` except `toscana2016`.
+
+    Each function segments the frame, and returns the CPU and wall time.
+    """
     return {name: _on(METHODS[name], frame) for name in _others()}
 
 
 def saliency(frame: Frame) -> dict[str, Run]:
-    """Return a timed function that computes the saliency map with spigolo."""
+    """Return a function that computes the saliency map with spigolo, and returns the CPU and wall time."""
     return {SALIENCY: timed(lambda: fine_grained_saliency(frame.color, SHELF.saliency))}
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Return two timed functions per configuration in `MERGED`, which merge the pixels of the same graph into regions.
+    """Return two functions per configuration in `MERGED`. Both merge the pixels of the same graph into regions, and
+    return the CPU and wall time.
 
     One function calls `regions.partition`, the other calls the textbook algorithm `sort_and_merge`. Raises SpigoloError
     if `partition` and `sort_and_merge` give different regions.
@@ -107,7 +117,7 @@ def check_merging(graph: Graph, config: Config) -> None:
 
 
 def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
-    """Compare the CPU times of all pairs of timed functions that do the same task."""
+    """Compare the CPU times of each pair of functions that do the same task."""
     rivals = [name for name in (*SEGMENTING_PEERS, *_others()) if name in samples]
     pairs = [(rival, ours) for ours in CONFIGS for rival in rivals]
     pairs += [(SALIENCY_PEER, SALIENCY), *((textbook_name(name), merging_name(name)) for name in MERGED)]
@@ -119,9 +129,9 @@ def compare(samples: Mapping[str, list[Sample]]) -> list[Comparison]:
 
 
 def everybody(frame: Frame, peers: Peers, key: str) -> dict[str, Run]:
-    """Return all functions to time on one frame.
+    """Return all functions whose time is measured on one frame.
 
-    The worker processes store the colour image of the frame under the name `key`.
+    key: name under which the worker processes store the colour image of the frame.
     """
     peers.load(key, frame.color)
     return {**segmenters(frame), **baselines(frame), **saliency(frame), **mergings(frame), **peers.contestants(key)}

@@ -1,4 +1,4 @@
-"""Statistics of measured times: medians, paired ratios, fitted exponents."""
+"""Statistics of measured times: medians, ratios of the times of two functions, and power laws fitted to the times."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ def summarise(samples: Sequence[Sample]) -> Summary:
 
 
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
-    """Return the median over rounds of the ratio of CPU times, `peer` divided by `ours`.
+    """Return the median ratio of the CPU times of two functions, `peer` divided by `ours`.
 
-    The lists `peer` and `ours` have one sample per round.
+    Sample k of `peer` is divided by sample k of `ours`, and the median of these ratios is returned.
     """
     return statistics.median(p.cpu_ms / o.cpu_ms for p, o in zip(peer, ours, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
 class PowerLaw:
-    """Power law t = factor x^exponent for a time t and an image size x."""
+    """Power law t = factor * x^exponent. x is a measure of the image size, and t is the CPU time."""
 
     factor: float
     exponent: float
@@ -59,5 +59,8 @@ def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
 
 
 def percentile(values: Sequence[float], share: float) -> float:
-    """Return the smallest of the values for which at least `share` (0..1) of all values are equal or smaller."""
+    """Return a percentile of the values, for example the 99th percentile for `share` = 0.99.
+
+    The result is always one of the values, without interpolation.
+    """
     return float(np.quantile(values, share, method="inverted_cdf"))

@@ -163,7 +163,8 @@ def open_peers(python: Path | None = None) -> Iterator[Peers]:
     ----------
     python
         Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Functions that this
-        interpreter cannot import run in a second worker with the current interpreter, if possible.
+        interpreter cannot import run in a second worker process, which uses the current Python interpreter. Functions
+        that the second worker cannot import either are left out.
 
     """
     given = python if python is not None else DEFAULT_PYTHON if DEFAULT_PYTHON.is_file() else None

@@ -1,7 +1,8 @@
 """Script of the worker process, which runs functions of other libraries (peers) in a separate Python environment.
 
-The script requires numpy. OpenCV's contrib modules and scikit-image are used if they are installed. The script reads
-one JSON request per line from standard input, and writes one JSON line per request to standard output.
+The script requires numpy. The functions are from OpenCV's contrib modules and from scikit-image. Functions of a package
+that is not installed are left out. The script reads one JSON request per line from standard input, and writes one JSON
+line per request to standard output.
 
 The first output line is {"contestants": [...], "versions": {...}}. The request {"load": NAME, "path": RGB.npy} stores
 an image. The request {"run": CONTESTANT, "image": NAME} is answered with {"cpu_ms": ..., "wall_ms": ...}. If a request

@@ -37,7 +37,7 @@ class Plan:
     """Numbers of repetitions in a benchmark."""
 
     rounds: int = 15
-    """Number of timed runs per function and per stage of the segmentation."""
+    """Number of timed runs of each function, and of each stage of the segmentation."""
     size_rounds: int = 5
     """Number of timed runs at each image size."""
     sizes: tuple[Size, ...] = SIZES
@@ -76,7 +76,7 @@ class Contest:
 class Report:
     """Results of a benchmark.
 
-    The field `contests` covers all frames. All other measurements use only the first frame.
+    The field `contests` holds measurements on all frames. All other measurements use only the first frame.
     """
 
     machine: Machine
@@ -99,7 +99,7 @@ class Report:
     def to_json(self) -> dict[str, Any]:
         """Return all measurements as a dictionary for `json.dumps`.
 
-        Each frame in `contests` has the key `summaries`, which holds the median and minimum times.
+        Each element of `contests` also has the key `summaries` with the median and minimum times.
         """
         values = asdict(self)
         for contest, out in zip(self.contests, values["contests"], strict=True):
@@ -121,8 +121,7 @@ def bench(
     python
         Python interpreter of the environment with the other libraries, see `open_peers`.
     tell
-        Progress callback, called with the name of the current measurement and the finished share (0..1) of all
-        measurements of the same kind.
+        Progress callback, see `Tell`.
 
     """
     plan = Plan() if plan is None else plan

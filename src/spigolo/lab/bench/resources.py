@@ -20,9 +20,12 @@ class Memory:
     """Memory use of a `Segmenter`, in bytes per pixel."""
 
     workspace: float
-    """Memory of the workspace, which the `Segmenter` keeps between frames, bytes per pixel."""
+    """Memory of the arrays that the `Segmenter` keeps between frames (workspace), bytes per pixel."""
     frame: float
-    """Additional peak memory while a frame is segmented, including the result, bytes per pixel."""
+    """Peak memory during the segmentation of a frame, in addition to `workspace`, bytes per pixel.
+
+    The segmentation result is included.
+    """
     answer: float
     """Memory of the segmentation result of one frame, bytes per pixel."""
 
@@ -47,7 +50,7 @@ class Throughput:
     """Segmented frames per second with one thread and with two threads."""
 
     frames: int
-    """Number of frames per thread and repeat."""
+    """Number of frames that each thread segments in each repeat."""
     one_thread: list[float]
     """Frames per second with one thread, in each repeat."""
     two_threads: list[float]

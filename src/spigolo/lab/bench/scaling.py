@@ -30,11 +30,17 @@ class Growth:
     cpu_ms: list[float]
     """Median CPU time at each image size, in milliseconds."""
     pixels: PowerLaw | None
-    """Fit of the CPU time t = c N^p for N pixels, None for a single image size."""
+    """Power law t = c N^p, fitted to the CPU time t and the number of pixels N. None for a single image size."""
     pixels_log: PowerLaw | None
-    """Fit of the CPU time t = c (N log N)^p for N pixels, None for a single image size."""
+    """Power law t = c (N log N)^p, fitted to the CPU time t and the number of pixels N.
+
+    None for a single image size.
+    """
     hd_per_vga: float | None
-    """CPU time per pixel at 1920x1080 divided by CPU time per pixel at 640x480, or None if not measured."""
+    """CPU time per pixel at 1920x1080 divided by CPU time per pixel at 640x480.
+
+    None if one of these sizes was not measured.
+    """
     samples: list[list[Sample]]
     """Measured times of all runs at each image size."""
 
@@ -42,8 +48,8 @@ class Growth:
 def rescaled(frame: Frame, size: Size) -> Frame:
     """Resize the images of a frame, and scale its camera intrinsics.
 
-    Colour is averaged over areas in smaller images, and interpolated linearly in larger images. Depth is taken from the
-    nearest pixel.
+    If the new image is smaller, colours are averaged over areas. If it is larger, colours are interpolated linearly.
+    Depth is taken from the nearest pixel.
     """
     width, height = size
     shrinks = width * height < frame.depth.size

@@ -16,13 +16,13 @@ STAGES = (
 )  # fmt: skip
 """Names of the stages of `pipeline.trace`, in the order in which they run."""
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}
-"""Steps that are also timed separately, and the stage that contains each step."""
+"""Steps of a stage that are also timed separately. Each step is mapped to the stage that contains it."""
 
 
 def time_stages(
     frame: Frame, configs: Mapping[str, Config], rounds: int, tell: Tell = silent
 ) -> dict[str, dict[str, list[Sample]]]:
-    """Measure the time of each stage in each round, after one warm-up round.
+    """Measure the time of each stage of the segmentation `rounds` times, after one warm-up run.
 
     The result is indexed by configuration and stage.
     """

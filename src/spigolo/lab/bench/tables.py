@@ -84,7 +84,7 @@ def parts_table(contest: Contest) -> Table:
 
 
 def growth_table(report: Report) -> Table:
-    """Return the table of CPU times at each image size, with the fitted exponents."""
+    """Return the table of CPU times at each image size, with the exponents of the fitted power laws."""
     sizes = [f"{width}x{height}" for width, height in report.plan.sizes]
     header = ("CPU ms", *sizes, "p of N^p", "p of (N log N)^p", "1080p : VGA")
     rows = [
@@ -172,7 +172,7 @@ def _ms(value: float) -> str:
 
 
 def _exponent(law: PowerLaw | None, sizes: int) -> str:
-    """Format the fitted exponent with the residual of the fit.
+    """Format the exponent of a fitted power law with the residual of the fit.
 
     For two image sizes, the residual is always 0 and is left out.
     """

@@ -1,6 +1,6 @@
-"""Timing of several functions in rounds.
+"""Timing of several functions that run alternately.
 
-Each function runs once per round, in random order, so that other load on the machine affects all functions equally.
+In each round, all functions run once in random order, so that other load on the machine affects all functions equally.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from dataclasses import dataclass
 Tell = Callable[[str, float], None]
 """Progress callback.
 
-The arguments of the callback are the name of the current measurement, and the finished share (0..1) of all measurements
-of the same kind.
+The arguments of the callback are the name of the current measurement and a progress value from 0 to 1. The progress
+value starts again at 0 for each kind of measurement, such as stages or start-up time.
 """
 
 
@@ -58,9 +58,9 @@ def timed(work: Callable[[], object]) -> Run:
 def run_rounds(
     contestants: Mapping[str, Run], rounds: int, tell: Tell = silent, what: str = "", seed: int = 0
 ) -> dict[str, list[Sample]]:
-    """Time several functions in rounds, after one warm-up run each.
+    """Time each function `rounds` times, after one warm-up run.
 
-    Return the times of each function, with one sample per round.
+    In each round, all functions run once in random order. Return the measured times of each function, one per round.
     """
     samples: dict[str, list[Sample]] = {name: [] for name in contestants}
     order, rng = list(contestants), random.Random(seed)

@@ -12,8 +12,8 @@
 The file `docs/bop_datasets_format.md` of bop_toolkit defines the format. Label k is the k-th object in the list of
 scene_gt.json. If the folder mask_visib is missing, masks are rendered from models and poses.
 
-Some objects are assumed to be unlabelled (`part`), unless a pattern in `full` matches the name of the data set. The
-frames of one scene form a group of near-identical frames.
+If a pattern in `full` matches the name of the data set, all objects count as labelled. Otherwise, the labels count as
+incomplete (`part`). The frames of one scene form a group of near-identical frames.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class BopImage(Entry):
     def _stored_labels(self) -> npt.NDArray[np.int32]:
         """Return labels (H, W) from stored masks.
 
-        If masks overlap, the pixels get the label of the object that is later in scene_gt.json.
+        A pixel in several masks gets the label of the object that is listed last in scene_gt.json.
         """
         labels = None
         for label, path in enumerate(self._masks, start=1):
@@ -135,7 +135,9 @@ class Bop(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if a subfolder that matches `SPLITS` has a scene with a file scene_camera.json."""
+        """Return True if the folder has BOP scenes: a subfolder that matches `SPLITS` has a scene with a file
+        scene_camera.json.
+        """
         return _split(folder, None) is not None
 
     def _find(self) -> Iterator[Entry]:

@@ -17,8 +17,8 @@ from spigolo.lab.datasets.sample import Instance, Model, Sample
 from spigolo.lab.datasets.visibility import render_depth
 
 FINE_MM, COARSE_MM = 0.1, 1.0
-"""Depth units of stored depth images, in millimetres. The coarse unit is used if a depth in the fine unit exceeds 16
-bits.
+"""Depth units of stored depth images, in millimetres. The unit is `COARSE_MM` if a depth value in units of `FINE_MM`
+does not fit into 16 bits.
 """
 FULL = 65535
 

@@ -57,7 +57,7 @@ def box_of(category: str, instance: int, mask: Mask) -> ObjectBox:
 def boxes_to_mat(frames: Mapping[int, Sequence[ObjectBox]]) -> bytes:
     """Return the content of a MATLAB file with the bounding boxes.
 
-    frames: boxes, indexed by frame number, counted from 1.
+    frames: bounding boxes of each frame, indexed by the frame number, which is counted from 1.
     """
     cell = np.empty((1, max(frames, default=0)), object)
     for k in range(cell.shape[1]):

@@ -65,7 +65,10 @@ class Entry(ABC):
 
     @property
     def reading(self) -> str:
-        """Return the reader's settings that change the labels, as a string, which is empty for default settings."""
+        """Return the settings of the reader that change the labels, as a string.
+
+        The string is empty for default settings.
+        """
         return ""
 
     @property
@@ -182,7 +185,10 @@ class DataSet(ABC):
 
     @abstractmethod
     def _find(self) -> Iterable[Entry]:
-        """Yield the frames of the folder, in the order of the data set's indices."""
+        """Yield the frames of the folder in a fixed order.
+
+        Element k of the data set is the k-th frame, counted from 0.
+        """
 
     @property
     def rendered(self) -> bool:
@@ -211,7 +217,7 @@ class DataSet(ABC):
         is missing.
 
         Raises CameraError for a depth scale above 0.02 m per unit. Raises FileError for a camera with distortion,
-        because only images would be undistorted, not labels.
+        because undistortion would change the images but not the labels.
 
         Parameters
         ----------
@@ -220,7 +226,8 @@ class DataSet(ABC):
         scale
             Depth scale to return if there is no file camera.json, metres per unit.
         folder
-            Folder in which to look for camera.json first. The second choice is the folder of the data set.
+            Folder with camera.json. If this folder has no camera.json, the file is read from the folder of the data
+            set.
 
         """
         places = [place / "camera.json" for place in (folder, self.folder) if place is not None]

@@ -29,7 +29,7 @@ total is None if the server does not report it.
 """
 
 ATTEMPTS = 3
-"""Maximum number of attempts to download a file if the connection breaks."""
+"""Maximum number of attempts to download a file. A new attempt starts if the connection breaks."""
 BLOCK = 1 << 18
 TIMEOUT_S = 60
 

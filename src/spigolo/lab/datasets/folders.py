@@ -137,7 +137,8 @@ def _places(folder: Path) -> Iterator[Path]:
 def _groups(root: Path) -> Mapping[str, str]:
     """Read the groups of near-identical frames from splits.json.
 
-    Return the group of each near-identical frame, indexed by frame. A group is named after its first frame.
+    Return the name of the group of each frame, indexed by the frame name. A group has the name of its first frame.
+    Frames without near-identical frames are not in the result.
 
     Warns if splits.json names a frame that does not exist.
     """

@@ -21,7 +21,7 @@ from spigolo.lab.datasets.uw_scenes_v2 import UwScenesV2
 READERS: tuple[type[DataSet], ...] = (
     Folders, Bop, UwScenes, UwScenesV2, Tejani, Rutgers, Osd, Mosd, Tum, Ocid,
 )  # fmt: skip
-"""Reader classes, in the order in which they are tried."""
+"""Reader classes. The first class whose file layout matches a folder reads this folder."""
 
 
 def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
@@ -60,7 +60,7 @@ def find_labelled_frames(folders: Sequence[Path], full: Sequence[str] = FULL_SET
 
     `guess` detects the file layout of each folder.
 
-    Raises FileError if a folder has no frames, or if two frames have the same data set and name.
+    Raises FileError if a folder has no frames, or if two frames of the same data set have the same name.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ class Osd(DataSet):
     OSD/image_color/learn0.png            8 bits
     OSD/disparity/learn0.png              16 bits, depth in millimetres in spite of the name, 0 = missing
     OSD/annotation/learn0.png             0 = background, other values = objects
-    OSD/camera.json                       optional, another camera than a nominal Kinect v1
+    OSD/camera.json                       optional: camera intrinsics, by default of a nominal Kinect v1
     """
 
     layout = "image_color/, disparity/ and annotation/ with equally named images (OSD)"
@@ -71,7 +71,7 @@ class Ocid(DataSet):
         OCID/ARID20/floor/bottom/seq01/rgb/NAME.png     8 bits; ARID10 and YCB10 have more folder levels
         .../seq01/depth/NAME.png                        16 bits, millimetres, 0 = missing
         .../seq01/label/NAME.png                        0 and 1 = background, in table scenes 2 as well: the table
-        OCID/camera.json                                optional, another camera than a nominal Xtion
+        OCID/camera.json                                optional: camera intrinsics, by default of a nominal Xtion
 
     The frames of a sequence form a group of near-identical frames. The labels were computed from depth differences, so
     their outlines are noisy.
@@ -81,7 +81,7 @@ class Ocid(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder contains a sequence, which has the subfolders rgb and label."""
+        """Return True if the folder contains a sequence, that is, a folder with the subfolders rgb and label."""
         return next(_sequences(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -96,7 +96,8 @@ class Ocid(DataSet):
 
 
 def _stands_on(sequence: Path, folder: Path) -> str:
-    """Return "table" or "floor", the surface below the objects, if the path of a sequence has a folder of this name.
+    """Return the surface below the objects, "table" or "floor", according to the folder names in the path of a
+    sequence.
 
     Return "" if no folder inside the data set is named "table" or "floor".
     """

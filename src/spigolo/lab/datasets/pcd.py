@@ -18,7 +18,7 @@ KINDS = {
 }
 """NumPy dtype of a field, indexed by its TYPE and SIZE in the header."""
 STEEPEST = 1e6
-"""Limit of the ratios |X| / Z and |Y| / Z. If a point reaches the limit, no camera can be fitted."""
+"""Limit of the ratios |X| / Z and |Y| / Z of a point. If one point is at or above the limit, no camera is fitted."""
 MAX_MISFIT_PX = 0.5
 """Maximum residual of the camera fit, in pixels. A larger residual raises CameraError."""
 

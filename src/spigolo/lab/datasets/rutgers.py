@@ -6,7 +6,7 @@
                                                           object_translation_wrt_camera (3 numbers, metres)
     FOLDER/OBJECT-mask-BIN-CLUTTER-POSITION-SHOT.png      of the shelf bin, not of the object; not read
     FOLDER/models/OBJECT.ply (or .obj, .stl, or in OBJECT/), metres
-    FOLDER/camera.json                                    optional, another camera than BOP's for this set
+    FOLDER/camera.json                                    optional: camera intrinsics, by default as published by BOP
 
 BIN, the shelf bin, is a letter from A to L. The four shots (frames) at one camera POSITION form a group of
 near-identical frames. Only the object in the file name is labelled, with label 1. The visible mask of the labelled

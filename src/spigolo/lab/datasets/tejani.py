@@ -5,7 +5,7 @@
     FOLDER/annotation_new_models/scene_01/poses0.txt      number of instances, then for each 4 lines of 4 numbers,
                                                           separated by blanks or commas: model to camera, metres
     FOLDER/models/obj_01.ply                              metres; also by name, as Coffee_Cup.ply
-    FOLDER/camera.json                                    optional, another camera than BOP's for this set
+    FOLDER/camera.json                                    optional: camera intrinsics, by default as published by BOP
 
 Scene N shows instances of object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk. Label k is the k-th
 instance in the file of poses. Visible masks are rendered from model and pose. Images without a file of poses have no

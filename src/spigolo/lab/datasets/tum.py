@@ -2,7 +2,7 @@
 
     SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
-    SEQUENCE/camera.json              optional, another camera or depth_scale than the benchmark's Kinect v1
+    SEQUENCE/camera.json              optional: intrinsics and depth_scale, by default of a nominal Kinect v1
 
 Timestamps may be in seconds, milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from
 their values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image
@@ -27,18 +27,19 @@ from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 DEPTH_SCALE = 1 / 5000
 MAX_APART_S = 0.02
 UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
-"""Pairs of a minimum timestamp and a unit in seconds, for clocks that count from 1970.
+"""Units of timestamps that count from 1970, as pairs (minimum median timestamp, unit in seconds).
 
-Timestamps have the unit of the first pair whose minimum is not above their median.
+The pairs are tested in this order. If the median of the timestamps is at least the minimum, the pair gives the unit.
 """
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
-"""Pairs of a minimum difference between timestamps and a unit in seconds, for clocks that start at 0.
+"""Units of timestamps that start at 0, as pairs (minimum median difference between successive timestamps, unit in
+seconds).
 
-Timestamps have the unit of the first pair whose minimum is not above the median difference between frames, else
-seconds.
+The pairs are tested in this order. If the median difference is at least the minimum, the pair gives the unit. If no
+pair matches, the unit is seconds.
 """
 MANY_ALONE = 0.5
-"""Share of colour images without a depth image above which a warning is given."""
+"""A warning is given if more than this share of the colour images has no depth image."""
 
 Stamped = list[tuple[float, Path]]
 

@@ -3,7 +3,7 @@
     rgbd-scenes/SCENE/SCENE_K/SCENE_K_N.png               8 bits, 640 x 480; N from 1, without leading zeros
     rgbd-scenes/SCENE/SCENE_K/SCENE_K_N_depth.png         16 bits, millimetres, 0 = missing
     rgbd-scenes/SCENE/SCENE_K.mat                         optional: boxes, see `read_boxes`
-    rgbd-scenes/camera.json                               optional, another camera than the one that fits the set best
+    rgbd-scenes/camera.json                               optional: camera intrinsics, by default `CAMERA`
     quickfind_mask_data/SCENE_K_N_mask.png                optional, next to rgbd-scenes or in it: a colour per object
 
 QuickFind's masks were drawn by hand and label 22 objects. Label k is the k-th object in `MASK_COLORS`. Black mask
@@ -72,7 +72,8 @@ class UwFrame(ImageEntry):
 class UwScenes(DataSet):
     """Data set UW RGB-D Scenes v1.
 
-    masks: folder of QuickFind's masks, by default quickfind_mask_data in or next to the data set.
+    masks: folder of QuickFind's masks. By default, this is the folder quickfind_mask_data in the data set or next to
+    it.
     """
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"
@@ -127,7 +128,7 @@ def labels_of(picture: Color) -> Truth:
 
 
 def category_of(name: str) -> tuple[str, int]:
-    """Return the category and the number of an object as written in the files of bounding boxes.
+    """Convert an object's name to the category and number that the files of bounding boxes contain.
 
     "cereal_2" becomes ("cereal_box", 2).
     """

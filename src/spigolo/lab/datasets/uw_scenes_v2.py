@@ -2,7 +2,7 @@
 
     rgbd-scenes-v2/imgs/scene_01/00000-color.png          8 bits, 640 x 480
     rgbd-scenes-v2/imgs/scene_01/00000-depth.png          16 bits, tenths of a millimetre, 0 = missing
-    rgbd-scenes-v2/camera.json                            optional, another camera than that of v1
+    rgbd-scenes-v2/camera.json                            optional: camera intrinsics, by default as in the reader of v1
 
 The frames have no labels, because the data set labels points of a point cloud instead of image pixels. The frames of a
 scene form a group of near-identical frames.

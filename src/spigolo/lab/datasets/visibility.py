@@ -19,7 +19,10 @@ from spigolo.kernels.registration import FARTHEST_PX, NEAREST_M
 from spigolo.lab.datasets.sample import Instance, Model
 
 TOLERANCE_M = 0.015
-"""Maximum distance behind the measured surface at which a model is visible, metres. Called delta in bop_toolkit."""
+"""A model counts as visible if it is at most this distance behind the measured surface, metres.
+
+Called delta in bop_toolkit.
+"""
 
 
 def render_depth(model: Model, pose: npt.NDArray[np.float64], camera: Camera) -> DepthMap:
@@ -49,7 +52,7 @@ def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_
     camera
         Camera intrinsics of both depth maps.
     tolerance_m
-        Maximum distance behind the measured surface at which a model is visible, metres.
+        A model counts as visible if it is at most this distance behind the measured surface, metres.
 
     """
     behind = (drawn - measured) * ray_lengths(camera)
@@ -78,7 +81,7 @@ def visible_labels(
     camera
         Camera intrinsics of the measured depth map.
     tolerance_m
-        Maximum distance behind the measured surface at which a model is visible, metres.
+        A model counts as visible if it is at most this distance behind the measured surface, metres.
 
     """
     labels = np.zeros(measured.shape, np.int32)

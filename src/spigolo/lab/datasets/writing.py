@@ -1,7 +1,7 @@
 """Writers of rendered frames in the file layouts of published data sets. `spigolo.lab.datasets` reads these files.
 
-The file rendered.json marks the frames as rendered. The file camera.json holds the camera if the layout has no other
-file for the intrinsics. The name of a frame determines its file name. Use `rutgers_name`, `uw_scenes_name` and
+The file rendered.json marks the frames as rendered. The file camera.json contains the camera intrinsics if the layout
+has no other file for them. File names are derived from frame names. Use `rutgers_name`, `uw_scenes_name` and
 `tejani_name` to create frame names.
 """
 
@@ -83,11 +83,11 @@ def tejani_name(object_name: str, number: int) -> str:
 
 
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write frames in the file layout of the reader `Rutgers`, with the pose of the object in the frame name.
+    """Write frames in the file layout of the reader `Rutgers`. Only the object in the frame name gets a pose.
 
     Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
-    name does not have the form of `rutgers_name`, if the frames do not have one common camera, or if a frame does not
-    have exactly one instance of the object in its name.
+    name does not have the form of `rutgers_name`, or if two frames have different cameras. Also raises FrameError if a
+    frame does not show the object in its name exactly once.
 
     Parameters
     ----------
@@ -115,12 +115,12 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
 
 
 def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
-    """Write frames in the file layout of the reader `UwScenes`, with masks and bounding boxes of the objects in
+    """Write frames in the file layout of the reader `UwScenes`. Masks and boxes are written for the objects in
     `MASK_COLORS`.
 
-    about: one-sentence description of the rendering for rendered.json. Returns the number of written frames. Raises
-    FileError if a file cannot be written. Raises FrameError if a frame name does not have the form of `uw_scenes_name`,
-    if the frames do not have one common camera, or if a frame shows an object twice.
+    about: one-sentence description of the rendering, which is written to rendered.json. Returns the number of written
+    frames. Raises FileError if a file cannot be written. Raises FrameError if a frame name does not have the form of
+    `uw_scenes_name`. Also raises FrameError if two frames have different cameras, or if a frame shows an object twice.
     """
     images = _Images(folder, about)
     boxes: dict[str, dict[int, list[ObjectBox]]] = defaultdict(dict)
@@ -140,8 +140,8 @@ def write_tejani(folder: Path, samples: Iterable[Sample], models: Sequence[Model
     """Write frames in the file layout of the reader `Tejani`, with the poses of all instances of the scene's object.
 
     Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
-    name does not have the form of `tejani_name`, if the frames do not have one common camera, or if a frame has no
-    instance of the scene's object.
+    name does not have the form of `tejani_name`, or if two frames have different cameras. Also raises FrameError if a
+    frame has no instance of the scene's object.
     """
     images = _Images(folder, about)
     for model in models:
@@ -160,9 +160,10 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
     """Write frames in the file layout of the reader `Bop`, with full and visible masks. Models are numbered from 1.
 
     A frame name of the form "SCENE/IMAGE" gives the numbers of scene and image, for example "3/12". Frames with other
-    names are numbered and written to scene 1. about: one-sentence description of the rendering for rendered.json and
-    dataset_info.md. Returns the number of written frames. Raises FileError if a file cannot be written. Raises
-    FrameError if a frame has no camera, if two frames have the same numbers, or if an object has no model.
+    names are numbered and written to scene 1. about: one-sentence description of the rendering, which is written to
+    rendered.json and dataset_info.md. Returns the number of written frames. Raises FileError if a file cannot be
+    written. Raises FrameError if a frame has no camera, if two frames have the same scene and image numbers, or if an
+    object has no model.
     """
     write_json(folder / RENDERED, {"about": about})
     write_description(folder, models, about)
@@ -180,7 +181,7 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
 
 
 class _Images:
-    """Writer of colour and depth images that were taken with the same camera."""
+    """Writer of the colour and depth images of frames. All frames must have the same camera."""
 
     def __init__(self, folder: Path, about: str) -> None:
         self.count = 0

@@ -15,13 +15,14 @@ Labels = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 
 OTHER_SHARE = 0.2
-"""Minimum share of a region's pixels on other objects for the cause `MERGED`."""
+"""The cause is `MERGED` if at least this share of the region's pixels is on other objects."""
 
 
 class Cause(str, Enum):
     """Reason why a labelled object was not found.
 
-    Reasons are tested in the order FOUND, REJECTED, SPLIT, OUTLINE, MERGED, FLOODED. The first one that is true counts.
+    Reasons are tested in the order FOUND, REJECTED, SPLIT, OUTLINE, MERGED, FLOODED. The first reason that applies is
+    the cause.
     """
 
     FOUND = "found"
@@ -44,24 +45,24 @@ class Cause(str, Enum):
 
 @dataclass(frozen=True, slots=True)
 class Fate:
-    """Reason why one labelled object was not found, with the region that was used to determine the reason."""
+    """Reason why one labelled object was not found. The reason is determined from one region (`region`)."""
 
     label: int
     """Label of the object in the ground truth."""
     cause: Cause
-    """Reason why the object was not found, or `FOUND`."""
+    """Reason why the object was not found. `FOUND` if the object was found."""
     region: int
     """Number of the region used to determine the cause.
 
-    For `FOUND` and `REJECTED`, the region with the largest IoU, else the region that covers the most pixels of the
-    object.
+    For `FOUND` and `REJECTED`, this is the region with the largest IoU. For other causes, it is the region that covers
+    the most pixels of the object.
     """
     iou: float
     """Intersection over union of the object and `region`."""
 
 
 def find_fates(truth: Labels, labels: Labels, regions: Labels, ignore: Mask | None = None) -> list[Fate]:
-    """Determine for every labelled object why the object was not found.
+    """Determine for every labelled object whether the object was found, and the reason if it was not found.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Matching of true objects with predicted segments, and of their boundary pixels.
 
-Label images must be 2-D arrays of integers from 0, which `spigolo.lab.evaluation.score_frame` checks. Letters in array
-shapes: H, W = image height and width, N = number of true objects (objects of the ground truth), S = number of predicted
-segments.
+Label images must be 2-D arrays of integers that are not negative. The function `spigolo.lab.evaluation.score_frame`
+checks this. Letters in array shapes: H, W = image height and width, N = number of true objects (objects of the ground
+truth), S = number of predicted segments.
 """
 
 from __future__ import annotations
@@ -21,16 +21,19 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 RADIUS_PER_DIAGONAL = 0.003
-"""Default distance within which boundary pixels match, as a share of the image diagonal."""
+"""Default maximum distance between boundary pixels that match, divided by the image diagonal."""
 
 DENSE = 4096
-"""Maximum label value for counting pixels in an array indexed by label.
+"""If no label is above this value, pixels are counted in an array that is indexed by the label.
 
-Label images with larger values are first converted to consecutive labels.
+If a label is above this value, the labels are first converted to consecutive numbers.
 """
 
 LARGE_PX = 16
-"""Radius in pixels above which boundary pixels are matched by a distance transform, which is faster than dilation."""
+"""If the radius is above this value in pixels, boundary pixels are matched by a distance transform.
+
+For a large radius, a distance transform is faster than dilation.
+"""
 
 NEEDS_SCIPY = 'the measures need scipy, which is not installed: pip install "spigolo[evaluation]"'
 
@@ -46,7 +49,7 @@ class OverlapTable:
     """Labels (S,) of the predicted segments, ascending."""
 
     shared_px: Ints
-    """Number of pixels (N, S) that object and segment share."""
+    """Number of pixels (N, S) that each object shares with each segment."""
 
     object_px: Ints
     """Area (N,) of each true object, in pixels."""
@@ -100,7 +103,7 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
 def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
     """Return an ascending array of label values, and the index (H * W,) of each pixel's label in this array.
 
-    If no label exceeds `DENSE`, label k has index k, so that the pixels need not be sorted.
+    If no label is above `DENSE`, label k has index k, and no sorting of the pixels is required.
     """
     highest = int(labels.max(initial=0))
     if highest <= DENSE:
@@ -114,8 +117,8 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     Returns
     -------
     objects, segments
-        Row and column numbers (min(N, S),) of the pairs in the table. If several pairings reach the same sum, the
-        result depends on the order of the labels.
+        Row and column numbers (min(N, S),) of the pairs in the table. If several pairings have the same maximum sum,
+        the order of the labels decides.
 
     """
     try:
@@ -127,8 +130,8 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def default_radius_px(shape: tuple[int, ...]) -> int:
-    """Return the default distance within which boundary pixels match: 0.3 % of the image diagonal, rounded up to
-    pixels.
+    """Return the default maximum distance between boundary pixels that match: 0.3 % of the image diagonal, rounded up
+    to pixels.
     """
     return math.ceil(RADIUS_PER_DIAGONAL * math.hypot(*shape))
 

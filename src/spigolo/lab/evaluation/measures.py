@@ -26,12 +26,12 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""IoU, or share of covered pixels, above which an object counts as found. An object with exactly this value does not
-count as found.
+"""An object counts as found if its IoU, or its share of covered pixels, is above this value. A value equal to this
+limit does not count as found.
 """
 
 GOOD_F = 0.75
-"""F measure above which a pair of object and segment counts in the measure F@.75."""
+"""The measure F@.75 counts pairs of an object and a segment whose F measure is above this value."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,10 +83,13 @@ class FrameScore(Measures):
     """F measure (N,) of each object with its paired segment, 0 for an object without a segment."""
 
     found_70_recall: Mask
-    """True (N,) for objects of which one segment covers more than 70 %. The segment may also cover other pixels."""
+    """True (N,) for each object if one segment covers more than 70 % of the object.
+
+    The segment may also cover other pixels.
+    """
 
     found_70_both: Mask
-    """True (N,) for objects with a segment whose precision and recall on the object are both above 0.7."""
+    """True (N,) for each object if one segment has a precision above 0.7 and a recall above 0.7 on the object."""
 
     found_iou_70: Mask
     """True (N,) for objects that have an IoU above 0.7 with a segment."""
@@ -95,7 +98,7 @@ class FrameScore(Measures):
     """Maximum IoU (N,) of each object over all segments, 0 without segments."""
 
     covered: Floats
-    """Maximum share (N,) of each object's pixels that one segment covers, 0 without segments."""
+    """Share (N,) of each object's pixels that one segment covers, maximum over the segments. 0 without segments."""
 
     @property
     def n_objects(self) -> int:
@@ -150,7 +153,7 @@ def score_frame(
 
 
 def _by_any_segment(holds: Mask) -> Mask:
-    """Reduce a boolean array (N, S) to (N,): True for objects with at least one True."""
+    """Reduce a boolean array (N, S) to (N,): an element is True if at least one of its S values is True."""
     return np.asarray(holds.any(axis=1), np.bool_)
 
 

@@ -43,7 +43,7 @@ class Pooled:
     """Mean number of predicted objects per frame."""
 
     n_objects: float
-    """Number of labelled objects, averaged within groups of near-identical frames and summed over the groups.
+    """Mean number of labelled objects per frame in each group of near-identical frames, summed over the groups.
 
     The number of objects can be a fraction.
     """
@@ -76,13 +76,13 @@ class Pooled:
     """
 
     found_70_recall: float
-    """Share of labelled objects of which one predicted object covers more than 70 %.
+    """Share of labelled objects with more than 70 % of their pixels in one predicted object.
 
     The predicted object may also cover other pixels.
     """
 
     found_70_both: float
-    """Share of labelled objects that have a predicted object with precision and recall both above 0.7."""
+    """Share of labelled objects for which one predicted object has a precision above 0.7 and a recall above 0.7."""
 
     pieces: float
     """Number of regions that cover at least 5 % of an object, averaged over the labelled objects."""
@@ -203,7 +203,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
     """Return the mean (G,) of a measure in each group of near-identical frames.
 
-    The results in `of`, by default `rows`, define the groups of near-identical frames.
+    The groups are read from the results in `of` if it is given, else from `rows`.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):
@@ -223,7 +223,7 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 def _share(rows: Sequence[Row], count: Figure) -> float:
     """Return a count divided by the number of labelled objects.
 
-    Both numbers are averaged within groups of near-identical frames and summed over the groups.
+    Both numbers are the mean per frame in each group of near-identical frames, summed over the groups.
     """
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

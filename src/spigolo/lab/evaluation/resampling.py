@@ -146,7 +146,7 @@ def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hasha
 def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
     """Return the Wilson score interval of the share hits / n.
 
-    z: half width in standard deviations, 1.96 = 95 % confidence.
+    z: half the width of the interval, in standard deviations. The value 1.96 gives 95 % confidence.
 
     The interval is (0, 1) for n = 0. Counts may be fractions, for example if near-identical frames have lower weights.
     The formula assumes independent trials. Objects in the same frame are only approximately independent.

@@ -23,7 +23,7 @@ from spigolo.lab.evaluation.matching import OverlapTable, overlap_table
 from spigolo.lab.evaluation.measures import MEASURES, Measures, score_frame
 
 PIECE = 0.05
-"""Minimum share of an object's pixels in a region for the region to count as a piece of the object."""
+"""A region counts as a piece of an object if it covers at least this share of the object's pixels."""
 
 Labelling = Literal["full", "part", "none"]
 """Completeness of the labels of a frame: all (`full`), some (`part`) or none (`none`) of the objects have a label.
@@ -35,7 +35,7 @@ Precision is meaningful only if all objects are labelled.
 class Key(NamedTuple):
     """Identification of an evaluation result: data set, frame, method and digest (hash) of its parameters.
 
-    Two results with equal keys are from the same evaluation.
+    If two results have equal keys, they are results of the same evaluation.
     """
 
     data_set: str
@@ -52,7 +52,7 @@ class RowScore(Measures):
     """Number N of labelled objects."""
 
     n_segments: int
-    """Number of predicted objects, without objects that have only ignored pixels."""
+    """Number of predicted objects. Objects with only ignored pixels are not counted."""
 
     best_iou: tuple[float, ...]
     """Maximum IoU (N,) of each labelled object over all predicted objects."""
@@ -73,13 +73,13 @@ class RowScore(Measures):
     """Number of labelled objects that have no IoU above 0.7 with any predicted object."""
 
     found_70_recall: int
-    """Number of labelled objects of which one predicted object covers more than 70 %.
+    """Number of labelled objects with more than 70 % of their pixels in one predicted object.
 
     The predicted object may also cover other pixels.
     """
 
     found_70_both: int
-    """Number of labelled objects that have a predicted object with precision and recall both above 0.7."""
+    """Number of labelled objects for which one predicted object has a precision above 0.7 and a recall above 0.7."""
 
     pieces: int
     """Number of regions that cover at least 5 % of a labelled object, summed over the objects."""
@@ -87,16 +87,20 @@ class RowScore(Measures):
     leaks: float
     """Under-segmentation error (Neubert & Protzel 2012), summed over the labelled objects.
 
-    A region that overlaps an object adds the smaller of its areas inside and outside the object, divided by the area of
-    the object.
+    For each region that overlaps an object, the smaller of two areas is added: the region's area inside or outside the
+    object. The sum is divided by the area of the object.
     """
 
     covered: tuple[float, ...] = ()
-    """Maximum share (N,) of each labelled object that one predicted object covers, empty in files of earlier versions.
+    """Share (N,) of each labelled object that one predicted object covers, maximum over the predicted objects. Empty in
+    files of earlier versions.
     """
 
     covered_by_regions: tuple[float, ...] = ()
-    """Maximum share (N,) of each labelled object that one region covers, including rejected regions."""
+    """Share (N,) of each labelled object that one region covers, maximum over all regions.
+
+    Rejected regions are included.
+    """
 
     names: tuple[str, ...] = ()
     """Names (N,) of the labelled objects, empty if the data set has no names."""
@@ -127,12 +131,12 @@ class Row:
     machine: str
 
     cpu_s: float | None
-    """CPU time of the segmentation, s, or None after an error."""
+    """CPU time of the segmentation in seconds, or None after an error."""
 
     wall_s: float | None
 
     n_predicted: int
-    """Number of predicted objects, including objects on ignored pixels."""
+    """Number of predicted objects. Objects with only ignored pixels are also counted."""
 
     rejected: dict[str, int]
     """Number of rejected regions, indexed by the reason for rejection."""
@@ -140,7 +144,8 @@ class Row:
     score: RowScore | None
     """Accuracy measures, or None if the frame has no labels.
 
-    An error is scored like a prediction without objects, or None if the frame has no labelled objects.
+    If the method raised an error, a prediction without objects is scored. If the frame also has no labelled objects,
+    the score is None.
     """
 
     error: str | None = None
@@ -267,7 +272,7 @@ class RowFile:
         self.rows.append(row)
 
     def rewrite(self, rows: Sequence[Row]) -> None:
-        """Replace all evaluation results in the file at once. The old file stays intact if writing fails."""
+        """Replace all evaluation results in the file in one step. The old file stays intact if writing fails."""
         self._file.close()
         write_bytes(self.path.resolve(), b"".join(row_to_json(row).encode() + b"\n" for row in rows))
         self.rows, self._file = list(rows), append_lines(self.path)

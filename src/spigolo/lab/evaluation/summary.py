@@ -17,17 +17,20 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 class DatasetScore(Measures):
     """Mean accuracy measures over many frames.
 
-    Each F is averaged over the frames, so it differs from the harmonic mean of the averaged precision and recall.
+    Each F is the mean of the F of all frames. It is not computed from the mean precision and the mean recall.
     """
 
     found_70_recall: float
-    """Share of true objects of which one segment covers more than 70 %, NaN without objects.
+    """Share of true objects with more than 70 % of their pixels in one segment, NaN without objects.
 
-    Large segments that cover several objects raise this value, so compare `overlap_precision` too.
+    Large segments that cover several objects increase this value. Therefore, also compare `overlap_precision`.
     """
 
     found_70_both: float
-    """Share of true objects that have a segment with precision and recall both above 0.7, NaN without objects."""
+    """Share of true objects for which one segment has a precision above 0.7 and a recall above 0.7.
+
+    NaN without objects.
+    """
 
     found_iou_70: float
     """Share of true objects that have an IoU above 0.7 with a segment, NaN without objects."""
@@ -48,7 +51,7 @@ class DatasetScore(Measures):
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
     """Average the scores of many frames.
 
-    In `MEASURES`, all frames have the same weight. In the other scores, all objects have the same weight.
+    The measures in `MEASURES` are means over frames. The other scores are means over the objects of all frames.
 
     Raises
     ------

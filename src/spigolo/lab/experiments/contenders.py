@@ -14,7 +14,7 @@ from spigolo.settings.presets import PRESETS
 Part = tuple[str, str, str]
 """Method, digest (hash) of its parameters, and name of the file with the scores.
 
-The file name is used only if several files hold the same frames.
+The file name is empty, unless several files hold scores of the same method on the same frames.
 """
 
 Place = tuple[str, str]
@@ -27,7 +27,7 @@ class Contender:
     label: str
     """Name of the method and its parameters in the report, unique in a comparison."""
     file: str
-    """File of the scores, empty unless several files hold the same frames."""
+    """Name of the file with the scores. Empty, unless several files hold scores of this method on the same frames."""
     rows: tuple[Row, ...]
     """Scores of the method, one result per frame."""
 
@@ -49,8 +49,8 @@ def read_contenders(paths: Sequence[Path]) -> list[Contender]:
 def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
     """Group evaluation results by method and parameters. files: evaluation results, indexed by file name.
 
-    If files hold results of one method on different frames, the results are combined. If two files hold the same
-    frames, for example before and after a change of the code, each file gives its own `Contender`.
+    If files hold results of one method on different frames, the results are combined. If two files hold results of one
+    method on the same frames, each file gives its own `Contender`.
     """
     held = {file: _by_method(rows) for file, rows in files.items()}
     parts: dict[Part, dict[Place, Row]] = {}
@@ -64,13 +64,14 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
 
 
 def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
-    """Return the reference methods, with which all other methods are compared.
+    """Return the reference methods. All other methods are compared with them.
 
-    name: label, digest, preset or method of the reference, or a file name for all methods in this file.
+    name: label, digest, preset or method of the reference. If `name` is the name of a file, all methods in this file
+    are references.
 
     Without a name, the first element of `contenders` is the reference. If no name is given and several files hold the
-    same frames, all methods in the first file are references. Raises ConfigError if no method or file, or more than
-    one, matches the name.
+    same frames, all methods in the first file are references. Raises ConfigError if the name matches nothing, or
+    several methods or files.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]
@@ -96,7 +97,7 @@ def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) ->
     """Pair each evaluated method with its reference.
 
     A reference with the same method and parameters is preferred. If no reference has the same method and parameters,
-    the first element of `references` is used. References are not paired with themselves.
+    the first element of `references` is used. A reference is not paired with itself.
     """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]
@@ -120,7 +121,8 @@ def _by_method(rows: Sequence[Row]) -> dict[tuple[str, str], dict[Place, Row]]:
 def _labels(firsts: Mapping[Part, Row]) -> dict[Part, str]:
     """Return a short unique label for each method and set of parameters.
 
-    A label consists of preset or method, followed by digest and file name if necessary.
+    A label consists of the name of the preset or method. The digest and the file name are appended if labels are not
+    unique without them.
     """
     one_method = len({method for method, _, _ in firsts}) == 1
     labels = {part: _short(row, one_method) for part, row in firsts.items()}

@@ -10,7 +10,7 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.experiments.tables import FEW_GROUPS
 
 MOST = 0.5
-"""Share of all frames in one data set above which the report warns that this data set dominates the mean."""
+"""If one data set has more than this share of all frames, the report warns that the data set dominates the mean."""
 
 
 def limitations(contenders: Sequence[Contender]) -> list[str]:

@@ -23,13 +23,14 @@ class Loss:
     frame: str
     """Name of the frame."""
     fate: Fate
-    """Reason why the object was not found, with the region used to determine the reason."""
+    """Reason why the object was not found. The reason is determined from one region (`fate.region`)."""
     why: str
     """Rule that rejected the region `fate.region`, empty if the region was not rejected."""
 
 
 def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], None] | None = None) -> list[Loss]:
-    """Segment frames, and determine for every labelled object why the object was not found.
+    """Segment frames, and determine for every labelled object whether the object was found, and the reason if it was
+    not found.
 
     tell: progress callback with the number of finished frames.
     """
@@ -61,7 +62,7 @@ def loss_table(losses: Sequence[Loss]) -> Table:
 
 
 def lost_objects(losses: Sequence[Loss]) -> Table:
-    """Return a table of all objects that were not found, with cause, IoU and reason for rejection.
+    """Return a table of all objects that were not found. Columns are the cause, the IoU and the reason for rejection.
 
     IoU and reason for rejection belong to the region that determines the cause (`Fate.region`).
     """

@@ -1,6 +1,6 @@
 """Tables I to III of the paper (Toscana & Rosa 2016), with printed and measured values.
 
-In the paper's tables, an object is found if one segment covers more than 70 % of the object's pixels.
+In the paper's tables, an object counts as found if one segment covers more than 70 % of the object's pixels.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ class Tally:
 
     objects: int = 0
     found: int = 0
-    """Number of objects of which one predicted object covers more than 70 %."""
+    """Number of objects with more than 70 % of their pixels in one predicted object."""
     in_regions: int = 0
-    """Number of objects of which one region, including rejected regions, covers more than 70 %."""
+    """Number of objects with more than 70 % of their pixels in one region. Rejected regions are included."""
 
     def __add__(self, other: Tally) -> Tally:
         return Tally(self.objects + other.objects, self.found + other.found, self.in_regions + other.in_regions)
@@ -44,7 +44,7 @@ class Tally:
 
     @property
     def share_in_regions(self) -> str:
-        """Return the share of objects that any region covers, including rejected regions, as text in per cent."""
+        """Return the share of objects with more than 70 % of their pixels in one region, as text in per cent."""
         return _percent(self.in_regions, self.objects)
 
     def among(self, other: Tally) -> str:
@@ -77,7 +77,8 @@ def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple
 
     Return the titles and tables.
 
-    Raises FileError if a file cannot be written, or if results for the paper's data sets and presets are missing.
+    Raises FileError if a file cannot be written. Also raises FileError if results for the paper's data sets or presets
+    are missing.
     """
     measured = measure(contenders)
     tables = [(one.title, paper_table(one)) for one in measured]
@@ -207,7 +208,10 @@ def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
 
 
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
-    """Return the numbers of objects in each cell of a table line. Cells that are empty in the paper give None."""
+    """Return the numbers of objects in each cell of a table line.
+
+    The result has None for cells that are empty in the paper.
+    """
     places = [(line, column) for column in measured.printed.columns]
     return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]
 

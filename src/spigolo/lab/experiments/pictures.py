@@ -26,7 +26,7 @@ WORST = 10
 PICTURE_WIDTH_PX = 640
 JPEG_QUALITY = 85
 SAME_F = 1e-6
-"""Difference of overlap F below which two results of a frame count as equal."""
+"""Two results of a frame count as equal if their overlap F differs by less than this value."""
 
 Tell = Callable[[int, int], None]
 
@@ -61,7 +61,7 @@ def draw_worst(
         Scores of the method.
     folders
         Frames, indexed by data set and name. Frames that are not in `folders` are left out. No images are written if
-        this version of spigolo cannot create the method with the parameters of `contender`.
+        this version of spigolo does not have the method or the parameters of `contender`.
     out
         Folder of the report.
     tell

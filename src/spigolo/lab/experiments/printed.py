@@ -37,7 +37,10 @@ class Printed:
     figures: Mapping[Place, Figure]
     """Printed values, indexed by line and column. Empty cells are left out."""
     place: Callable[[str, str], Place]
-    """Function that returns the table cell of an object from the names of its frame and of the object."""
+    """Function that returns the table cell of an object.
+
+    The arguments are the name of the frame and the name of the object.
+    """
     beside: str = ""
     """Name of the method whose values are printed in parentheses, empty for none."""
     note: str = ""

@@ -67,7 +67,7 @@ class Worker:
     def __call__(self, task: Task) -> Row:
         """Segment the frame of a task, and return the scores.
 
-        If a `SpigoloError` is raised, the result holds its message.
+        If a `SpigoloError` is raised, the result contains the error message and no exception leaves this function.
         """
         method = self._methods[task.method, task.digest]
         content, truth = "", None
@@ -113,7 +113,7 @@ def evaluate(
     Return the results of all methods on all frames.
 
     Evaluations that the file already has are not repeated. An evaluation is repeated if its worker process died, or if
-    it raised an error and the files of the frame have changed since. Only one process may use the file at a time.
+    it raised an error and the files of the frame have changed since then. Only one process may use the file at a time.
 
     Raises SpigoloError if scipy is not installed. Raises FileError if the file is invalid, or has results of other
     frames with the same names.
@@ -131,7 +131,7 @@ def evaluate(
     tell
         Progress callback.
     engine
-        Executor of the tasks, instead of `jobs` worker processes.
+        Executor that runs the tasks. If an executor is given, `jobs` is ignored.
 
     """
     if importlib.util.find_spec("scipy") is None:
@@ -158,8 +158,8 @@ def evaluate(
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
     """Return the existing results that are still valid, with `group` and `labelling` of the current frames.
 
-    A result with an error is left out if the files of its frame have changed. Raises FileError if files have changed
-    since the frame was evaluated without an error.
+    A result with an error is left out if the files of its frame have changed. Raises FileError if a frame was evaluated
+    without an error, and its files have changed since then.
     """
     entries = {(frame.data_set, frame.name): frame for frame in frames}
     failed = _places(row for row in file.rows if row.error is not None)
@@ -215,7 +215,7 @@ def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -
 def engine_of(jobs: int) -> Engine:
     """Return an executor with `jobs` worker processes.
 
-    A single job runs in the current process. Raises SpigoloError if `jobs` is less than 1.
+    If `jobs` is 1, all tasks run in the current process. Raises SpigoloError if `jobs` is less than 1.
     """
     if jobs < 1:
         raise SpigoloError(f"expected at least one job, got {jobs}: leave out the number for one job")

@@ -13,7 +13,8 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.page import Cell, Table
 
 Scope = tuple[str, Callable[[Row], bool]]
-"""Subset of the frames: name of the subset, and function that returns True for results in the subset."""
+"""Subset of the frames: name of the subset, and a function that returns True for each result on a frame of the subset.
+"""
 
 EVERY_OBJECT = "every object labelled"
 ALL_LABELLED = "all labelled frames"
@@ -138,8 +139,8 @@ def _change_cells(d: Difference) -> list[Cell]:
 def _change(estimate: Estimate, form: str, many: bool) -> Cell:
     """Format a difference with its interval as a table cell.
 
-    many: True if there are at least `FEW_GROUPS` groups of near-identical frames. The cell is bold if `many` is True
-    and the interval does not include zero.
+    many: True if there are at least `FEW_GROUPS` groups of near-identical frames. The text of the cell is bold if
+    `many` is True and the confidence interval does not include zero.
     """
     value, low, high = estimate
     if math.isnan(value):

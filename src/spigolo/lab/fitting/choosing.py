@@ -73,7 +73,7 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
     Parameters
     ----------
     search
-        Parameter search with the scores of all tested parameter values.
+        Result of a parameter search: all tested parameter values with their scores.
     count
         Number of folds.
     seed
@@ -108,7 +108,7 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
 def set_splits(search: Search) -> list[Split]:
     """Return one cross-validation split per data set.
 
-    The list is empty for a single data set, or if a split would have no frames for choosing parameters.
+    The list is empty if there is only one data set, or if a split has no frames for the choice of parameters.
     """
     places = search.subject.places
     if len({place.data_set for place in places}) < 2:

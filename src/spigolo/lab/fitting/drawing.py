@@ -21,7 +21,8 @@ DIGITS = 4
 def draw(space: Space, count: int, seed: int) -> list[Setting]:
     """Draw `count` random settings (sets of parameter values).
 
-    The first settings depend only on the seed, not on `count`. Raises SpigoloError if optuna is not installed.
+    With the same seed, a larger `count` returns the same first settings and appends more settings. Raises SpigoloError
+    if optuna is not installed.
     """
     try:
         import optuna

@@ -1,4 +1,4 @@
-"""Report of a parameter search, and the fitted parameters as a TOML file."""
+"""Writer of the results of a parameter search: a report, and a TOML file with the fitted parameters."""
 
 from __future__ import annotations
 

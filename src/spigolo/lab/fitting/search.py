@@ -52,7 +52,7 @@ def search(
     tell: Tell | None = None,
     engine: Engine | None = None,
 ) -> Search:
-    """Score the initial and `trials` random sets of parameter values.
+    """Score the initial parameter values, and `trials` random sets of parameter values.
 
     Parameter values that are already scored in the file `out` are skipped.
 
@@ -77,7 +77,7 @@ def search(
         Progress callback. The arguments of the callback are the number of finished trials, the number of trials to run,
         and the latest trial (None at the start).
     engine
-        Executor of the trials, instead of `jobs` worker processes.
+        Executor that runs the trials. If an executor is given, `jobs` is ignored.
 
     """
     if importlib.util.find_spec("scipy") is None:

@@ -1,7 +1,7 @@
 """Search spaces: the parameters to fit for each method, with their ranges.
 
-A search space maps dotted parameter names to ranges, choices and switches. A switch turns an optional stage on or off.
-If a switch turns a stage off, the parameters of this stage are ignored.
+A search space is a dictionary from dotted parameter names to ranges, choices and switches. A switch turns an optional
+stage on or off. If a switch turns a stage off, the parameters of this stage are ignored.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from spigolo.settings.config import Config
 from spigolo.settings.paper import BoundaryCost, SaliencyCost
 
 Setting = dict[str, Any]
-"""Parameter values, indexed by dotted parameter name, as accepted by `Method.replace`."""
+"""Parameter values, indexed by dotted parameter name. `Method.replace` accepts this dictionary."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,9 +87,9 @@ IN_METRES: Space = {
     "additions.rules.max_length_m": Range(0.3, 0.6),
     "additions.rules.max_width_m": Range(0.18, 0.4),
 }
-"""Parameters that limit the size of objects in metres.
+"""Parameters that limit the size of objects, in metres.
 
-For presets without limits in metres, `IN_PIXELS` is used instead.
+If a preset has no limits in metres, the parameters in `IN_PIXELS` are fitted instead.
 """
 
 ADDED: Space = {
@@ -166,7 +166,7 @@ OTHERS: Mapping[str, Space] = {
 def space_of(method: Method) -> Space:
     """Return the search space of a method.
 
-    Raises ConfigError for a method without a search space, and for a preset that chooses its cost function
+    Raises ConfigError for a method without a search space, or for a preset that chooses its cost function
     automatically.
     """
     if isinstance(method, Toscana2016):
@@ -217,8 +217,8 @@ def _has(config: Config, place: str) -> bool:
 
 
 def complete(drawn: Setting, space: Space) -> Setting:
-    """Replace the switches in drawn parameter values by the parameters of their stages, or by None for stages that are
-    off.
+    """Replace each switch in drawn parameter values. A switch becomes the parameters of its stage, or None if the stage
+    is off.
     """
     off = {name for name, way in space.items() if isinstance(way, Switch) and not drawn[name]}
     off |= {name for name, way in space.items() if isinstance(way, Switch) and way.needs in off}

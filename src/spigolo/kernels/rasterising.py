@@ -10,7 +10,7 @@ from spigolo.kernels.registration import ROUNDING, inverse_depth_at, triangle
 
 @kernel
 def draw_mesh(points, triangles, out):
-    """Draw the triangles of a mesh into a depth map, where no nearer surface has been drawn.
+    """Draw the triangles of a mesh into a depth map. Pixels that already show a nearer surface stay unchanged.
 
     Triangles with a corner too near the camera are skipped.
 

@@ -13,7 +13,7 @@ FARTHEST_PX = 1e9
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
-"""Minimum of twice the area of a triangle in the image, px^2. Smaller triangles are not drawn."""
+"""Minimum value of twice the area of a triangle in the image, in square pixels. Smaller triangles are not drawn."""
 
 
 @inlined
@@ -70,7 +70,8 @@ def inverse_depth_at(x, y, t):
 
 @inlined
 def draw_quad(a, b, c, d, out):
-    """Draw the triangles a b c and a c d into out (H, W), in metres, where no nearer surface has been drawn.
+    """Draw the triangles a b c and a c d into the depth map out (H, W), in metres. Pixels that already show a nearer
+    surface stay unchanged.
 
     a, b, c, d: projected points (u, v, 1 / Z). Nothing is drawn if a point has 1 / Z = 0.
     """

@@ -36,7 +36,7 @@ def close_holes(depth, holes, step_m, step_share, values):
     """Fill each pixel of `holes` with the mean depth of its valid 8-neighbours. If these neighbours contain a depth
     step, fill the pixel with their farthest depth.
 
-    Pixels without a valid neighbour stay 0. To fill holes of two pixels' width, call this function twice.
+    Pixels without a valid neighbour stay 0. Each call fills the outermost layer of pixels of a hole.
 
     depth (H, W) metres: changed in place. holes (N,) int64: indices y * W + x of missing pixels. values (N,) float32:
     scratch memory.

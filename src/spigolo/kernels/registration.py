@@ -138,11 +138,12 @@ def splat_depth(depth, P, step_m, step_share, out):
     nearest surface is kept.
 
     Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. If the four depths
-    contain a depth step of more than max(step_m, step_share * nearest depth), each pixel draws only its own quarter. At
-    a depth step, a surface ends half a pixel beyond its last pixel.
+    contain a depth step of more than max(step_m, step_share * nearest depth), each of the four pixels is drawn as a
+    separate quarter of this area. At a depth step, a surface ends half a pixel beyond its last pixel.
 
     - depth (h, w): depth map in metres.
-    - P (3, 4): projection (u Z, v Z, Z) = P (x z, y z, z, 1).
+    - P (3, 4): projection of pixel (x, y) at depth z to the image point (u, v) at depth Z: (u Z, v Z, Z) = P (x z, y z,
+      z, 1).
     - out (H, W), initially zero: depth map of the other camera in metres.
     """
     height, width = depth.shape

@@ -117,8 +117,8 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel, without excluded pixels (equation 8,
-    or equation 5 without exclusions).
+    """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel. Excluded pixels do not enter the mean
+    (equation 8). If no pixel is excluded, this is equation 5.
 
     Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the
     loop.

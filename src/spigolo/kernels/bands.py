@@ -66,8 +66,8 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag the pixels of an image row that have another label than the next pixel in the row or the pixel below. other:
-    the row below.
+    """Flag each pixel of an image row if the next pixel in the row or the pixel below has another label. other: the row
+    below.
     """
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])

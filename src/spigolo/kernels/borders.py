@@ -54,7 +54,7 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     The array sums[a, b] contains six values of the border between regions a and b:
 
     - number of pairs of 4-neighbours on the border
-    - number of pairs with depth at both samples and at the border
+    - number of pairs with valid depth at both samples and at the border pixel
     - sum of absolute depth differences between both samples (m)
     - sum of depth in region b minus depth in region a (m)
     - sum of distances of border pixels behind the straight line between both samples (m)

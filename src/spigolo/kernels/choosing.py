@@ -24,8 +24,8 @@ BLOCK = 4096
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
-    """Select and pack the edges that connect two regions and have low <= weight < high. Of the two pixels of an edge,
-    at least `least` must be flagged.
+    """Select and pack the edges that connect two regions and have low <= weight < high. At least `least` of the two
+    pixels of an edge must be flagged.
 
     The packed edges are ordered by plane, then by pixel. With `detours=False`, the heaviest edge of each triangle or
     square of neighbouring pixels is skipped.
@@ -213,8 +213,8 @@ def is_heavy(edge, offsets, parent, records):
 def drop_final(edges, offsets, parent, records, useful):
     """Remove the packed edges (K,) at final regions. Return the number of remaining edges.
 
-    A region is final if its lightest edge is heavier than its merge bound. If only few edges are heavier than the merge
-    bound of one of their regions, the array stays unchanged to save time.
+    A region is final if its lightest edge is heavier than its merge bound. To save time, no edge is removed if only few
+    edges are heavier than the merge bound of a region at their ends.
 
     parent (H W,): root of the region of every pixel. useful (H W,) uint8: scratch memory.
     """

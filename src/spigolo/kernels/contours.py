@@ -114,8 +114,8 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe
 
 @inlined
 def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
-    """Return True if the surfaces on both sides of a pixel in the direction (n_y, n_x) form a contact (equations
-    14-19).
+    """Return True if the surfaces on both sides of a pixel in the direction (n_y, n_x) meet at the angle of a contact
+    (equations 14-19).
     """
     v, u = crease_px * n_y, crease_px * n_x
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
@@ -123,7 +123,7 @@ def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosi
 
 @inlined
 def is_hole(depth, y, x, v, u):
-    """Return True if depth is missing at the pixel (y, x) and at both samples, (y - v, x - u) and (y + v, x + u)."""
+    """Return True if depth is missing at the pixel (y, x) and at the samples (y - v, x - u) and (y + v, x + u)."""
     return depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0
 
 
@@ -146,9 +146,9 @@ def mark_contours(
 
     At a depth step, the second difference of depth is at least max(step_m, step_per_m d^2), where d is the depth of the
     pixel. The samples for this difference lie step_px pixels away on both sides. At a crease, the surfaces between the
-    pixel and the samples crease_px pixels away form a contact (equations 14-19). The pixel also lies behind the chord
-    of these samples by at least noise_per_m d^2. A pixel is not marked if depth is missing at the pixel and at both
-    samples step_px away.
+    pixel and the samples crease_px pixels away meet at the angle of a contact (equations 14-19). The pixel also lies
+    behind the chord of these samples by at least noise_per_m d^2. A pixel is not marked if depth is missing at the
+    pixel and at both samples step_px away.
 
     - depth (H, W): depth map in metres.
     - filled (H, W): depth with filled shadows, from which the samples are taken.

@@ -53,8 +53,8 @@ def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
 
 @inlined
 def color_row(color, y, v, dx, out):
-    """Eq. 4. Compute the colour difference of each edge from a pixel in row y to the pixel in row v that is dx columns
-    to the right.
+    """Eq. 4. Compute the colour differences of the edges from row y to row v. The second pixel of an edge is dx columns
+    to the right of the first.
     """
     edges = out.size
     a_here, b_here, c_here = color[0, y, :edges], color[1, y, :edges], color[2, y, :edges]
@@ -65,8 +65,8 @@ def color_row(color, y, v, dx, out):
 
 @inlined
 def depth_row(depth, y, v, dx, scale, noise, out):
-    """Eq. 9. Compute the depth difference of each edge from a pixel in row y to the pixel in row v that is dx columns
-    to the right.
+    """Eq. 9. Compute the depth differences of the edges from row y to row v. The second pixel of an edge is dx columns
+    to the right of the first.
     """
     here, there = depth[y, : out.size], depth[v, dx:]
     for x in range(out.size):
@@ -75,8 +75,8 @@ def depth_row(depth, y, v, dx, scale, noise, out):
 
 @inlined
 def cue_row(cue, y, v, dx, ends, out):
-    """Compute the value of a cue for each edge from a pixel in row y to the pixel in row v that is dx columns to the
-    right.
+    """Compute the value of a cue for the edges from row y to row v. The second pixel of an edge is dx columns to the
+    right of the first.
 
     ends: ENDS_I for the value at the first pixel of the edge, as in the paper, or ENDS_MAX for the larger value of both
     pixels.

@@ -13,8 +13,8 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def blend(near, far, mean, step_m, step_share):
-    """Return the mean depth around a hole, or the farthest depth if nearest and farthest depth differ by a depth
-    step.
+    """Return the mean depth around a hole. If the nearest and the farthest depth around it differ by a depth step,
+    return the farthest depth.
     """
     return far if far - near > max(step_m, step_share * near) else mean
 

@@ -16,8 +16,8 @@ HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
 """Number of the lower bits of a packed edge or record, and the mask of these bits."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""Memory is prefetched for the edge that follows this number of edges after the current edge. `NODES_AHEAD` applies to
-the parents of pixels, `ROOTS_AHEAD` to the records of regions.
+"""Index of the edge for which memory is prefetched, minus the index of the current edge. `NODES_AHEAD` applies to the
+parents of pixels. `ROOTS_AHEAD` applies to the records of regions.
 """
 
 
@@ -168,7 +168,7 @@ def merge(edges, offsets, gamma, stop, parent, records):
     The internal difference I(R) of a region R is the weight of the last edge that merged R, because edges are sorted.
 
     - offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64.
-    - stop: True to end at the first edge that equation 3 does not allow to merge its two regions.
+    - stop: if True, stop at the first edge between two regions that equation 3 does not allow to merge.
 
     Returns the number of processed edges.
     """

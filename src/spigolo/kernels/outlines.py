@@ -62,8 +62,10 @@ def sum_outlines(
 
     - pairs of 4-neighbours across the outline
     - pairs with depth at both samples
-    - pairs whose outer sample is farther by more than step_m + step_share * depth + change of depth by the slope
-    - pairs whose outer sample is nearer by more than step_m + step_share * depth + change of depth by the slope
+    - pairs whose outer sample is farther than the inner sample by more than step_m + step_share * depth + depth change
+      along the slope
+    - pairs whose outer sample is nearer than the inner sample by more than step_m + step_share * depth + depth change
+      along the slope
     - pairs whose samples differ in height by more than max(ledge_m, ledge_per_m * depth^2)
     - pixel sides of the region that lie on the image border
     """

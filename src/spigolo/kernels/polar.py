@@ -34,8 +34,9 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
     - direction (H, W) uint8: number of the row of `normals` that contains the normal of the edge at the pixel.
     - normals (K, 2) float64: unit vectors (n_y, n_x).
     - disparity (H, W) float32, 0 where missing.
-    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel on the side to which the normal
-      points, then the same two values of the other side. All four values stay 0 if a side has too little weight.
+    - out (H, W, 4) float32, initially zero: two values for the side to which the normal points, then two values for the
+      other side. The two values are the disparity at the edge and its slope per pixel. All four values stay 0 if a side
+      has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))

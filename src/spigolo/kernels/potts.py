@@ -102,8 +102,8 @@ def look_around(spins, planes, y, x, spin, force):
 
 @inlined
 def energy(spin, force, of):
-    """Return the part of the energy E that depends on one pixel, for the case that its spin is `of`. `spin` and `force`
-    are the spins and interactions of its neighbours.
+    """Return the part of the energy E that depends on one pixel, for the case that its spin is `of`. The arrays `spin`
+    and `force` are the spins and interactions of its neighbours.
     """
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
@@ -114,8 +114,8 @@ def energy(spin, force, of):
 
 @inlined
 def best_other(spin, force, own, stranger):
-    """Return the spin with the lowest energy among the neighbours' spins and the random spin `stranger`, except the
-    spin `own`.
+    """Return the spin with the lowest energy, and this energy. Candidates are the random spin `stranger`, and the spins
+    of the neighbours that differ from the spin `own`.
     """
     best, least = stranger, energy(spin, force, stranger)
     for k in range(NEIGHBOURS):

@@ -121,9 +121,7 @@ def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
 
 @inlined
 def project_row(depth, y, P, points):
-    """Project all pixels of row y of the depth map to points (w, 3): u, v and 1 / Z, with 1 / Z = 0 for missing
-    depth.
-    """
+    """Project all pixels of row y of the depth map to points (w, 3): u, v and 1 / Z. Missing depth gives 1 / Z = 0."""
     for x in range(depth.shape[1]):
         z = np.float64(depth[y, x])
         if z > 0.0:
@@ -137,13 +135,14 @@ def splat_depth(depth, P, step_m, step_share, out):
     """Draw the surfaces of a depth map into the depth map of another camera. If several surfaces cover a pixel, the
     nearest surface is kept.
 
-    Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. If the four depths
-    contain a depth step of more than max(step_m, step_share * nearest depth), each of the four pixels is drawn as a
-    separate quarter of this area. At a depth step, a surface ends half a pixel beyond its last pixel.
+    Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. A depth step is a
+    difference of more than max(step_m, step_share * nearest depth). If the four depths contain a depth step, one
+    quarter is drawn for each of the four pixels (`draw_quarter`). At a depth step, a surface ends half a pixel beyond
+    its last pixel.
 
     - depth (h, w): depth map in metres.
-    - P (3, 4): projection of pixel (x, y) at depth z to the image point (u, v) at depth Z: (u Z, v Z, Z) = P (x z, y z,
-      z, 1).
+    - P (3, 4): projection matrix, (u Z, v Z, Z) = P (x z, y z, z, 1). Pixel (x, y) at depth z is projected to the image
+      point (u, v) at depth Z.
     - out (H, W), initially zero: depth map of the other camera in metres.
     """
     height, width = depth.shape

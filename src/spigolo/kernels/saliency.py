@@ -15,8 +15,8 @@ def whole_quotient(dividend, inverse):
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Compute, for each column, the sum of a band of image rows over all columns before it. `above` and `below` are two
-    rows of an integral image.
+    """Compute, for each column, the sum of a band of image rows over all columns before it. The arguments `above` and
+    `below` are two rows of an integral image.
 
     pad: number of values that are added at both ends of the result: 0 at the beginning, and the total sum at the end.
     """

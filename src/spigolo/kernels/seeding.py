@@ -56,8 +56,8 @@ def neighbour(p, k, flags, width, size):
 
 @inlined
 def offer(bucket, p, s, size, least, head, tail, edges):
-    """Add the edge from labelled pixel s to open pixel p to the queue, unless an edge to p with an equal or smaller
-    weight was added before.
+    """Add the edge from labelled pixel s to open pixel p to the queue. Nothing is added if the queue had an edge to p
+    with an equal or smaller weight.
 
     bucket: weight of the edge in whole grey levels. size: number of edges in the queue. Returns the new number of edges
     in the queue.

@@ -45,7 +45,8 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    The distance is exact. The kernel first computes distances along columns, and then the minimum over each row.
+    The distance is exact. First, the distance along the column is computed for each pixel. Then, these distances are
+    combined along each row.
 
     steps (H, W) int16: scratch memory. out (H, W) float32.
     """

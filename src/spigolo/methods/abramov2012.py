@@ -1,6 +1,6 @@
 """Abramov et al., 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
-Of the papers about the method, only the abstract and the timings were available. The interactions, the penalty of a
+From the papers about this method, only the abstract and the timings were available. The interactions, the penalty of a
 depth step and the joining of domains (connected areas of equal spin) follow a public re-implementation. The default
 parameters are our choice. Frames are processed independently. The tracking of labels by optical flow, as in the papers,
 is left out.

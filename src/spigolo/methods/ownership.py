@@ -1,5 +1,5 @@
-"""Probability that an edge is the border of an object, and the owner of the edge: the side on which this object lies
-(Mishra et al., 2009 and 2012).
+"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The side of the edge on which
+this object lies is called the owner of the edge, and is also computed.
 
 In the papers, the mean disparity is computed in a half-disc on each side of an edge. The probability is a logistic
 function of the difference of both means. In this implementation, a line is fitted to the disparity in each half-disc,
@@ -48,8 +48,8 @@ class BoundaryConfig(MethodConfig):
     stereo pair with the focal length of the camera.
 
     The noise of triangulating depth cameras is constant in disparity, so that one threshold is valid at all distances.
-    With a baseline of 0.075 m and a focal length of 570 px, a disparity step of 0.3 px corresponds to a depth step of 7
-    mm at 1 m.
+    Example: the baseline is 0.075 m, and the focal length is 570 px. Then a disparity step of 0.3 px corresponds to a
+    depth step of 7 mm at 1 m.
     """
 
     depth: bool = True
@@ -97,8 +97,8 @@ class Boundary:
     - value: (H, W) float32, border probability of edge pixels, 0 elsewhere.
     - strong: mask (H, W) of edge pixels with a border probability above 1/2.
     - normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge.
-    - side: (H, W) int8, owner of the edge: 1 for the side of the normal, -1 for the other side, 0 if the owner is
-      unknown.
+    - side: (H, W) int8, owner of the edge: 1 for the side to which the normal points, -1 for the other side, 0 if the
+      owner is unknown.
     """
 
     value: Floats

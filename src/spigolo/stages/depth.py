@@ -75,7 +75,9 @@ def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
 
 
 def _integral(image: DepthMap) -> Integral:
-    """Return the integral image (H+1, W+1) of an image in float64, as float32 would cause errors of centimetres."""
+    """Return the integral image (H+1, W+1) of an image in float64, because float32 would cause depth errors of
+    centimetres.
+    """
     return np.asarray(cv2.integral(image, sdepth=cv2.CV_64F), np.float64)
 
 

@@ -43,7 +43,9 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample, m, or 0 if one depth is missing."""
+    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample in metres. If one depth is missing,
+    rho is 0.
+    """
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 

@@ -13,7 +13,7 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel, prefetch
 
 HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
-"""Number of the lower bits of a packed edge or record, and the mask of these bits."""
+"""Number of bits in the lower half of a packed edge or record, and the mask of these bits."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
 """Index of the edge for which memory is prefetched, minus the index of the current edge. `NODES_AHEAD` applies to the

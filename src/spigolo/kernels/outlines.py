@@ -52,7 +52,7 @@ def sum_outlines(
     inside the outline, or on the outline if the region has no depth there. The outer sample is the first pixel with
     depth that lies between `near` and `near` + `shadow` pixels outside. The slope of the region is measured between the
     inner sample and the pixel `deep` pixels inside the outline. The height above the support plane is (slope_x[x] +
-    slope_y[y] + slope) * depth + offset.
+    slope_y[y] + slope) * depth + offset. The slopes and the offset are coefficients of the plane.
 
     - labels (H, W) int32: region of each pixel.
     - depth (H, W) float32: depth map in metres.

@@ -16,14 +16,15 @@ Features = npt.NDArray[np.float32]
 
 
 def color_features(image: Color, sigma_px: float) -> Features:
-    """Return the RGB channels (3, H, W) of an image as features from 0 to 255, smoothed by a Gaussian of `sigma_px`
-    pixels.
+    """Return the RGB channels (3, H, W) of an image as features from 0 to 255. The channels are smoothed by a Gaussian
+    with a standard deviation of `sigma_px` pixels.
     """
     return np.ascontiguousarray(smooth(image.astype(np.float32), sigma_px).transpose(2, 0, 1))
 
 
 def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
-    """Return depth as a feature (H, W), smoothed over valid pixels by a Gaussian of `sigma_px` pixels. NaN is missing.
+    """Return depth as a feature (H, W). Valid pixels are smoothed by a Gaussian with a standard deviation of `sigma_px`
+    pixels. NaN is missing.
 
     depth: (H, W) in metres. levels_per_m: number of colour levels with the same weight as one metre of depth.
     """

@@ -41,8 +41,8 @@ class Graph:
 def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_m: float = 0.0) -> Graph:
     """Compute the edge weights of a frame with a cost function.
 
-    color: points (3, H, W) of `color_points`. noise_per_m: depth noise per squared distance, 1/m. Depth differences
-    below the noise count as 0 (our addition, 0 in the paper).
+    color: points (3, H, W) of `color_points`. noise_per_m: depth noise divided by the squared depth, 1/m. Depth
+    differences below the noise count as 0 (our addition, 0 in the paper).
     """
     weights = np.empty((config.partition.connectivity // 2, *cues.depth.shape), np.float32)
     scale = depth_scale(cues.depth, config.depth.depth_range)

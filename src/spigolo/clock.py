@@ -1,4 +1,4 @@
-"""Timing of the stages: `stopwatch` measures the functions that the decorator `stage` marks.
+"""Timing of the processing stages. `stopwatch` measures the run time of each function that has the decorator `stage`.
 
 The following code measures the stage "partition" of one frame:
 
@@ -46,8 +46,8 @@ def stopwatch() -> Iterator[Times]:
 
 
 def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Return a decorator that measures the duration of each call of a function inside a `stopwatch` block. The
-    durations are listed under the stage `name`.
+    """Return a decorator for functions. Inside a `stopwatch` block, the decorator measures the duration of each call.
+    The durations are listed under the stage `name`.
     """
 
     def named(function: Callable[P, T]) -> Callable[P, T]:
@@ -75,7 +75,7 @@ class Pace:
         self._ends_s: deque[float] = deque(maxlen=kept)
 
     def add(self, latency_s: float) -> None:
-        """Add a frame whose processing took `latency_s` seconds and ended now."""
+        """Record a frame that was processed in `latency_s` seconds and is finished now."""
         self._latencies_s.append(latency_s)
         self._ends_s.append(time.perf_counter())
 

@@ -9,7 +9,9 @@ import sys
 import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
-"""Folder of this package with a final separator: the beginning of the path of each source file of the package."""
+"""Folder of this package, with a path separator at the end. The paths of all source files of the package start with
+this text.
+"""
 
 
 class SpigoloError(Exception):

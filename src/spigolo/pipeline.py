@@ -34,14 +34,16 @@ from spigolo.stages.regions import Regions, partition
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Trace:
-    """Results of all stages of one segmentation. If `additions.resolution` is "half", the stages refer to the halved
-    frame.
+    """Results of all stages of one segmentation. If `additions.resolution` is "half", the maps of the stages have half
+    the width and height of the frame.
     """
 
     frame: Frame
     """Input frame."""
     config: Config
-    """Parameters of the segmentation, with lengths and areas that are not scaled to the size of the frame."""
+    """Parameters of the segmentation. Their lengths and areas are for an image of 640x480, not scaled to the size of
+    the frame.
+    """
     plane: Plane | None
     """Support plane (our addition). None if no plane was found."""
     weighing: Weighing
@@ -111,8 +113,8 @@ def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> S
 
     - frame: colour image, depth map and camera.
     - config: a preset or your own configuration.
-    - roi: region of interest, outside of which regions are rejected, as a mask (H, W), a pixel box (y0, x0, y1, x1) or
-      a MetricBox.
+    - roi: mask (H, W), pixel box (y0, x0, y1, x1) or MetricBox of the region of interest. Regions outside of it are
+      rejected.
 
     Returns the label image, the objects with their measurements in the image and in space, and the rejected regions
     with reasons.

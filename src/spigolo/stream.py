@@ -25,7 +25,7 @@ from spigolo.settings.presets import OBJECTS, SHELF, TABLE
 from spigolo.stages.costs import possible_costs
 
 Timed = tuple[Segmentation, float, Workspace]
-"""Result of a frame, its time in seconds, and the workspace that was used."""
+"""Segmentation of a frame, its duration in seconds, and the scratch memory that was used."""
 
 
 class Segmenter:
@@ -64,10 +64,11 @@ class Segmenter:
     def map(self, frames: Iterable[Frame], roi: Roi | None = None, threads: int = 2) -> Iterator[Segmentation]:
         """Segment frames on several threads, and yield the results in the order of the frames.
 
-        Each thread segments one frame at a time. The next frame is requested when a thread is free, so that a live
-        camera gives its newest frame and no queue of frames grows. `Segmentation.frame` is the frame of a result.
+        Each thread segments one frame at a time. The next frame is requested only when a thread is free. A live camera
+        then delivers its newest frame, and frames do not wait in a queue. `Segmentation.frame` is the frame of a
+        result.
 
-        - frames: a source or any other iterable. It is read on a thread of its own.
+        - frames: a source or any other iterable. A separate thread reads the frames.
         - roi: region of interest in all frames, as for `segment`.
         - threads: number of frames that are segmented at the same time.
 
@@ -106,7 +107,7 @@ class Segmenter:
                 free.put(None)
 
     def _segment(self, frame: Frame, roi: Roi | None, workspace: Workspace) -> Timed:
-        """Segment a frame. Return the result, the time in seconds, and the workspace."""
+        """Segment a frame. Return the segmentation, its duration in seconds, and the scratch memory."""
         start = time.perf_counter()
         return trace(frame, self.config, roi, workspace).segmentation, time.perf_counter() - start, workspace
 
@@ -130,7 +131,7 @@ class Segmenter:
 
 
 def warm_up(config: Config | None = None) -> None:
-    """Compile the kernels for one configuration, or for all configurations if `config` is None.
+    """Compile the kernels that one configuration requires, or the kernels of all presets if `config` is None.
 
     The first call on a machine takes up to a minute. Later calls load the compiled kernels in less than a second.
     """

@@ -1,7 +1,9 @@
-"""Kernels that mark a band of pixels along the borders of objects. `kernels.seeding` gives these pixels new labels.
+"""Kernels that mark a band of pixels along the borders of objects. `kernels.seeding` gives the pixels of the band new
+labels.
 
-The width of the band depends on the width of ramps. A ramp is a run of pixels with depths between both sides of a depth
-step, where the depth map smears the step. Pixels in the band are called open.
+The width of the band depends on the width of the ramps at the borders. A ramp is a run of pixels at a blurred depth
+step. Their depths lie between the depths of both sides of the step. Pixels of the band are called open, because they
+get new labels.
 """
 
 from __future__ import annotations
@@ -12,14 +14,14 @@ from spigolo.kernels._jit import inlined, kernel
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
-"""Exclusive limits of the depths on a ramp, relative to a depth step: 0 is the depth of the nearer side, 1 of the
-farther side.
+"""Minimum and maximum relative depth of a ramp pixel (exclusive). At a depth step, the relative depth of the nearer
+side is 0, and that of the farther side is 1.
 """
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
-"""Bits of the flags of a pixel: OPEN, and the position in the first or in the last image column."""
+"""Bit flags of a pixel: the pixel is open, is in the first image column, or is in the last image column."""
 WORD = 8
-"""Number of pixel flags that are compared with 0 in one step, for speed."""
+"""Number of one-byte flags that are compared with 0 as one 64-bit number, for speed."""
 
 
 @inlined
@@ -39,12 +41,12 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
     """Count the depth steps on the borders of objects, and the pixels on the ramps of these steps.
 
     For each pair of neighbouring pixels with different labels, a depth profile is read along the image row or column.
-    The profile has reach_px pixels on each side of the border. A profile counts if the depth at its ends differs by
-    more than max(step_m, step_share * nearer depth).
+    The profile has reach_px pixels on each side of the border. A profile is a depth step if the depths at its two ends
+    differ by more than max(step_m, step_share * nearer depth).
 
     - labels (H, W) int32, 0 = background.
     - depth (H, W) float32 metres, 0 = missing.
-    - sums (2,) int64, initially zero: number of profiles that count, number of ramp pixels in these profiles.
+    - sums (2,) int64, initially zero: number of depth steps, number of pixels on their ramps.
     """
     height, width = labels.shape
     flat = depth.reshape(-1)
@@ -64,8 +66,8 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag each pixel of an image row whose label differs from that of the next pixel or of the pixel below. other: the
-    row below.
+    """Flag each pixel of an image row if the next pixel in the row or the pixel below has another label. other: the row
+    below.
     """
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
@@ -74,7 +76,8 @@ def flag_differences(row, other, flags):
 
 @inlined
 def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, sums):
-    """Add the depth profile between pixel p and its neighbour p + step to the sums of `count_ramps`.
+    """Read the depth profile across the border between the pixels p and p + step. Add the result to the sums of
+    `count_ramps`.
 
     flat (H * W,): depth map. place: position of pixel p in its image row or column. length: length of this image row or
     column.
@@ -122,7 +125,8 @@ def mark_borders(labels, layer):
 
 @kernel
 def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
-    """Number the pixels near borders in layers: layer 1 touches another label, layer 2 touches layer 1, and so on.
+    """Give each pixel near a border a layer number, which grows with the distance to the border. Pixels of layer 1
+    touch another label, pixels of layer 2 touch layer 1, and so on.
 
     The maximum layer is width_px, or hole_width_px where near_hole is nonzero.
 
@@ -163,9 +167,10 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
 
 @kernel
 def open_layers(labels, layer, inner, share, opened):
-    """Mark the outer layers of each label as open, up to `share` of its layers. Return the number of open pixels.
+    """Mark the pixels of each label as open if their layer is at most `share` times the number of layers of the label.
+    Return the number of open pixels.
 
-    If a label has pixels beyond the maximum layer, all layers of this label become open.
+    If a label has pixels beyond the maximum layer, all layers up to the maximum become open.
 
     labels (H, W) int32. layer (H, W) uint8, inner (N,) int32: results of `measure_layers`. opened (H, W) uint8: flags
     of open pixels, 0 for other pixels.

@@ -12,8 +12,8 @@ from spigolo.kernels.contours import hollow
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
 MOST_ROUND = 0.6
-"""Maximum distance between the middle of a chord (`sum_hollows`) and the surface, as a share of the chord's width. For
-a half-circle, this distance is 0.5 of the width.
+"""Maximum distance between the middle of a chord and the surface, divided by the width of the chord. For a half-circle,
+the value is 0.5. `sum_hollows` defines the chord.
 """
 
 
@@ -25,11 +25,11 @@ def clipped(value, limit):
 
 @inlined
 def sample_border(labels, y, x, v, u, reach):
-    """Return two sample pixels, `reach` pixels to both sides of the border between pixel (y, x) and its neighbour (v,
-    u).
+    """Return the two pixels that are `reach` pixels away from the border between pixel (y, x) and its neighbour (v, u),
+    one on each side.
 
-    The result is (row, column) of both samples, and a flag. The flag is True if both samples lie inside the image and
-    in the two regions of the border.
+    The result is (row, column) of both samples, and a flag. The flag is True if both samples lie inside the image, each
+    in the region on its side of the border.
     """
     dy, dx = v - y, u - x
     y_a, x_a, y_b, x_b = y - dy * (reach - 1), x - dx * (reach - 1), y + dy * reach, x + dx * reach
@@ -41,8 +41,8 @@ def sample_border(labels, y, x, v, u, reach):
 def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
     """Sum depth differences and boundary values along the border between every two numbered regions.
 
-    For each pair of neighbouring pixels on a border, depth is sampled `reach` pixels to both sides. A pair counts only
-    if both samples lie inside the image and in the two regions of the border. Depth differences are clipped to
+    For each pair of neighbouring pixels on a border, depth is sampled `reach` pixels to both sides. A pair is skipped
+    if a sample lies outside the image, or not in the region on its side of the border. Depth differences are clipped to
     gap_limit. The distance of a border pixel behind the straight line between both samples is clipped to bend_limit.
 
     - labels (H, W) int32: region of each pixel.
@@ -54,11 +54,11 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     The array sums[a, b] contains six values of the border between regions a and b:
 
     - number of pairs of 4-neighbours on the border
-    - number of pairs with depth at both samples and at the border
+    - number of pairs with valid depth at both samples and at the border pixel
     - sum of absolute depth differences between both samples (m)
-    - sum of distances of region b behind region a (m)
+    - sum of depth in region b minus depth in region a (m)
     - sum of distances of border pixels behind the straight line between both samples (m)
-    - sum of the larger boundary value of each pair
+    - sum of the boundary values of the pairs: of the two pixels of a pair, the larger value is summed
     """
     height, width = labels.shape
     for y in range(height):
@@ -120,14 +120,15 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
 
 @kernel
 def collect_pairs(labels, boundary, pairs, strength):
-    """Collect all pairs of 4-neighbours in different regions, and the larger boundary value of each pair.
+    """Collect all pairs of 4-neighbours in different regions. Each pair has a value: the larger boundary value of its
+    two pixels.
 
     A pair is stored as lower region number * 2^32 + higher region number.
 
     - labels (H, W) int32: region of each pixel.
     - boundary (H, W): boundary map, from 0 to 1.
     - pairs (K,) int64: output buffer for the pairs.
-    - strength (K,): output buffer for the larger boundary value of each pair.
+    - strength (K,): output buffer for the values of the pairs.
 
     Returns the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.
     """

@@ -1,12 +1,12 @@
 """Selection of the edges that are sorted and then used to merge regions. Edges that cannot merge two regions are
-skipped to save time (see docs/performance.md). The merge bound of a region is the maximum weight of an edge that merges
-the region (`kernels.merging.merge_bound`).
+skipped to save time (see docs/performance.md). The merge bound of a region is the maximum weight of an edge that can
+merge the region with another region (`kernels.merging.merge_bound`).
 
 Three kinds of edges cannot merge two regions:
 
 - edges inside one region
-- edges at a final region: all remaining edges of the region are heavier than its merge bound
-- detours, which are edges whose two pixels are connected by lighter edges
+- edges at a final region, which is a region whose remaining edges are all heavier than its merge bound
+- detours, which are edges between two pixels that are also connected by a chain of lighter edges
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ BLOCK = 4096
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
-    """Select and pack the edges that connect two regions and have low <= weight < high. The number of flagged pixels of
-    an edge, 0 to 2, must be at least `least`.
+    """Select and pack the edges that connect two regions and have low <= weight < high. At least `least` of the two
+    pixels of an edge must be flagged.
 
-    The packed edges are in the order of the planes and, in a plane, of the pixels. With `detours=False`, the heaviest
-    edge of each triangle or square of neighbouring pixels is skipped.
+    The packed edges are ordered by plane, then by pixel. With `detours=False`, the heaviest edge of each triangle or
+    square of neighbouring pixels is skipped.
 
     - weights (P, H W) float32: edge weights.
     - width: number of image columns.
     - parent (H W,): root of the region of every pixel.
     - flags (H W,) uint8: 1 for flagged pixels, 0 for other pixels (see `flag_open` and `flag_small`).
     - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
-    - out: buffer for the packed edges, with room for one additional edge.
+    - out: buffer for the packed edges. It must have room for one more edge than is packed.
 
     Returns the number of packed edges, or -1 if out is too small.
     """
@@ -99,7 +99,8 @@ def drop_detours(weights, plane, width, first, last, chosen):
 
 @inlined
 def drop_right(right, down, width, n, kept):
-    """Unmark edges to the right that are the heaviest edge of the square of pixels above or below.
+    """Unmark each edge to the right that is the heaviest edge of one of two squares of 2x2 pixels: above or below the
+    edge.
 
     The arrays right and down begin one image row before the first of the n tested edges.
     """
@@ -113,7 +114,7 @@ def drop_right(right, down, width, n, kept):
 
 @inlined
 def drop_down(right, down, width, n, kept):
-    """Unmark downward edges that are the heaviest edge of the square of pixels on the left or right.
+    """Unmark each downward edge that is the heaviest edge of one of two squares of 2x2 pixels: on its left or right.
 
     The arrays right and down begin one pixel before the first of the n tested edges.
     """
@@ -127,14 +128,17 @@ def drop_down(right, down, width, n, kept):
 
 @inlined
 def drop_diagonal(weight, first, second, third, fourth, n, kept):
-    """Unmark diagonal edges whose two pixels are connected by two lighter horizontal and vertical edges."""
+    """Unmark each diagonal edge whose two pixels are also connected by a horizontal and a vertical edge that are not
+    heavier.
+    """
     for k in range(n):
         kept[k] &= (weight[k] < max(first[k], second[k])) & (weight[k] < max(third[k], fourth[k]))
 
 
 @inlined
 def drop_right_8(right, down, falling, rising, width, n, kept):
-    """Unmark edges to the right whose two pixels are connected by lighter edges through a pixel above or below.
+    """Unmark each edge to the right whose two pixels are also connected by two lighter edges, through a pixel in the
+    row above or below.
 
     All edge arrays begin one image row before the first of the n tested edges.
     """
@@ -149,7 +153,8 @@ def drop_right_8(right, down, falling, rising, width, n, kept):
 
 @inlined
 def drop_down_8(right, down, falling, rising, width, n, kept):
-    """Unmark downward edges whose two pixels are connected by lighter edges through a pixel on the left or right.
+    """Unmark each downward edge whose two pixels are also connected by two lighter edges, through a pixel in the column
+    on the left or right.
 
     All edge arrays begin one pixel before the first of the n tested edges.
     """
@@ -174,9 +179,10 @@ def pack_edge(bits, plane, pixel):
 
 @inlined
 def pack(bits, plane, first, last, chosen, eights, count, out):
-    """Append the marked edges first..last - 1 of one direction to the `count` edges in out. Return the new count.
+    """Append the marked edges among the edges first..last - 1 of one direction to out, which contains `count` edges.
+    Return the new count.
 
-    Every edge is written, and the next edge overwrites an unmarked edge, so that the loop has few branches.
+    Unmarked edges are written too, and the next edge overwrites them. The loop has few branches for this reason.
     """
     whole = np.uint64(last - first) // np.uint64(8)
     for eight in range(whole):
@@ -207,8 +213,8 @@ def is_heavy(edge, offsets, parent, records):
 def drop_final(edges, offsets, parent, records, useful):
     """Remove the packed edges (K,) at final regions. Return the number of remaining edges.
 
-    A region is final if its lightest edge is heavier than its merge bound. If only few edges are heavier than the merge
-    bound of one of their regions, the array stays unchanged to save time.
+    A region is final if its lightest edge is heavier than its merge bound. To save time, no edge is removed if only few
+    edges are heavier than the merge bound of a region at their ends.
 
     parent (H W,): root of the region of every pixel. useful (H W,) uint8: scratch memory.
     """
@@ -237,8 +243,8 @@ def drop_final(edges, offsets, parent, records, useful):
 def flag_open(low_bits, parent, records, flags):
     """Set the parent of every pixel to the root of its region, and flag the regions that can still merge.
 
-    low_bits: bits of a float32 weight. flags (H W,): 1 for pixels of regions whose merge bound is at least this weight,
-    else 0.
+    low_bits: bit pattern of a float32 weight, as an integer. flags (H W,): 1 for pixels of regions whose merge bound is
+    at least this weight, else 0.
     """
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)

@@ -9,12 +9,12 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""Margins of the float32 tests that select candidates for contours: CLOSE is a factor of the threshold, ROUNDING a
-share of the depth. Candidates are tested again in float64.
+"""Margins of the fast float32 tests that select candidate pixels of contours. CLOSE multiplies the thresholds. ROUNDING
+is a share of the depth. Candidates are tested again in float64.
 """
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8
-"""Number of pixel marks that are compared with 0 in one step, for speed."""
+"""Number of one-byte marks that are compared with 0 as one 64-bit number, for speed."""
 
 
 @kernel
@@ -44,7 +44,9 @@ def fill_shadows(depth, max_run, out):
 
 @inlined
 def bend(before, here, after):
-    """Return the second difference of three depth samples, m: the height of a depth step, or almost 0 on a plane."""
+    """Return the absolute second difference of three depth samples in metres. At a depth step, it is the height of the
+    step. On a plane, it is almost 0.
+    """
     return abs(2.0 * here - before - after)
 
 
@@ -69,9 +71,9 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     """Return the minimum distance of a crease behind its chord, divided by the depth of the crease. The chord connects
     the samples crease_px pixels away on both sides.
 
-    The bound holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at least
-    crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle / 2). At
-    pixels whose distance is below this bound, the angle is not computed.
+    This minimum holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at
+    least crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle / 2).
+    Pixels with a smaller distance are not creases, and their angle is not computed.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -96,7 +98,8 @@ def step_row(filled, y, n_y, n_x, step_px, step_m, step_per_m, margin, maybe):
 def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe):
     """Mark the pixels of row y that may be creases in the direction (n_y, n_x).
 
-    A pixel is marked if its distance behind the chord between two samples exceeds both the noise and a lower bound.
+    A pixel is marked if its distance behind the chord between two samples is at least noise_per_m times its squared
+    depth. The distance must also be at least `least` times the smallest of the three depths.
     """
     v, u = crease_px * n_y, crease_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
@@ -111,8 +114,8 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe
 
 @inlined
 def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosines):
-    """Return True if the surfaces on both sides of a pixel in the direction (n_y, n_x) form a contact (equations
-    14-19).
+    """Return True if the surfaces on both sides of a pixel in the direction (n_y, n_x) meet at the angle of a contact
+    (equations 14-19).
     """
     v, u = crease_px * n_y, crease_px * n_x
     return makes_contact(filled, y, x, v, u, camera, n_y, n_x, SIGN_TANGENT, low_deg, high_deg, cosines)
@@ -120,7 +123,7 @@ def is_crease(filled, y, x, n_y, n_x, crease_px, camera, low_deg, high_deg, cosi
 
 @inlined
 def is_hole(depth, y, x, v, u):
-    """Return True if depth is missing at the pixel (y, x) and at both samples, (y - v, x - u) and (y + v, x + u)."""
+    """Return True if depth is missing at the pixel (y, x) and at the samples (y - v, x - u) and (y + v, x + u)."""
     return depth[y, x] == 0.0 and depth[y - v, x - u] == 0.0 and depth[y + v, x + u] == 0.0
 
 
@@ -143,9 +146,9 @@ def mark_contours(
 
     At a depth step, the second difference of depth is at least max(step_m, step_per_m d^2), where d is the depth of the
     pixel. The samples for this difference lie step_px pixels away on both sides. At a crease, the surfaces between the
-    pixel and the samples crease_px pixels away form a contact (equations 14-19). The pixel also lies behind the chord
-    of these samples by at least noise_per_m d^2. A pixel is not marked if depth is missing at the pixel and at both
-    samples step_px away.
+    pixel and the samples crease_px pixels away meet at the angle of a contact (equations 14-19). The pixel also lies
+    behind the chord of these samples by at least noise_per_m d^2. A pixel is not marked if depth is missing at the
+    pixel and at both samples step_px away.
 
     - depth (H, W): depth map in metres.
     - filled (H, W): depth with filled shadows, from which the samples are taken.

@@ -1,9 +1,9 @@
 """Kernels that compute edge weights: the depth difference of equation 9 and the cost functions of equations 22 and 23,
 in float32.
 
-A plane holds the edges from every pixel to its neighbour at one offset (dy, dx), with dx = 0 or 1. Edges that leave the
-image have the weight +inf. Each cue is computed for a whole image row before the next cue, so that the compiler
-vectorises all loops.
+A plane contains the weights of the edges from each pixel to its neighbour at one offset (dy, dx), where dx is 0 or 1.
+Edges that leave the image have the weight +inf. Each cue is computed for a whole image row before the next cue, so that
+the compiler vectorises all loops.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 
 @inlined
 def depth_difference(a, b, scale, noise):
-    """Eq. 9. Return the depth difference of an edge, from 0 to 1. The difference is 0 if depth is missing at one pixel.
+    """Eq. 9. Return the depth difference of an edge, from 0 to 1. The difference is 0 if depth is missing at a pixel of
+    the edge.
 
     - a, b: depths of both pixels, in metres.
     - scale: 1 / depth range, 1/m.
@@ -36,7 +37,7 @@ def depth_difference(a, b, scale, noise):
 
 @inlined
 def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
-    """Eq. 22. Return the weight of an edge, from 0 to 1, by the cost function that reads saliency."""
+    """Eq. 22. Return the weight of an edge, from 0 to 1, with the cost function that includes saliency."""
     alone = k_y * log2_1p(d_hsv) + k_x * log2_1p(d_depth) + k_s * log2_1p(d_sal)
     coupled = d_depth * (power(d_sal, ONE + d_depth) + power(d_hsv, ONE + d_depth))
     cost = (alone + coupled) / (TWO + k_x + k_y + k_s)
@@ -45,14 +46,16 @@ def saliency_cost(d_hsv, d_depth, d_sal, k_x, k_y, k_s):
 
 @inlined
 def boundary_cost(d_hsv, d_depth, d_bound, k_x, k_b):
-    """Eq. 23. Return the weight of an edge, from 0 to 1, by the cost function that reads the boundary map."""
+    """Eq. 23. Return the weight of an edge, from 0 to 1, with the cost function that includes the boundary map."""
     cost = (k_x * d_depth * log2_1p(d_hsv) + k_b * d_bound) / (k_x + k_b)
     return cost if cost < ONE else ONE
 
 
 @inlined
 def color_row(color, y, v, dx, out):
-    """Eq. 4. Compute the colour differences of the edges from row y to row v, dx columns to the right."""
+    """Eq. 4. Compute the colour differences of the edges from row y to row v. The second pixel of an edge is dx columns
+    to the right of the first.
+    """
     edges = out.size
     a_here, b_here, c_here = color[0, y, :edges], color[1, y, :edges], color[2, y, :edges]
     a_there, b_there, c_there = color[0, v, dx:], color[1, v, dx:], color[2, v, dx:]
@@ -62,7 +65,9 @@ def color_row(color, y, v, dx, out):
 
 @inlined
 def depth_row(depth, y, v, dx, scale, noise, out):
-    """Eq. 9. Compute the depth differences of the edges from row y to row v, dx columns to the right."""
+    """Eq. 9. Compute the depth differences of the edges from row y to row v. The second pixel of an edge is dx columns
+    to the right of the first.
+    """
     here, there = depth[y, : out.size], depth[v, dx:]
     for x in range(out.size):
         out[x] = depth_difference(here[x], there[x], scale, noise)
@@ -70,7 +75,8 @@ def depth_row(depth, y, v, dx, scale, noise, out):
 
 @inlined
 def cue_row(cue, y, v, dx, ends, out):
-    """Compute the value of a cue on the edges from row y to row v, dx columns to the right.
+    """Compute the value of a cue for the edges from row y to row v. The second pixel of an edge is dx columns to the
+    right of the first.
 
     ends: ENDS_I for the value at the first pixel of the edge, as in the paper, or ENDS_MAX for the larger value of both
     pixels.

@@ -29,7 +29,8 @@ def steepest(gx, gy):
 
 @inlined
 def normal_direction(gx, gy):
-    """Return the direction N = (n_y, n_x) of a gradient as one of four neighbours, regardless of the gradient's sign.
+    """Round the direction of a gradient to one of four neighbours of a pixel, and return it as N = (n_y, n_x). Opposite
+    gradients have the same result.
 
     Gradients near 0, 45, 90 and 135 degrees give the neighbour at the right, upper right, top and upper left. The code
     has no branches, for speed.
@@ -42,7 +43,9 @@ def normal_direction(gx, gy):
 
 @inlined
 def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample, m, or 0 if one depth is missing."""
+    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample in metres. If one depth is missing,
+    rho is 0.
+    """
     here, there = float(depth[y, x]), float(depth[v, u])
     return 0.0 if (here == 0.0) | (there == 0.0) else here - there
 
@@ -98,8 +101,8 @@ def along_edge(c, n_y, n_x, sign_rule):
 
     - c: cross product of the directions from the edge to both sides.
     - n_y, n_x: normal of the edge.
-    - sign_rule: SIGN_TANGENT for the component of c along the edge, SIGN_X for the x component of c as in the paper,
-      SIGN_NONE for 0. At vertical edges the x component of c is 0, so that its sign has no meaning.
+    - sign_rule: result of the function. SIGN_TANGENT: component of c along the edge. SIGN_X: x component of c, as in
+      the paper. SIGN_NONE: 0. At vertical edges the x component of c is 0, so that its sign has no meaning.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -124,7 +127,7 @@ def is_contact(angle_deg, low_deg, high_deg):
 
 @inlined
 def cosine_limits(low_deg, high_deg):
-    """Return the largest and the smallest cosine of angles between two thresholds in degrees.
+    """Return the largest and the smallest cosine of the angles from low_deg to high_deg.
 
     For a threshold outside of 0..180 degrees, the limit is 2 or -2, which no cosine reaches.
     """
@@ -145,7 +148,8 @@ def makes_contact(depth, y, x, v, u, camera, n_y, n_x, sign_rule, low_deg, high_
     """Eqs. 14-19. Return True for a contact at the edge pixel (y, x) between the surfaces at offsets (v, u) and (-v,
     -u).
 
-    The cosine of the angle is compared with the limits of `cosine_limits`. The angle is computed only close to a limit.
+    The cosine of the angle is compared with the limits of `cosine_limits`. The angle itself is computed only if the
+    cosine is close to a limit or low_deg is negative.
     """
     fx, fy, cx, cy = camera
     if low_deg >= 0.0:
@@ -175,7 +179,7 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
     - gx, gy (H, W) int16: gradients of the grey image along x and y.
     - depth (H, W): depth map in metres.
     - camera (fx, fy, cx, cy): intrinsics.
-    - depth_boundary, contact (H, W) uint8, initially zero: marks of both kinds of boundaries.
+    - depth_boundary, contact (H, W) uint8, initially zero: 1 at depth boundaries and at contacts.
     """
     height, width = edges.shape
     margin = max(step_px, contact_px) + 1

@@ -13,8 +13,8 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def blend(near, far, mean, step_m, step_share):
-    """Return the mean depth around a hole, or the farthest depth if nearest and farthest depth differ by a depth
-    step.
+    """Return the mean depth around a hole. If the nearest and the farthest depth around it differ by a depth step,
+    return the farthest depth.
     """
     return far if far - near > max(step_m, step_share * near) else mean
 
@@ -33,10 +33,10 @@ def around(depth, y, x):
 
 @kernel
 def close_holes(depth, holes, step_m, step_share, values):
-    """Fill the pixels of `holes` with the mean depth of their valid 8-neighbours, or with the farthest depth at a depth
-    step.
+    """Fill each pixel of `holes` with the mean depth of its valid 8-neighbours. If these neighbours contain a depth
+    step, fill the pixel with their farthest depth.
 
-    Pixels without a valid neighbour stay 0. To fill holes of two pixels' width, call this function twice.
+    Pixels without a valid neighbour stay 0. Each call fills the outermost layer of pixels of a hole.
 
     depth (H, W) metres: changed in place. holes (N,) int64: indices y * W + x of missing pixels. values (N,) float32:
     scratch memory.
@@ -139,7 +139,7 @@ def measure_gaps(depth, runs, gaps, area, near, far, on_border):
 
 @kernel
 def widest(distance, runs, gaps, radius):
-    """Compute the radius of each gap: the maximum over its pixels of the distance to the nearest pixel with depth.
+    """Compute the radius of each gap: the largest distance between a pixel of the gap and the nearest pixel with depth.
 
     distance (H, W): distance of each pixel to the nearest pixel with depth. radius (G,) float32, initially zero.
     """

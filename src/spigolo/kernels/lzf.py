@@ -7,12 +7,13 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def unpack_lzf(packed, out):
-    """Decompress packed (N,) uint8 into out (M,) uint8. Return True if the decompressed data has exactly M bytes.
+    """Decompress the array packed (N,) uint8 into the array out (M,) uint8. Return True if the decompressed data has
+    exactly M bytes.
 
     A control byte b below 32 is followed by b + 1 literal bytes. Any other control byte starts a copy of earlier
     output. The upper three bits of the control byte are the length of the copy minus 2. If these bits are 7, the next
-    byte is added to the length. The lower five bits and the following byte are the distance back to the copied output,
-    minus 1.
+    byte is added to the length. The lower five bits and the following byte form one number: the distance back to the
+    first copied byte, minus 1.
     """
     read, written = 0, 0
     while read < packed.size:

@@ -1,9 +1,9 @@
-"""Kernels that merge pixels into regions by the internal difference of the regions (Felzenszwalb & Huttenlocher 2004,
-equations 2, 3).
+"""Kernels that merge pixels into regions. The criterion is the internal difference of the regions (Felzenszwalb &
+Huttenlocher 2004, equations 2, 3).
 
 A packed edge has 64 bits: 32 bits for its float32 weight, 30 bits for its pixel and 2 bits for its direction. The
 record of a region has 32 bits for its number of pixels and 32 bits for its merge bound. The merge bound is the maximum
-weight of an edge that merges the region. The algorithm is explained in docs/performance.md.
+weight of an edge that can merge the region with another region. The algorithm is explained in docs/performance.md.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel, prefetch
 
 HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
-"""Shift and mask of the lower 32 bits of packed edges and records."""
+"""Number of bits in the lower half of a packed edge or record, and the mask of these bits."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""Distance, in edges, between the current edge and the edge for which memory is prefetched: `NODES_AHEAD` for parents
-of pixels, `ROOTS_AHEAD` for records of regions.
+"""Index of the edge for which memory is prefetched, minus the index of the current edge. `NODES_AHEAD` applies to the
+parents of pixels. `ROOTS_AHEAD` applies to the records of regions.
 """
 
 
@@ -30,7 +30,7 @@ def ends(edge, offsets):
 
 @inlined
 def weight_bits(edge):
-    """Return the bits of the float32 weight of a packed edge."""
+    """Return the float32 weight of a packed edge, as the integer with the same bit pattern."""
     return edge >> np.uint64(HALF_BITS)
 
 
@@ -73,7 +73,7 @@ def may_merge(weight, bound_a, bound_b):
 
 @inlined
 def merge_bound(internal, gamma, size):
-    """Return the merge bound I(R) + gamma / |R| of a region R: the maximum weight of an edge that merges R (equation
+    """Return the merge bound I(R) + gamma / |R| of a region R: the maximum weight of an edge that can merge R (equation
     3).
     """
     return internal + gamma / size
@@ -81,9 +81,7 @@ def merge_bound(internal, gamma, size):
 
 @inlined
 def bits_below(bound):
-    """Return the bit pattern, as an integer, of the largest float32 that is not above a merge bound (the value of eq. 3
-    for a region).
-    """
+    """Return the largest float32 that is at most equal to a merge bound, as the integer with the same bit pattern."""
     nearest = np.float32(bound)
     bits = nearest.view(np.uint32)
     return bits - np.uint32(1) if np.float64(nearest) > bound else bits
@@ -103,7 +101,7 @@ def size_of(node):
 
 @inlined
 def bound_bits(node):
-    """Return the bits of the merge bound of a region from its record."""
+    """Return the merge bound of a region from its record, as the integer with the bit pattern of the float32 value."""
     return node & np.uint64(LOW_HALF)
 
 
@@ -119,7 +117,7 @@ def unite(parent, records, a, b, bound):
 
 @inlined
 def ask_ahead(edges, k, offsets, parent, records):
-    """Prefetch the memory that edges after the k-th edge require."""
+    """Prefetch the memory that will be read for edges after the k-th edge."""
     here, there = ends(edges[k + NODES_AHEAD], offsets)
     prefetch(parent, here)
     prefetch(parent, there)
@@ -170,7 +168,7 @@ def merge(edges, offsets, gamma, stop, parent, records):
     The internal difference I(R) of a region R is the weight of the last edge that merged R, because edges are sorted.
 
     - offsets (P,) uint64: index differences from a pixel to its neighbours, modulo 2^64.
-    - stop: True to end at the first edge that equation 3 does not allow to merge its two regions.
+    - stop: if True, stop at the first edge between two regions that equation 3 does not allow to merge.
 
     Returns the number of processed edges.
     """
@@ -192,8 +190,8 @@ def merge(edges, offsets, gamma, stop, parent, records):
 
 @kernel
 def absorb_small(edges, offsets, min_size, parent, records):
-    """Merge each region of fewer than min_size pixels with the neighbour at its lightest edge. The packed edges must be
-    sorted by weight.
+    """Merge each region of fewer than min_size pixels with the neighbouring region to which its lightest edge leads.
+    The packed edges must be sorted by weight.
     """
     for k in range(edges.size):
         if k + NODES_AHEAD < edges.size:
@@ -206,7 +204,8 @@ def absorb_small(edges, offsets, min_size, parent, records):
 
 @kernel
 def number_regions(parent, number, labels):
-    """Number the regions 0..R-1 in the order of their first pixels. Return the number of regions R.
+    """Number the regions 0..R-1 in the order in which their first pixels appear in the image. Return the number of
+    regions R.
 
     parent (H W,) uint32. number (H W,) uint32: scratch memory. labels (H W,): number of the region of each pixel.
     """

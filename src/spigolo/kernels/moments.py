@@ -7,7 +7,7 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 DARK_BELOW = 24
-"""Exclusive upper limit of a dark pixel's brightness, from 0 to 255."""
+"""A pixel is dark if its brightness, from 0 to 255, is below this value."""
 
 
 @inlined
@@ -121,7 +121,8 @@ def count_dark(labels, color, counts):
 def sum_contours(labels, boundary, sums):
     """Count the pairs of 4-neighbours on the border of each region, and sum the boundary values of these pairs.
 
-    The value of a pair is the larger boundary value of both pixels. The image border does not count.
+    The value of a pair is the larger boundary value of both pixels. Sides of pixels on the image border are not
+    counted.
 
     labels (H, W) int32. boundary (H, W) from 0 to 1. sums (R, 2) float64: number of pairs, sum of boundary values.
     """

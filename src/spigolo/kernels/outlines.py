@@ -1,5 +1,5 @@
-"""Kernels that find steps of depth and height across the outlines of regions. A shadow may lie between both sides of an
-outline.
+"""Kernels that find steps of depth and height across the outlines of regions. Missing depth, such as a shadow, may lie
+between both sides of an outline.
 """
 
 from __future__ import annotations
@@ -50,8 +50,9 @@ def sum_outlines(
 
     At each outline pixel, depth is compared between an inner and an outer sample. The inner sample lies `near` pixels
     inside the outline, or on the outline if the region has no depth there. The outer sample is the first pixel with
-    depth that lies between `near` and `near` + `shadow` pixels outside. The region's slope is measured up to `deep`
-    pixels inside. The height above the support plane is (slope_x[x] + slope_y[y] + slope) * depth + offset.
+    depth that lies between `near` and `near` + `shadow` pixels outside. The slope of the region is measured between the
+    inner sample and the pixel `deep` pixels inside the outline. The height above the support plane is (slope_x[x] +
+    slope_y[y] + slope) * depth + offset. The slopes and the offset are coefficients of the plane.
 
     - labels (H, W) int32: region of each pixel.
     - depth (H, W) float32: depth map in metres.
@@ -61,10 +62,12 @@ def sum_outlines(
 
     - pairs of 4-neighbours across the outline
     - pairs with depth at both samples
-    - pairs whose outer sample is farther by more than step_m + step_share * depth + change of depth by the slope
-    - pairs whose outer sample is nearer by more than step_m + step_share * depth + change of depth by the slope
-    - pairs whose height changes by more than max(ledge_m, ledge_per_m * depth^2)
-    - sides of pixels of the region that lie on the image border
+    - pairs whose outer sample is farther than the inner sample by more than step_m + step_share * depth + depth change
+      along the slope
+    - pairs whose outer sample is nearer than the inner sample by more than step_m + step_share * depth + depth change
+      along the slope
+    - pairs whose samples differ in height by more than max(ledge_m, ledge_per_m * depth^2)
+    - pixel sides of the region that lie on the image border
     """
     height, width = labels.shape
     for y in range(height):

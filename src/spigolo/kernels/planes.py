@@ -11,12 +11,12 @@ MISSING, BELOW, ON, ABOVE = range(4)
 
 @kernel
 def count_near(points, planes, tolerance, counts):
-    """Count the points near each of P planes.
+    """Count the points within a tolerance of each of P planes.
 
     - points (3, N) float32: X, Y and Z of each point in metres.
     - planes (P, 4) float32: unit normal and offset in metres.
     - tolerance (N,) float32: maximum distance of each point from a plane, in metres.
-    - counts (P,) int64: number of points near each plane.
+    - counts (P,) int64: number of points within the tolerance of each plane.
     """
     xs, ys, zs = points
     for k in range(len(planes)):
@@ -31,7 +31,8 @@ def count_near(points, planes, tolerance, counts):
 def measure_heights(depth, slope_x, slope_y, slope, offset, out):
     """Compute the height out (H, W) of every pixel above a plane, in metres.
 
-    The height is computed as (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32.
+    The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32. The slopes and the offset are
+    coefficients of the plane.
     """
     for y in range(depth.shape[0]):
         row, height, of_row = depth[y], out[y], slope_y[y]
@@ -41,10 +42,11 @@ def measure_heights(depth, slope_x, slope_y, slope, offset, out):
 
 @kernel
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
-    """Classify every pixel as MISSING, BELOW, ON or ABOVE a plane: out (H, W) uint8.
+    """Classify the position of every pixel relative to a plane. out (H, W) uint8: MISSING, BELOW, ON or ABOVE.
 
     A pixel is ON the plane if its absolute height is at most max(least, noise * depth^2). A pixel without depth is
-    MISSING. The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32 metres.
+    MISSING. The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32 metres. The slopes and the
+    offset are coefficients of the plane.
     """
     for y in range(depth.shape[0]):
         row, side, of_row = depth[y], out[y], slope_y[y]

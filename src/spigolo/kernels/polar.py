@@ -1,4 +1,6 @@
-"""Kernels that fit depth on both sides of an edge, and find the cheapest closed path around a point."""
+"""Kernels that fit lines to the disparity on both sides of an image edge, and find the cheapest closed path around a
+point.
+"""
 
 from __future__ import annotations
 
@@ -29,11 +31,12 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
     least `least`.
 
     - edges (H, W) uint8: nonzero at edge pixels.
-    - direction (H, W) uint8: row of `normals` with the normal of the edge at each pixel.
+    - direction (H, W) uint8: number of the row of `normals` that contains the normal of the edge at the pixel.
     - normals (K, 2) float64: unit vectors (n_y, n_x).
     - disparity (H, W) float32, 0 where missing.
-    - out (H, W, 4) float32, initially zero: disparity at the edge and slope per pixel on the side of the normal, then
-      both on the other side. All four values stay 0 if a side has too little weight.
+    - out (H, W, 4) float32, initially zero: two values for the side to which the normal points, then two values for the
+      other side. The two values are the disparity at the edge and its slope per pixel. All four values stay 0 if a side
+      has too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -71,9 +74,9 @@ def advance(total, across, low, high, reached, origin):
     """Compute the cheapest path from any radius on one ray to each radius low..high - 1 on the next ray.
 
     - total: cost of the path to each radius on this ray.
-    - across: cost of a step between the radii k and k + 1, between both rays.
+    - across: cost of changing between the radii k and k + 1, on the way from this ray to the next ray.
     - reached: cost of the path to each radius on the next ray.
-    - origin: radius on this ray that the path to each radius on the next ray passes.
+    - origin: for each radius on the next ray, the radius at which the path to it leaves this ray.
     """
     best, source = np.inf, low
     for k in range(low, high):
@@ -111,9 +114,10 @@ def go_around(radial, angular, low, high, total, reached, origin):
 def closed_path(radial, angular, least, most, best):
     """Find the cheapest closed path around the origin of a polar map, with a radius in least..most on every ray.
 
-    The cheapest path through one radius on ray 0 divides the search. Cheapest paths need not cross each other. Paths
-    with a smaller radius on ray 0 are therefore searched only inside this path, and paths with a larger radius only
-    outside. A start radius is skipped if a lower bound of its cost exceeds the cost of the best path.
+    First, the cheapest path through one radius on ray 0 is computed. The cheapest path through any other radius on ray
+    0 need not cross this path. Paths with a smaller radius on ray 0 are therefore searched only inside this path, and
+    paths with a larger radius only outside. A start radius is skipped if a lower bound of its cost exceeds the cost of
+    the best path.
 
     - radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k.
     - angular (T, R) float32, not negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the

@@ -29,7 +29,9 @@ def scatter_bits(value):
 
 @inlined
 def draw(seed, sweep, pixel, which):
-    """Return 32 pseudo-random bits that depend only on seed, sweep, pixel and which, but not on the order of calls."""
+    """Return 32 pseudo-random bits that depend only on the numbers `seed`, `sweep`, `pixel` and `which`, not on the
+    order of calls.
+    """
     first = scatter_bits((np.uint64(seed) * ODD_A + np.uint64(sweep)) & LOW_BITS)
     second = scatter_bits((first * ODD_A + np.uint64(pixel)) & LOW_BITS)
     return scatter_bits((second * ODD_A + np.uint64(which)) & LOW_BITS)
@@ -100,8 +102,8 @@ def look_around(spins, planes, y, x, spin, force):
 
 @inlined
 def energy(spin, force, of):
-    """Return the part of the energy E that depends on one pixel, if its spin is `of`, from the spins and interactions
-    of its neighbours.
+    """Return the part of the energy E that depends on one pixel, for the case that its spin is `of`. The arrays `spin`
+    and `force` are the spins and interactions of its neighbours.
     """
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
@@ -112,8 +114,8 @@ def energy(spin, force, of):
 
 @inlined
 def best_other(spin, force, own, stranger):
-    """Return the spin with the lowest energy among the neighbours' spins and the random spin `stranger`, except the
-    spin `own`.
+    """Return the spin with the lowest energy, and this energy. Candidates are the random spin `stranger`, and the spins
+    of the neighbours that differ from the spin `own`.
     """
     best, least = stranger, energy(spin, force, stranger)
     for k in range(NEIGHBOURS):

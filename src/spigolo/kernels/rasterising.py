@@ -10,12 +10,12 @@ from spigolo.kernels.registration import ROUNDING, inverse_depth_at, triangle
 
 @kernel
 def draw_mesh(points, triangles, out):
-    """Draw the triangles of a mesh into a depth map, where no nearer surface has been drawn.
+    """Draw the triangles of a mesh into a depth map. Pixels that already show a nearer surface stay unchanged.
 
     Triangles with a corner too near the camera are skipped.
 
-    - points (V, 3): image position (u, v) in pixels and 1 / Z of each vertex, with 1 / Z = 0 for vertices too near the
-    camera.
+    - points (V, 3): image position (u, v) in pixels and 1 / Z of each vertex. The value 0 for 1 / Z marks a vertex too
+      near the camera.
     - triangles (T, 3) int32: indices of the vertices.
     - out (H, W), initially zero: depth map in metres.
     """

@@ -13,7 +13,7 @@ FARTHEST_PX = 1e9
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
-"""Minimum of twice the area of a triangle in the image, px^2. Smaller triangles are not drawn."""
+"""Minimum value of twice the area of a triangle in the image, in square pixels. Smaller triangles are not drawn."""
 
 
 @inlined
@@ -70,7 +70,8 @@ def inverse_depth_at(x, y, t):
 
 @inlined
 def draw_quad(a, b, c, d, out):
-    """Draw the triangles a b c and a c d into out (H, W), in metres, where no nearer surface has been drawn.
+    """Draw the triangles a b c and a c d into the depth map out (H, W), in metres. Pixels that already show a nearer
+    surface stay unchanged.
 
     a, b, c, d: projected points (u, v, 1 / Z). Nothing is drawn if a point has 1 / Z = 0.
     """
@@ -120,9 +121,7 @@ def draw_quarter(depth, y, x, to_y, to_x, P, step_m, step_share, out):
 
 @inlined
 def project_row(depth, y, P, points):
-    """Project all pixels of row y of the depth map to points (w, 3): u, v and 1 / Z, with 1 / Z = 0 for missing
-    depth.
-    """
+    """Project all pixels of row y of the depth map to points (w, 3): u, v and 1 / Z. Missing depth gives 1 / Z = 0."""
     for x in range(depth.shape[1]):
         z = np.float64(depth[y, x])
         if z > 0.0:
@@ -136,12 +135,14 @@ def splat_depth(depth, P, step_m, step_share, out):
     """Draw the surfaces of a depth map into the depth map of another camera. If several surfaces cover a pixel, the
     nearest surface is kept.
 
-    Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. If the four depths
-    contain a depth step of more than max(step_m, step_share * nearest depth), each pixel draws only its own quarter. At
-    a depth step, a surface ends half a pixel beyond its last pixel.
+    Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. A depth step is a
+    difference of more than max(step_m, step_share * nearest depth). If the four depths contain a depth step, one
+    quarter is drawn for each of the four pixels (`draw_quarter`). At a depth step, a surface ends half a pixel beyond
+    its last pixel.
 
     - depth (h, w): depth map in metres.
-    - P (3, 4): projection (u Z, v Z, Z) = P (x z, y z, z, 1).
+    - P (3, 4): projection matrix, (u Z, v Z, Z) = P (x z, y z, z, 1). Pixel (x, y) at depth z is projected to the image
+      point (u, v) at depth Z.
     - out (H, W), initially zero: depth map of the other camera in metres.
     """
     height, width = depth.shape

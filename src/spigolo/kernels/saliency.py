@@ -15,7 +15,8 @@ def whole_quotient(dividend, inverse):
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Compute the sum of a band of image rows over all columns before each column, from two rows of an integral image.
+    """Compute, for each column, the sum of a band of image rows over all columns before it. The arguments `above` and
+    `below` are two rows of an integral image.
 
     pad: number of values that are added at both ends of the result: 0 at the beginning, and the total sum at the end.
     """
@@ -39,8 +40,8 @@ def measure_areas(rows, half, width, areas, inverses):
 
 @inlined
 def difference_row(gray, left, right, areas, inverses, out):
-    """Compute the grey value of each pixel minus the mean of its window without the pixel, truncated to whole grey
-    levels.
+    """Compute the grey value of each pixel minus the mean of the other pixels in its window. The result is truncated to
+    whole grey levels.
     """
     for x in range(out.size):
         excess = areas[x] * gray[x] - (right[x] - left[x])
@@ -50,8 +51,9 @@ def difference_row(gray, left, right, areas, inverses, out):
 
 @kernel
 def center_surround(gray, integral, surrounds, on, off):
-    """Sum, over several window sizes, the grey-level difference between each pixel and its surround: on for brighter
-    pixels, off for darker pixels.
+    """Compute the grey-level difference between each pixel and its surround, summed over several window sizes. The map
+    `on` contains the sum of the positive differences, and `off` the sum of the absolute values of the negative
+    differences.
 
     The surround of size n is the window of rows y-n+1..y+n and columns x-n+1..x+n, clipped to the image, without the
     pixel. Each difference is truncated to whole grey levels.

@@ -31,7 +31,7 @@ def distance_2(red, green, blue, color, p):
 def step_cost(z, other, full, step_weight):
     """Return the cost of a depth step between two depths, from 0 to step_weight. The cost is 0 if one depth is missing.
 
-    full: depth difference in metres at and above which the cost is step_weight.
+    full: smallest depth difference, in metres, with the full cost step_weight.
     """
     if z <= f32(0.0) or other <= f32(0.0):
         return f32(0.0)
@@ -56,7 +56,8 @@ def neighbour(p, k, flags, width, size):
 
 @inlined
 def offer(bucket, p, s, size, least, head, tail, edges):
-    """Add the edge from labelled pixel s to open pixel p to the queue, unless a lighter edge to p is known.
+    """Add the edge from labelled pixel s to open pixel p to the queue. Nothing is added if the queue had an edge to p
+    with an equal or smaller weight.
 
     bucket: weight of the edge in whole grey levels. size: number of edges in the queue. Returns the new number of edges
     in the queue.

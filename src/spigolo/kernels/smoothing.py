@@ -45,7 +45,8 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    The distance is exact. The kernel first computes distances along columns, and then the minimum over each row.
+    The distance is exact. First, the distance along the column is computed for each pixel. Then, these distances are
+    combined along each row.
 
     steps (H, W) int16: scratch memory. out (H, W) float32.
     """
@@ -117,8 +118,8 @@ def count_boxes(integral, radius, out):
 
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel, without excluded pixels (equation 8,
-    or equation 5 without exclusions).
+    """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel. Excluded pixels do not enter the mean
+    (equation 8). If no pixel is excluded, this is equation 5.
 
     Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the
     loop.

@@ -1,7 +1,7 @@
 """Kernels that sort edges by weight, and edges of equal weight by edge number.
 
-An edge is packed into 64 bits, with the bits of its weight in the upper half. The bits of non-negative float32 numbers
-have the same order as the numbers.
+An edge is packed into 64 bits, with its float32 weight in the upper half. The bit patterns of non-negative float32
+numbers, read as integers, have the same order as the numbers.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from spigolo.kernels.merging import weight_bits
 
 @inlined
 def digit_of(edge, base, shift, mask):
-    """Return one digit of a packed edge for the radix sort. The digits are those of the bits of the weight minus
-    `base`.
+    """Return one digit of a packed edge for the radix sort. The digits are those of an integer: the bit pattern of the
+    weight minus `base`.
     """
     return ((weight_bits(edge) - base) >> shift) & mask
 
@@ -24,7 +24,8 @@ def digit_of(edge, base, shift, mask):
 def scatter(edges, base, shift, mask, starts, out):
     """Run one stable pass of a radix sort, which sorts packed edges (E,) by one digit of their weight.
 
-    - base: bits of the smallest possible weight, uint64, which are subtracted from the bits of each weight.
+    - base: bit pattern of the smallest possible weight, as uint64. It is subtracted from the bit pattern of each
+      weight.
     - shift: position of the digit in bits.
     - mask: 2^b - 1 for digits of b bits.
     - starts (2^b,) uint32: scratch memory.

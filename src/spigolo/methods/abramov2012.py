@@ -1,8 +1,9 @@
 """Abramov et al., 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
-Only the abstract and the timings of the method's papers were available. The interactions, the penalty of a depth step
-and the joining of domains (connected areas of equal spin) follow a public re-implementation. The default parameters are
-our choice. Frames are processed independently. The tracking of labels by optical flow, as in the papers, is left out.
+From the papers about this method, only the abstract and the timings were available. The interactions, the penalty of a
+depth step and the joining of domains (connected areas of equal spin) follow a public re-implementation. The default
+parameters are our choice. Frames are processed independently. The tracking of labels by optical flow, as in the papers,
+is left out.
 """
 
 from __future__ import annotations
@@ -42,25 +43,25 @@ class AbramovConfig(MethodConfig):
     (our choice).
     """
     alpha: Positive = 2.5
-    """Colour difference at which two neighbours neither attract nor repel each other, as a multiple of the mean
-    difference of neighbours. Larger values make larger regions. The default is our choice. The public re-implementation
-    uses 1 to 1.35.
+    """Colour difference at which two neighbouring pixels neither attract nor repel each other, divided by the mean
+    colour difference of all neighbouring pixels. Larger values make larger regions. The default is our choice. The
+    public re-implementation uses 1 to 1.35.
     """
     repulsion: NotNegative = 1.0
-    """Maximum repulsion of two neighbours with different colours. Smaller values make larger regions. The paper gives
-    no value.
+    """Maximum repulsion of two neighbouring pixels with different colours. Smaller values make larger regions. The
+    paper gives no value.
     """
     step_m: Positive | None = 0.02
-    """Minimum depth difference in metres at which neighbours repel each other regardless of colour. None ignores depth.
-    The default is our choice. The public re-implementation uses 0.3.
+    """Depth difference, in metres, above which neighbouring pixels repel each other, even if they have the same colour.
+    With None, depth is not used. The default is our choice. The public re-implementation uses 0.3.
     """
     step_per_m: NotNegative = 0.0083
-    """Minimum depth difference per squared distance at which neighbours repel each other, 1/m. The larger of two limits
-    applies: `step_m`, or `step_per_m` times the squared distance. The paper gives no value.
+    """Depth difference divided by the squared depth, in 1/m, above which neighbouring pixels repel each other. The
+    limit is the larger of two values: `step_m`, and `step_per_m` times the squared depth. The paper gives no value.
     """
     penalty: NotNegative = 20.0
-    """Repulsion of two neighbours across a depth step. The default is our choice. The public re-implementation uses
-    250.
+    """Repulsion of two neighbouring pixels on different sides of a depth step. The default is our choice. The public
+    re-implementation uses 250.
     """
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
     """Number of different spins. The initial spins divide the depth range into this number of levels. The default is
@@ -84,16 +85,16 @@ class AbramovConfig(MethodConfig):
     value.
     """
     piece_px2: Area_px2 = 20000.0
-    """Maximum area (exclusive) of two neighbouring regions that can join, px^2, for example of two parts of a textured
-    object. 0 switches the joining of small regions off (our addition).
+    """Area below which a region is small, px^2. Two small neighbouring regions can join, for example two parts of a
+    textured object. 0 switches this joining off (our addition).
     """
     piece_above: float = -2.0
-    """Minimum mean interaction (exclusive) across the border of two small regions that join (our addition). Larger
-    values join fewer regions.
+    """Two small neighbouring regions join only if the mean interaction across their border is above this value (our
+    addition). Larger values join fewer regions.
     """
     min_size_px2: Area_px2 = 1500.0
-    """Minimum area of a region, px^2. Smaller regions join the neighbour with the largest mean interaction (our
-    choice).
+    """Minimum area of a region, px^2. Smaller regions join a neighbouring region: the region with the largest mean
+    interaction across the border (our choice).
     """
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 7
     """Seed of the random numbers. Equal seeds give equal labels."""
@@ -121,8 +122,8 @@ class Abramov2012(Baseline[AbramovConfig]):
         return Division(Regions(np.asarray(labels, np.int32), regions.count), np.asarray(contour, np.float32))
 
     def interactions(self, color: npt.NDArray[np.uint8], depth: DepthMap) -> Planes:
-        """Return the interactions J (4, H, W) of all pairs of neighbours, from colour (H, W, 3) and depth (H, W) in
-        metres.
+        """Compute the interactions J (4, H, W) of all pairs of neighbouring pixels from colour (H, W, 3) and depth (H,
+        W) in metres.
         """
         config = self.config
         distances = feature_graph(color_features(color, config.sigma_px), connectivity=8).weights

@@ -45,7 +45,7 @@ class MethodConfig(Parameters):
 class Division(NamedTuple):
     """Regions of a frame, and a map of border strength.
 
-    contour: (H, W) float32, strength of a border at each pixel, from 0 to 1.
+    contour: (H, W) float32, strength of the border between regions at each pixel, from 0 to 1.
     """
 
     regions: Regions

@@ -1,4 +1,5 @@
-"""Domains, which are connected areas of equal spin, and joining of neighbouring domains by their interactions.
+"""Search for domains, and joining of neighbouring domains by their interactions. A domain is a connected area of pixels
+with equal spin.
 
 Spins have the shape (H, W). Interactions have the shape (4, H, W), one plane for each offset of `graph.OFFSETS`. B =
 twice the number of borders between domains, because every border is listed twice.
@@ -34,7 +35,7 @@ def connected_areas(spins: Spins) -> Regions:
 class Borders(NamedTuple):
     """Borders between neighbouring domains. Every border is listed twice, once from each side.
 
-    - domain: (2, B), number of the domain on this side of the border, and of the domain on the other side.
+    - domain: (2, B), label of the domain on this side of the border, and label of the domain on the other side.
     - area: (2, B), number of pixels of each of these two domains.
     - mean: (B,), mean interaction of the pixel pairs across the border.
     """
@@ -45,10 +46,10 @@ class Borders(NamedTuple):
 
 
 def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders], Mask]) -> Regions:
-    """Join neighbouring domains until `may_join` allows no further border to be removed.
+    """Join neighbouring domains until `may_join` does not allow any of the remaining borders to be removed.
 
-    In each round, every domain joins the allowed neighbour with the largest mean interaction. The mean interactions are
-    computed again after each round.
+    The domains are joined in rounds. In each round, each domain joins the neighbour with the largest mean interaction,
+    among the neighbours that `may_join` allows. Then the mean interactions are computed again.
 
     planes: interactions (4, H, W). may_join: function that returns a mask (B,) of the borders that may be removed.
     """
@@ -102,7 +103,9 @@ def _join_best(count: int, domain: Counts, mean: npt.NDArray[np.float64]) -> Cou
 
 
 def pair_ends(shape: tuple[int, ...], offset: tuple[int, int]) -> Ends:
-    """Return the slices of the first pixels and of the second pixels of all pairs of pixels with an offset (dy, dx)."""
+    """Return slices of an image for all pairs of pixels that are an offset (dy, dx) apart. The first tuple of slices
+    (rows, columns) selects the first pixel of each pair, and the second tuple selects the second pixel.
+    """
     (height, width), (dy, dx) = shape, offset
     rows = slice(max(0, -dy), max(height - max(0, dy), 0)), slice(max(0, dy), max(height + min(0, dy), 0))
     return (rows[0], slice(0, max(width - dx, 0))), (rows[1], slice(dx, width))

@@ -16,16 +16,17 @@ Features = npt.NDArray[np.float32]
 
 
 def color_features(image: Color, sigma_px: float) -> Features:
-    """Return the RGB channels (3, H, W) of an image as features from 0 to 255, smoothed by a Gaussian of `sigma_px`
-    pixels.
+    """Return the RGB channels (3, H, W) of an image as features from 0 to 255. The channels are smoothed by a Gaussian
+    with a standard deviation of `sigma_px` pixels.
     """
     return np.ascontiguousarray(smooth(image.astype(np.float32), sigma_px).transpose(2, 0, 1))
 
 
 def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
-    """Return depth as a feature (H, W), smoothed over valid pixels by a Gaussian of `sigma_px` pixels. NaN is missing.
+    """Return depth as a feature (H, W). Valid pixels are smoothed by a Gaussian with a standard deviation of `sigma_px`
+    pixels. NaN is missing.
 
-    depth: (H, W) in metres. levels_per_m: levels of a colour channel that correspond to one metre.
+    depth: (H, W) in metres. levels_per_m: number of colour levels with the same weight as one metre of depth.
     """
     valid = (depth > 0).astype(np.float32)
     mean = smooth(depth, sigma_px) / np.maximum(smooth(valid, sigma_px), np.float32(1e-6))
@@ -44,8 +45,8 @@ def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.fl
 def feature_graph(features: Features, connectivity: int, k_xy: float = 0.0) -> Graph:
     """Return the graph whose edge weights are the distances of features (C, H, W) of neighbours (equation 1).
 
-    connectivity: 4 or 8 neighbours. k_xy: weight of the pixel coordinates, as the feature difference that corresponds
-    to a distance of one pixel.
+    connectivity: 4 or 8 neighbours. k_xy: feature difference with the same effect on an edge weight as a distance of
+    one pixel.
     """
     weights = np.empty((connectivity // 2, *features.shape[1:]), np.float32)
     for plane, (dy, dx) in zip(weights, OFFSETS, strict=False):

@@ -26,17 +26,20 @@ class FelzenszwalbConfig(MethodConfig):
     of the paper.
     """
     k: NotNegative = 800.0
-    """Threshold gamma of equation 3, as a colour difference times a number of pixels. Larger values make larger
-    regions. The paper uses 150 to 500. The default was the best of several values in tests on real frames.
+    """Threshold gamma of equation 3, in colour levels times pixels. Larger values make larger regions. The paper uses
+    150 to 500. The default gave the best segmentation of several values in tests on real frames.
     """
     k_xy: NotNegative = 0.0
-    """Weight of the pixel coordinates in equation 1: the colour difference that corresponds to a distance of one pixel.
-    With 0, only colour counts, as in Felzenszwalb & Huttenlocher 2004. Toscana & Rosa 2016 print the weight 1.
+    """Weight of the pixel coordinates in equation 1: the colour difference with the same effect as a distance of one
+    pixel. With 0, edge weights depend only on colour, as in Felzenszwalb & Huttenlocher 2004. Toscana & Rosa 2016 print
+    the weight 1.
     """
     connectivity: Literal[4, 8] = 8
     """Number of neighbours of a pixel, 4 or 8. The paper uses 8 neighbours."""
     min_size_px2: Area_px2 = 1500.0
-    """Minimum area of a region, px^2. Smaller regions join the neighbour at their lightest edge."""
+    """Minimum area of a region, px^2. Each smaller region joins the neighbouring region to which its lightest edge
+    leads.
+    """
 
 
 @dataclass(frozen=True)

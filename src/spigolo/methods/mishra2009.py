@@ -1,11 +1,11 @@
 """Mishra et al., 2009, *Active Segmentation With Fixation*: segmentation of the object around a given point.
 
-The boundary map is transformed to polar coordinates around the point, where small and large objects have borders of
-equal length. The contour of the object is the closed path of lowest cost in the polar map.
+The boundary map is transformed to polar coordinates around the point. In these coordinates, the contours of small and
+large objects have equal lengths. The contour of the object is the closed path of lowest cost in the polar map.
 
 Costs follow the paper and its released code. In this implementation, two details differ from the released code. The
-contour crosses each ray only once, so that dynamic programming replaces a minimum cut. The polar map is sampled from a
-widened boundary map.
+contour crosses each ray only once, so that dynamic programming replaces a minimum cut. The polar map is computed from a
+boundary map with widened edges.
 """
 
 from __future__ import annotations
@@ -52,8 +52,9 @@ class FixationConfig(BoundaryConfig):
     code.
     """
     sharpness: NotNegative = 5.0
-    """Decrease of the cost exp(-sharpness p) of an edge with its boundary value p. Larger values make strong edges
-    cheaper. The default is that of a public re-implementation. The released code uses 20.
+    """Factor in the cost of a contour point on an edge. The cost is exp(-sharpness p), where p is the boundary value of
+    the edge. Larger values make strong edges cheaper. The default is that of a public re-implementation. The released
+    code uses 20.
     """
 
 
@@ -111,7 +112,7 @@ def contour_around(edges: Floats, point: tuple[int, int], config: FixationConfig
 
 
 def _cost(a: Floats, b: Floats, config: FixationConfig) -> Floats:
-    """Return the cost of a contour between neighbouring pixels with the boundary values a and b."""
+    """Return the cost of a contour that passes between two neighbouring pixels with the boundary values a and b."""
     edge = np.float32(0.5) * (a + b)
     cost = np.exp(np.float32(-config.sharpness) * edge)
     cost[edge < config.weakest] = config.gap_cost
@@ -135,7 +136,8 @@ def innermost(mask: Mask) -> tuple[int, int]:
 def paint(masks: list[Mask], shape: tuple[int, int]) -> Regions:
     """Return one region for each mask (H, W), and one region for all other pixels.
 
-    If masks overlap, the last mask is used. Regions are numbered in the order of their first pixels.
+    A pixel in several masks belongs to the last of these masks. Regions are numbered in the order of their first
+    pixels.
     """
     labels = np.zeros(shape, np.int32)
     for k, mask in enumerate(masks, start=1):

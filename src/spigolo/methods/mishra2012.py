@@ -1,8 +1,9 @@
 """Mishra et al., 2012, *Segmenting "Simple" Objects Using RGB-D*: segmentation around automatically chosen points.
 
-A depth border belongs to the surface on its nearer side, called the owner of the border. A point on the owner's side
-probably lies inside an object. The method `mishra2009` finds the region around such a point. A region is accepted as an
-object if its contour consists mostly of contact boundaries and of borders that the region owns.
+A depth border belongs to the surface on its nearer side, called the owner of the border. A point on the nearer side of
+a border probably lies inside an object. The method `mishra2009` finds the region around such a point. A region is
+accepted as an object if its contour consists mostly of contact boundaries and of depth borders whose nearer side is the
+region.
 
 Only a short description of the paper was available. The choice of points, the acceptance of objects and the default
 parameters are our interpretation. The paper detects contact with the table from the camera's pose. In this
@@ -26,11 +27,15 @@ from spigolo.methods.ownership import Boundary, Floats, find_boundary
 from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 
 HARDLY = 0.5
-"""Share of `min_strong` that a contour must reach before the region is segmented again from its innermost point."""
+"""Factor of `min_strong`. A region is dropped at once if strong edges form less than HARDLY times `min_strong` of its
+contour. Other regions can be segmented again from their innermost point.
+"""
 BESIDE_PX = 3.0
 """Maximum distance between a contour point and the edge that the contour follows, in pixels."""
 VOTES_PX = 9
-"""Side of the square in which votes for a point are counted, in pixels."""
+"""Side length of the square around a point in which the votes for the point are summed, in pixels. Border pixels vote
+for points inside objects (`count_votes`).
+"""
 
 
 class SimpleConfig(FixationConfig):
@@ -39,24 +44,24 @@ class SimpleConfig(FixationConfig):
     """
 
     min_length_px: Annotated[int, Field(ge=1, le=10_000)] = 20
-    """Minimum length of an edge that proposes starting points, in pixels."""
+    """Minimum length of an edge, in pixels. Shorter edges are not used to find points inside objects."""
     shift_px: Positive = 18.0
-    """Distance from an object's border to the points that are proposed as starting points inside the object, in
-    pixels.
-    """
+    """Distance, in pixels, between a border pixel and the point inside an object for which this border pixel votes."""
     max_fixations: Annotated[int, Field(ge=0, le=10_000)] = 40
-    """Maximum number of points around which the method segments."""
+    """Maximum number of points around which an object is searched."""
     min_votes: NotNegative = 8.0
-    """Minimum number of border pixels that vote for a point. A single straight border gives 9 votes."""
+    """Minimum number of votes for a point around which an object is searched. Each border pixel has one vote. A point
+    next to a single straight border has 9 votes.
+    """
     refixate: bool = True
     """Repeat the segmentation around the innermost point of the region that was found."""
     min_strong: Share = 0.5
-    """Minimum share of an object's contour that consists of contact boundaries and of strong edges that the object
-    owns.
+    """Minimum share of an object's contour that follows strong edges. An edge is strong if its border probability is
+    above 1/2. Edges whose nearer side lies outside the object are not counted.
     """
     max_iou: Share = 0.5
-    """Maximum intersection over union of two objects. If two objects overlap more, the object whose contour has the
-    smaller share of contact boundaries and owned edges is removed.
+    """Maximum intersection over union of two objects. If two objects overlap more, the object is removed whose contour
+    has the smaller share of strong edges (see `min_strong`).
     """
     min_area_px2: Area_px2 = 500.0
     """Minimum area of an object, px^2."""
@@ -67,7 +72,7 @@ class SimpleConfig(FixationConfig):
 class Found(NamedTuple):
     """Object found around a point.
 
-    mask: (H, W). strong: share of the contour that consists of contact boundaries and of edges that the object owns.
+    mask: (H, W). strong: share of the contour that follows strong edges (`Judge.share`).
     """
 
     mask: Mask
@@ -92,7 +97,7 @@ class Mishra2012(Baseline[SimpleConfig]):
 def find_simple(boundary: Boundary, config: SimpleConfig) -> list[Found]:
     """Return the objects of a frame, best contour first.
 
-    The best contour has the largest share of contact boundaries and of edges that the object owns.
+    The best contour has the largest share of strong edges (`Judge.share`).
     """
     kept: list[Found] = []
     for found in sorted(_look_around(boundary, config), key=lambda f: -f.strong):
@@ -120,8 +125,8 @@ def _look_around(boundary: Boundary, config: SimpleConfig) -> Iterator[Found]:
 def count_votes(boundary: Boundary, config: SimpleConfig) -> Floats:
     """Return the number (H, W) of border pixels that vote for each pixel as a point inside an object.
 
-    A border pixel votes for the point at a distance of `shift_px` on the side that owns the border. If no border has an
-    owner, every border pixel votes for both sides.
+    A border pixel votes for the point that lies `shift_px` away, on the nearer side of the border. If the nearer side
+    is unknown for all borders, each border pixel votes for one point on each side.
     """
     owned = boundary.side != 0
     strong = (boundary.strong & owned if owned.any() else boundary.strong).view(np.uint8)
@@ -168,7 +173,8 @@ class Judge:
         return Found(mask, strong) if strong >= HARDLY * config.min_strong else None
 
     def share(self, contour: Points, point: tuple[int, int]) -> float:
-        """Return the share of a contour that follows strong edges whose owner is the inside of the contour or unknown.
+        """Return the share of a contour that follows strong edges, without edges whose nearer side lies outside the
+        contour.
 
         The share is measured by length along the contour.
         """

@@ -1,10 +1,10 @@
-"""Probability that an edge is the border of an object, and the side that owns the border (Mishra et al., 2009 and
-2012).
+"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The side of the edge on which
+this object lies is called the owner of the edge, and is also computed.
 
 In the papers, the mean disparity is computed in a half-disc on each side of an edge. The probability is a logistic
 function of the difference of both means. In this implementation, a line is fitted to the disparity in each half-disc,
 and both lines are compared at the edge. With fitted lines, the slope of a table is not mistaken for a depth step. If
-both lines form a valley, the edge is a contact boundary.
+the two fitted lines form a valley, the edge is a contact boundary.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ ORIENTATIONS = 8
 NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) * (math.pi / ORIENTATIONS)])
 """Unit normals (n_y, n_x) of the eight edge orientations, with y downwards."""
 NOMINAL_FOCAL = 0.9
-"""Assumed focal length as a share of the image width if the camera is unknown."""
+"""Focal length divided by the image width. This value is assumed if the camera is unknown."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels close to an edge, where depth is smeared. The value is from the authors' code."""
+"""Weight of pixels close to an edge, where the depth map is blurred. The value is from the authors' code."""
 LEAST_WEIGHT = 20.0
 """Minimum total weight of the measured pixels in each half-disc of an edge. With less weight in one half-disc, no lines
 are fitted. The paper gives no value.
@@ -44,16 +44,18 @@ Scharr filter returns SCHARR_UNIT for a slope of 1. The high threshold is HIGH_P
 
 
 class BoundaryConfig(MethodConfig):
-    """Parameters of the boundary probability. Disparities are pixels of a virtual stereo pair with the camera's focal
-    length.
+    """Parameters of the boundary probability. Disparities are in pixels. They are computed from depth for a virtual
+    stereo pair with the focal length of the camera.
 
     The noise of triangulating depth cameras is constant in disparity, so that one threshold is valid at all distances.
-    With a baseline of 0.075 m and a focal length of 570 px, a disparity step of 0.3 px corresponds to a depth step of 7
-    mm at 1 m.
+    Example: the baseline is 0.075 m, and the focal length is 570 px. Then a disparity step of 0.3 px corresponds to a
+    depth step of 7 mm at 1 m.
     """
 
     depth: bool = True
-    """Use depth. If false, the boundary value of an edge depends only on colour contrast, and edges have no owner."""
+    """Use depth. If false, the boundary value of an edge depends only on colour contrast, and the side on which the
+    object lies stays unknown.
+    """
     baseline_m: Positive = 0.075
     """Baseline of the virtual stereo pair, in metres. The default value is the baseline of a Kinect. The paper gives no
     value.
@@ -63,8 +65,8 @@ class BoundaryConfig(MethodConfig):
     authors' code.
     """
     near_line: Share = 0.4
-    """Distance from an edge below which pixels have a small weight, as a share of the radius. The value is from the
-    authors' code.
+    """Distance from an edge, divided by the radius of the half-discs. Pixels closer to the edge have a small weight.
+    The value is from the authors' code.
     """
     steepness: Positive = 10.0
     """Steepness beta_1, in 1/px, of the logistic function that converts a disparity step to a border probability. The
@@ -73,15 +75,15 @@ class BoundaryConfig(MethodConfig):
     step_px: Positive = 0.3
     """Disparity step beta_2 in px at which the border probability is 0.5. The value is from the authors' code."""
     valley_px: Positive | None = 0.6
-    """Depth of a valley at which the contact probability is 1/2, px of disparity. The depth of a valley is the sum of
-    two rises. Each is the rise in disparity of a fitted line from the edge to the end of its half-disc. None finds no
-    contact boundaries.
+    """Depth of a valley at which the contact probability is 1/2, px of disparity. The disparity rises on both sides of
+    a valley, and the depth of the valley is the sum of the two rises. Each rise is measured on the fitted line, from
+    the edge to the end of the half-disc. With None, no contact boundaries are found.
     """
     texture: Share = 50 / 255
     """Minimum boundary value of every image edge, even without a depth difference. The value is from the authors' code.
     """
     max_shadow_px: Length_px = 60
-    """Maximum width of a shadow that gets the depth of its farther side, in pixels."""
+    """Maximum width, in pixels, of a shadow that is filled with the depth of its farther side."""
     disparity_slope: Positive = 0.08
     """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are
     added to the image edges. The paper does not use such edges.
@@ -90,13 +92,13 @@ class BoundaryConfig(MethodConfig):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Boundary:
-    """Edges of a frame and their owners.
+    """Edges of a frame. The owner of an edge is the side on which the object lies.
 
     - value: (H, W) float32, border probability of edge pixels, 0 elsewhere.
     - strong: mask (H, W) of edge pixels with a border probability above 1/2.
     - normal: (H, W, 2) float32, unit vectors (n_y, n_x) across the edge.
-    - side: (H, W) int8, owner of the edge: 1 for the side of the normal, -1 for the other side, 0 if the owner is
-      unknown.
+    - side: (H, W) int8, owner of the edge: 1 for the side to which the normal points, -1 for the other side, 0 if the
+      owner is unknown.
     """
 
     value: Floats
@@ -106,7 +108,7 @@ class Boundary:
 
 
 def find_boundary(image: Color, depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -> Boundary:
-    """Return the edges of an RGB image (H, W, 3) with a depth map (H, W) in metres, and their owners."""
+    """Find the edges of an RGB image (H, W, 3) with a depth map (H, W) in metres, and the owner of each edge."""
     canny, gx, gy = scharr_canny(image, EdgesConfig())
     if not config.depth:
         return _by_contrast(canny, gx, gy)
@@ -173,7 +175,9 @@ def _disparity_edges(disparity: Floats, slope: float) -> tuple[Mask, Gradient, G
 
 
 def _orientation(gx: Gradient, gy: Gradient) -> npt.NDArray[np.uint8]:
-    """Return the index (H, W) of the vector of NORMALS that is nearest to each gradient or its opposite."""
+    """Return, for each gradient, the index (H, W) of the nearest vector of NORMALS. Opposite gradients have the same
+    index.
+    """
     angle = np.arctan2(gy.astype(np.float32), gx.astype(np.float32)) * np.float32(ORIENTATIONS / math.pi)
     return (np.rint(angle).astype(np.int32) % ORIENTATIONS).astype(np.uint8)
 

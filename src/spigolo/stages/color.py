@@ -19,7 +19,7 @@ def color_points(image: frame.Color, config: ColorConfig) -> Points:
     """Smooth an RGB image (H, W, 3) and convert its colours to points (3, H, W) in the HSV cone.
 
     The Euclidean distance of two points, clipped to 1, is the colour difference of equation 4. The image is smoothed
-    before the conversion, because the mean of hues on both sides of 0 degrees is wrong.
+    before the conversion, because hues are angles: the mean of 1 and 359 degrees would be 180 degrees instead of 0.
     """
     rgb = image.astype(np.float32)
     if config.sigma_px > 0:

@@ -47,7 +47,7 @@ def reads(cost: PixelCost, cue: Reads) -> bool:
 
 
 def possible_costs(cost: Cost) -> tuple[PixelCost, ...]:
-    """Return the cost functions from which one is chosen for each frame."""
+    """Return the cost functions that can be chosen for a frame: two for AutoCost, otherwise one."""
     return (cost.full, cost.shadows) if isinstance(cost, AutoCost) else (cost,)
 
 

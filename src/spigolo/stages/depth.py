@@ -59,8 +59,9 @@ def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.i
 def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
     """Eqs. 5, 8. Return the mean depth (H, W) in the smoothing window of each pixel, in metres.
 
-    The window of a pixel with radius r has (2r+1)^2 pixels. The mean is computed over valid pixels or, if `config.mean`
-    is "plain", over all pixels with missing depth as 0. Missing depth stays missing.
+    The window of a pixel with radius r has (2r+1)^2 pixels. The mean is computed without missing pixels, and without
+    depth steps if `config.skip_steps` is set. If `config.mean` is "plain", all pixels are used, and missing pixels have
+    the depth 0. Missing depth stays missing.
     """
     radius, steps = smoothing_area_map(depth, config)
     if config.mean == "plain":
@@ -74,7 +75,9 @@ def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
 
 
 def _integral(image: DepthMap) -> Integral:
-    """Return the integral image (H+1, W+1) of an image in float64, as float32 would cause errors of centimetres."""
+    """Return the integral image (H+1, W+1) of an image in float64, because float32 would cause depth errors of
+    centimetres.
+    """
     return np.asarray(cv2.integral(image, sdepth=cv2.CV_64F), np.float64)
 
 
@@ -87,8 +90,8 @@ def _count_integral(mask: Mask) -> npt.NDArray[np.int32]:
 def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
     """Fill sampling holes (at most two pixels wide) and small gaps of a depth map (H, W) in metres.
 
-    Gaps at the image border are not filled. A gap with a depth step between its neighbours gets the largest depth of
-    its neighbours, because a shadow lies on the background.
+    Gaps at the image border are not filled. If the pixels around a gap contain a depth step, the gap is a shadow on the
+    background. Such a gap gets the largest depth of the pixels around it.
 
     config: parameters with lengths and areas scaled to the image size (`Settings.at_size`).
     """
@@ -160,7 +163,7 @@ class Gaps:
         return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
 
     def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:
-        """Return the indices y * W + x of all pixels of some runs. wanted: mask (N,) of the runs."""
+        """Return the indices y * W + x of all pixels of the selected runs. wanted: mask (N,) of the runs."""
         row, first, _ = self.runs[wanted].astype(np.int64).T
         length = self.lengths[wanted]
         before = np.cumsum(length) - length
@@ -182,11 +185,11 @@ def find_gaps(depth: DepthMap) -> Gaps:
 
 
 def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
-    """Return the share of missing depth within the working range: the area of all gaps that count, divided by the area
-    of the frame.
+    """Return the share of the frame in which depth is missing within the working range. It is the area of the gaps in
+    the depth map, divided by the area of the frame.
 
-    Gaps at the image border do not count, because such gaps may lie outside the depth camera's view. A gap does not
-    count either if all valid depth around the gap is larger than `max_distance_m`.
+    Gaps at the image border are left out, because they may lie outside the view of the depth camera. A gap is also left
+    out if all valid depth around it is larger than `max_distance_m`.
     """
     gaps = find_gaps(depth)
     counted = ~gaps.on_border & (gaps.far_m > 0)

@@ -1,4 +1,6 @@
-"""Partition of the graph of pixels into regions by the internal difference of the regions (equations 2, 3)."""
+"""Partition of the graph of pixels into regions. The criterion is the internal difference of the regions (equations 2,
+3).
+"""
 
 from __future__ import annotations
 
@@ -15,22 +17,24 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.3, 0.6)
-"""Quantiles of the positive edge weights at which the next round of sorting and merging begins."""
+"""Edges are sorted and merged in several rounds of increasing weight. A round begins at each of these quantiles of the
+positive edge weights.
+"""
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""If at least this share of the edges has weight 0, the first merging round continues after the first rejected
+"""If less than this share of the edges has weight 0, one more round is run first. This round ends at the first rejected
 merge.
 """
 ONE, BOTH = 1, 2
-"""Minimum number of flagged pixels of an edge that is selected for sorting."""
+"""Minimum number of flagged pixels of an edge. Edges with fewer flagged pixels are not sorted."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Regions:
     """Partition of an image into regions.
 
-    labels: (H, W) int32, region number 0..count - 1 of each pixel, in the order of the first pixels of the regions.
-    count: number of regions.
+    labels: (H, W) int32, region number of each pixel, from 0 to count - 1. Regions are numbered in the order in which
+    their first pixels appear in the image. count: number of regions.
     """
 
     labels: npt.NDArray[np.int32]
@@ -51,9 +55,9 @@ class Regions:
         return out
 
     def joined(self, root: npt.NDArray[np.int64]) -> Regions:
-        """Join all regions with the same root, and number the joined regions anew.
+        """Join all regions of each group into one region, and renumber the regions.
 
-        root: (R,), smallest region number in the group to which each region is joined.
+        root: (R,), smallest region number in the group of each region.
         """
         kept, number = np.unique(root, return_inverse=True)
         return Regions(self.spread(number.astype(np.int32)), kept.size)
@@ -95,7 +99,7 @@ class SortedEdges:
         self._sample = sample[np.isfinite(sample)]
 
     def pivots(self) -> list[float]:
-        """Return the weights between the rounds of merging, from the smallest to the largest."""
+        """Return the edge weights at which the rounds of merging begin and end, smallest first."""
         positive = np.sort(self._sample[self._sample > 0])
         inner = [float(positive[int(q * positive.size)]) for q in PIVOT_QUANTILES] if positive.size else []
         return [0.0, *sorted(set(inner)), np.inf]
@@ -109,7 +113,8 @@ class SortedEdges:
     ) -> tuple[npt.NDArray[np.uint64], float]:
         """Return the sorted packed edges with low <= weight < high, and the upper limit of their weights.
 
-        If the buffer is too small for all edges, the upper limit is smaller than `high`.
+        If the buffer is too small for all these edges, fewer edges are returned, and the upper limit is smaller than
+        `high`.
 
         - forest: current regions.
         - least: minimum number of flagged pixels of an edge, 1 or 2.
@@ -141,7 +146,7 @@ class SortedEdges:
         return high
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
-        """Sort packed edges by weight. base: bits of the smallest possible weight."""
+        """Sort packed edges by weight. base: bit pattern of the smallest possible weight, as an integer."""
         width = max(((int(edges.max()) >> merging.HALF_BITS) - base).bit_length(), 1)
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)
@@ -180,8 +185,8 @@ class Forest:
         """Merge regions along edges lighter than `high`, until equation 3 rejects a merge. Return the lower limit of
         weights for the next round.
 
-        Before the first rejected merge, edges whose two pixels are connected by lighter edges have no effect and are
-        not sorted.
+        Before the first rejected merge, an edge has no effect if its two pixels are also connected by lighter edges.
+        Such edges are not sorted.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)
@@ -191,7 +196,7 @@ class Forest:
         return int(merging.merge(some, edges.steps, self.gamma, stop, self.parent, self.records))
 
     def absorb_small(self, edges: SortedEdges, min_size: float) -> None:
-        """Join each region of fewer than min_size pixels with the neighbour at its lightest edge."""
+        """Join each region of fewer than min_size pixels with the neighbour to which its lightest edge leads."""
         low = 0.0
         while low < np.inf:
             choosing.flag_small(min_size, self.parent, self.records, self.flags)

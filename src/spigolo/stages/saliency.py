@@ -38,14 +38,14 @@ def _levels(image: Color, config: SaliencyConfig) -> npt.NDArray[np.uint8]:
 
 
 def power_law(saliency: Map, power: float) -> Map:
-    """Eq. 10. Normalise a saliency map (H, W) to a maximum of 1 and raise it to `power`."""
+    """Eq. 10. Scale a saliency map (H, W) to a maximum of 1, and raise its values to the exponent `power`."""
     largest = saliency.max(initial=0)
     return np.asarray((saliency / largest) ** np.float32(power), np.float32) if largest > 0 else np.zeros_like(saliency)
 
 
 @stage("saliency")
 def saliency_cue(image: Color, config: SaliencyConfig) -> Map:
-    """Return the saliency (H, W) of every pixel after the power law, from 0 to 1, for the first cost function."""
+    """Return the saliency map (H, W) after the power law, from 0 to 1, for the cost function of equation 22."""
     levels = _levels(image, config)
     present = SHARES[: int(levels.max(initial=0)) + 1]
     table = np.zeros_like(SHARES)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from spigolo.sources.numbered import NumberedFrame
 
 MOST_FAILURES = 10
-"""Maximum number of failures that are printed. The file manifest.jsonl contains all failures."""
+"""Maximum number of failed frames that are printed. The file manifest.jsonl lists all failed frames."""
 
 
 def batch(
@@ -46,7 +46,8 @@ def batch(
     Parameters
     ----------
     inputs
-        Image files, folders, a data set or a ROS bag, as for `segment`. Any field of the preset is also a flag.
+        Frames to segment: image files, folders, a data set or a ROS bag, in the forms that `spigolo segment` accepts.
+        Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
         Intrinsics, as for `segment`.
     preset

@@ -61,9 +61,9 @@ def export(
         writes an .npz file with depth, K, rgb and segmap for each frame. The formats `ply` and `pcd` write a point
         cloud for each object.
     out
-        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder, in which
-        several frames get a subfolder each. For other formats, give a file for one frame, or a folder for several
-        frames.
+        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder. With
+        several frames, the clouds of each frame are in a subfolder. For other formats, give a file for one frame, or a
+        folder for several frames.
     camera
         Intrinsics of the camera, as for `spigolo segment`.
     preset
@@ -75,8 +75,8 @@ def export(
     frames
         Number of frames after which the program stops. Default: all frames.
     trim_m
-        Maximum distance of a point outside the oriented box, in metres, for `ply` and `pcd`. Points farther outside are
-        flying pixels and are left out. Default: all measured points.
+        For `ply` and `pcd`: maximum distance, in metres, of a point from the oriented box of its object. Points farther
+        from the box count as flying pixels and are left out. Default: all measured points.
 
     """
     words, flags = split_flags(inputs)

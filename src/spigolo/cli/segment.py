@@ -42,8 +42,8 @@ def segment(
 ) -> int:
     """Segment frames and write labels.png, objects.json and overlay.png for each frame.
 
-    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED. Otherwise OpenCV converts the labels to 8 bits,
-    and all labels below 256 become 0.
+    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED. Without this flag, OpenCV converts labels.png
+    from 16 bits to 8 bits, and all labels below 256 become 0.
 
     Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
     kinect-v1 --preset TABLE --partition.gamma 0.004`.
@@ -51,15 +51,16 @@ def segment(
     Parameters
     ----------
     inputs
-        Colour image and depth image of one size, several such pairs, or folders. A folder holds rgb.png and depth.png,
-        subfolders that each hold rgb.png and depth.png, or the folders rgb/ and depth/ with equally named files. A ROS
-        bag (.bag, .db3, .mcap), a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the
-        preset is also a flag: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
+        A colour image and a depth image of the same size, several such pairs, or folders. A folder contains one frame
+        (rgb.png and depth.png), or a subfolder with these two images for each frame. A folder can also contain the
+        folders rgb/ and depth/, in which the two images of a frame have the same file name. A ROS bag (.bag, .db3,
+        .mcap), a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the preset is also a
+        flag: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
         Intrinsics of the camera. Give a file, four numbers fx,fy,cx,cy such as 927.2,927.4,651.3,349.6, a camera name
-        such as kinect-v1, or a guess of the horizontal field of view such as 60deg. A file is JSON, YAML, a 3x3 matrix
-        as .txt, .npy or .mat, or COLMAP's cameras.txt. Default: camera.json next to the images or in a folder above
-        them. Without intrinsics, results in metres are left out.
+        such as kinect-v1, or a guess of the horizontal field of view such as 60deg. Supported files are JSON, YAML, a
+        3x3 matrix in a .txt, .npy or .mat file, and COLMAP's cameras.txt. Default: camera.json next to the images or in
+        a folder above them. Without intrinsics, results in metres are left out.
     preset
         Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
     depth_scale
@@ -67,7 +68,7 @@ def segment(
     roi
         Region of interest in pixels: first row, first column, last row + 1, last column + 1.
     roi_mask
-        Region of interest as an image. All pixels that are not black belong to the region of interest.
+        Image file that marks the region of interest: all pixels that are not black.
     roi_box
         Region of interest in metres in the camera's frame (X right, Y down, Z forward): minimum X Y Z, maximum X Y Z.
     check
@@ -75,8 +76,8 @@ def segment(
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory, about 100 bytes for each pixel.
     ids
-        Give objects ids. An object keeps its id from frame to frame, also if the object is not found in up to 15
-        frames.
+        Give objects ids. An object keeps its id from frame to frame, even if the object is missing in up to 15
+        consecutive frames.
     frames
         Number of frames after which the program stops, for cameras and recordings. Default: all.
     out

@@ -28,7 +28,8 @@ WITHOUT_INTRINSICS = (
 )
 AFTER_UNIT = "not checked, because the unit of depth is probably wrong"
 BORDER = 0.1
-"""Minimum share of missing depth at the image border that is reported with the advice on the cost function."""
+"""If at least this share of depth is missing at the image border, the advice on the cost function mentions the share.
+"""
 
 
 def diagnose(frame: Frame) -> Diagnosis:

@@ -20,8 +20,8 @@ class Severity(str, Enum):
 class Finding:
     """Result of one check.
 
-    check: name of the check. sentence: result as text. A warning contains the expected value, the found value and how
-    to fix the fault.
+    check: name of the check. sentence: result of the check as text. The text of a warning states the expected value,
+    the found value and how to fix the fault.
     """
 
     check: str

@@ -123,8 +123,8 @@ def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
 
 
 class Answers:
-    """Publishers of segmentation results. All messages except the labels are created only for topics with
-    subscribers.
+    """Publishers of segmentation results. The labels are always published. All other messages are created only if their
+    topic has subscribers.
     """
 
     def __init__(self, node: Any, kinds: Kinds, qos: Any) -> None:

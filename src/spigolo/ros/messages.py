@@ -50,7 +50,7 @@ def fill_cloud(message: Any, field: Any, header: Any, points: npt.NDArray[np.voi
 
 
 def point_records(points_m: Points, colors: Color, label: int) -> npt.NDArray[np.void]:
-    """Return points (N, 3) in metres with RGB colours (N, 3) and an object number as an array (N,) of data type
+    """Combine points (N, 3) in metres, their RGB colours (N, 3) and an object number into an array (N,) of data type
     `POINT`.
     """
     records = np.empty(len(points_m), POINT)

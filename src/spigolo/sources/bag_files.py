@@ -85,7 +85,7 @@ def read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[st
 
 
 def find_message(reader: Any, topic: str, wanted: Stamped) -> bytes:
-    """Search a message in a bag by its time of writing, and return its bytes. Raises FrameError."""
+    """Find a message in a bag by the time at which it was written, and return its bytes. Raises FrameError."""
     connections = [c for c in reader.connections if c.topic == topic]
     at = wanted.written_ns
     try:
@@ -120,7 +120,7 @@ def open_bag(path: Path) -> Any:
 
 
 def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:
-    """Return the stamp of a serialised header. None if the message is too short."""
+    """Return the stamp of a serialised header, or None if the message is too short."""
     if len(data) < 12:
         return None
     if not is_ros2:

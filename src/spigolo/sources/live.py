@@ -19,7 +19,9 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """Slot for one item between two threads. A newer item replaces an item that was not taken."""
+    """Storage for one item that one thread puts in and another thread takes out. If an item is not taken in time, the
+    next item replaces it.
+    """
 
     def __init__(self) -> None:
         self._ready = threading.Condition()

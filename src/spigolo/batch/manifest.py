@@ -158,8 +158,8 @@ def _locked(root: Path) -> BinaryIO:
 
 
 def _in_worker() -> bool:
-    """Return True if this process is a worker that runs the user's script a second time. This happens if the script
-    lacks `if __name__ == "__main__"`.
+    """Return True if this process is a worker that runs the user's script a second time. A script without `if __name__
+    == "__main__"` is run a second time by each worker.
     """
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_globals.get("__name__") != "__mp_main__":

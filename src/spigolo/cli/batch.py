@@ -49,9 +49,9 @@ def batch(
         Frames to segment: image files, folders, a data set or a ROS bag, in the forms that `spigolo segment` accepts.
         Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     max_pixels

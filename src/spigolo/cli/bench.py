@@ -47,8 +47,8 @@ def bench(
     Parameters
     ----------
     folders
-        Folders of frames, as for `spigolo segment`. Default: the bundled demo scene. The measurement rounds run on all
-        frames. All other measurements run on the first frame only.
+        Folders of frames, in the layouts that `spigolo segment` reads. Default: the bundled demo scene. The measurement
+        rounds run on all frames. All other measurements run on the first frame only.
     rounds
         Number of measurement rounds, which follow one warm-up round. Default: 15, or 3 with --quick.
     quick

@@ -56,7 +56,7 @@ def evaluate(
         Presets of the method toscana2016: names or TOML files.
     full
         Name patterns of data sets in which every object is labelled. Precision is reported only for data sets whose
-        name matches one of these patterns.
+        name matches a pattern of `--full`.
     jobs
         Number of worker processes. Default: all frames are processed in the main process, without worker processes.
     scheduler

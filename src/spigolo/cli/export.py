@@ -53,8 +53,8 @@ def export(
     Parameters
     ----------
     inputs
-        Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
-        a flag.
+        Source of the frames: images, folders, a recording, a data set or a camera, named as in `spigolo segment`. Each
+        field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     format
         File format. The formats `coco` and `bop` write one JSON file for all frames. For each frame, `yolo` writes a
         text file, `labels` writes a 16-bit PNG, and `workspace-mask` writes a 1-bit PNG. The format `contact-graspnet`
@@ -65,9 +65,9 @@ def export(
         several frames, the clouds of each frame are in a subfolder. For other formats, give a file for one frame, or a
         folder for several frames.
     camera
-        Intrinsics of the camera, as for `spigolo segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `spigolo segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels
@@ -116,12 +116,12 @@ def view(
     Parameters
     ----------
     inputs
-        Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
-        a flag.
+        Source of the frames: images, folders, a recording, a data set or a camera, named as in `spigolo segment`. Each
+        field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
-        Intrinsics of the camera, as for `spigolo segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `spigolo segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels

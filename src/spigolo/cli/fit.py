@@ -38,7 +38,8 @@ def fit(
     ----------
     frames
         Folders of labelled frames, in the layouts that `spigolo evaluate` reads. Give the folders before all flags.
-        Frames without labels are skipped. Any field of the preset is also a flag.
+        Frames without labels are skipped. Each field of the preset can also be set with a flag, such as
+        `--partition.gamma 0.004`.
     preset
         Start preset of the fit, for the method toscana2016: a name or a TOML file.
     method
@@ -52,7 +53,7 @@ def fit(
         Seed of the random parameter values and of the random folds.
     full
         Name patterns of data sets in which every object is labelled. False objects lower the score only in data sets
-        whose name matches one of these patterns.
+        whose name matches a pattern of `--full`.
     jobs
         Number of worker processes. Default: all trials run in the main process, without worker processes.
     scheduler

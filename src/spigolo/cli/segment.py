@@ -54,8 +54,8 @@ def segment(
         A colour image and a depth image of the same size, several such pairs, or folders. A folder contains one frame
         (rgb.png and depth.png), or a subfolder with these two images for each frame. A folder can also contain the
         folders rgb/ and depth/, in which the two images of a frame have the same file name. A ROS bag (.bag, .db3,
-        .mcap), a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the preset is also a
-        flag: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
+        .mcap), a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Each field of the preset can also
+        be set with a flag, such as `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
         Intrinsics of the camera. Give a file, four numbers fx,fy,cx,cy such as 927.2,927.4,651.3,349.6, a camera name
         such as kinect-v1, or a guess of the horizontal field of view such as 60deg. Supported files are JSON, YAML, a
@@ -167,12 +167,13 @@ def trace(
     Parameters
     ----------
     inputs
-        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`. Any
-        field of the preset is also a flag.
+        Source of the frame: a colour and a depth image, a folder with rgb.png and depth.png, a recording or a camera,
+        named as in `spigolo segment`. Each field of the preset can also be set with a flag, such as `--partition.gamma
+        0.004`.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     stages
@@ -180,7 +181,8 @@ def trace(
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     index
-        Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
+        Number of the frame in a folder, recording or data set. The first frame has the number 0. Default: the first
+        frame.
     out
         Output folder.
 
@@ -218,15 +220,17 @@ def doctor(
     Parameters
     ----------
     inputs
-        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`.
+        Source of the frame: a colour and a depth image, a folder with rgb.png and depth.png, a recording or a camera,
+        named as in `spigolo segment`.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     index
-        Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
+        Number of the frame in a folder, recording or data set. The first frame has the number 0. Default: the first
+        frame.
 
     """
     with opened(inputs, camera, depth_scale, max_pixels, quiet=True) as source:

@@ -23,8 +23,8 @@ FEW_VALID = 0.02
 """Minimum share of pixels with measured depth in a frame. With a smaller share, a warning is given."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
-"""Sampling holes are gaps in depth that are one or two pixels wide. They are reported if they contain at least this
-share of the pixels.
+"""Sampling holes are gaps in depth that are one or two pixels wide. Sampling holes are reported if they contain more
+than this share of the pixels.
 """
 
 SCALES = {
@@ -36,8 +36,8 @@ SCALES = {
 }
 """Common depth units of cameras and data sets, in metres per unit."""
 PLAUSIBLE = math.log(3.0)
-"""A depth unit is advised only if it makes the median depth similar to `TABLE_M`. The two values may differ by a factor
-of at most 3, stored here as a logarithm.
+"""A depth unit is advised only if it makes the median depth similar to `TABLE_M`. The median depth in the advised unit
+may differ from `TABLE_M` by a factor of less than 3, stored here as a logarithm.
 """
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
 """Minimum working distance of a RealSense D405 and its depth unit, both in metres."""

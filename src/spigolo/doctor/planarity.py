@@ -23,14 +23,13 @@ DOWN = 0.5
 faces sideways may be a wall and gives a note.
 """
 MORE = 1.15
-"""Limit for a warning that depth is the distance along the ray. The largest plane is searched twice: with depth read as
-distance along the ray, and with depth read as Z. The warning requires that the first plane has more than `MORE` times
-as many pixels as the second plane.
+"""Limit for a warning that depth is the distance along the ray. The warning requires that (pixels on the largest plane
+if depth is read as distance) / (pixels on the largest plane if depth is read as Z) is larger than this limit.
 """
 MORE_RAW, MIN_RAW = 1.5, 0.3
-"""Limits for a warning that depth is raw disparity. The largest plane is searched twice: with depth read as disparity,
-and with depth read as Z. MORE_RAW: the first plane must have more than this many times the pixels of the second plane.
-MIN_RAW: minimum share of the measured pixels that lie on the first plane.
+"""Limits for a warning that depth is raw disparity. MORE_RAW: the warning requires that (pixels on the largest plane if
+depth is read as disparity) / (pixels on the largest plane if depth is read as Z) is larger than this limit. MIN_RAW:
+minimum share of the measured pixels that lie on the largest plane if depth is read as disparity.
 """
 MIN_SHARE = 0.12
 """Minimum share of the measured pixels that lie on the largest plane. If the share is smaller, the frame has no large

@@ -31,7 +31,7 @@ share is computed for the depth of each pixel, and the median over all pixels is
 FEWEST = 8
 """Minimum number of different depth values in a frame. With fewer values, the depth steps cannot be judged."""
 SATURATED_SHARE = 0.005
-"""The largest depth value is reported only if at least this share of the frame's pixels has it."""
+"""The largest depth value is reported only if at least this share of the frame's pixels has this value."""
 SATURATED_RATIO = 1.4
 """The largest depth value is reported only if it is at least this many times the second largest value."""
 

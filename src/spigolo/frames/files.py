@@ -114,8 +114,8 @@ def _name_of(color: Path) -> str:
 
 
 def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
-    """Convert a camera in any form that `read_frame` accepts to a `Camera` and a depth scale. The camera is None if it
-    is unknown, and so is the depth scale.
+    """Convert a camera in any form that `read_frame` accepts to a `Camera` and a depth scale. If the camera or the
+    depth scale is unknown, None is returned in its place.
 
     Raises FileError or CameraError.
     """

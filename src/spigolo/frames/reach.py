@@ -21,8 +21,8 @@ depth, the unit is wrong if most pixels lie beyond REACH_M. Depth in a wrong uni
 message can suggest the right unit.
 """
 LARGEST_UINT16 = 65535
-"""The value 65535 means missing depth in 16-bit files. It has the same meaning in 32-bit and 64-bit integers, which may
-have been read from such files.
+"""The value 65535 means missing depth in 16-bit files. In arrays of 32-bit and 64-bit integers, which may have been
+read from such files, 65535 means missing depth too.
 """
 
 
@@ -33,8 +33,8 @@ class OutOfReach:
     - value: the most frequent implausible depth value, as stored.
     - pixels: number of pixels with this value.
     - share: share of the frame with this value.
-    - kind: integer type whose largest value is `value`, such as "uint16". Empty if `value` is a distance beyond
-      REACH_M.
+    - kind: integer type whose largest value is `value`, such as "uint16". The text is empty if `value` is a distance
+      beyond REACH_M.
     """
 
     value: float

@@ -14,7 +14,7 @@ from spigolo.kernels import registration as kernel
 
 STEP_M = 0.03
 STEP_SHARE = 0.03
-"""At the depth Z, a depth step is a difference of at least max(STEP_M, STEP_SHARE * Z) metres between neighbouring
+"""At the depth Z, a depth step is a difference of more than max(STEP_M, STEP_SHARE * Z) metres between neighbouring
 pixels.
 """
 ROTATION_TOLERANCE = 1e-3

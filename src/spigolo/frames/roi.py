@@ -70,12 +70,12 @@ def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
-    """Return two masks (H, W): the pixels inside a region of interest, and the pixels for which inside or outside can
-    be decided.
+    """Return two masks (H, W): the pixels inside a region of interest, and the pixels that are known to be inside or
+    outside.
 
-    If the region of interest is a mask or a pixel box, this can be decided for all pixels. If it is a box in metres,
-    this can be decided only for pixels with depth. The share of a region inside the region of interest is computed from
-    the second mask's pixels only.
+    If the region of interest is a mask or a pixel box, all pixels are known to be inside or outside. If the region of
+    interest is a box in metres, only pixels with depth are known to be inside or outside. The share of a region inside
+    the region of interest is computed from these known pixels.
     """
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):

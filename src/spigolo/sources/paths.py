@@ -33,8 +33,8 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     If two files are given, the first is the colour image and the second is the depth image of one frame. More than two
     files are paired by their names (0001-color.png and 0001-depth.png) or in the given order. A folder with rgb.png and
     depth.png is one frame. Any other folder contains subfolders with one frame each, or files that are paired by their
-    names. It can also contain the folders rgb/ and depth/, in which the two images of a frame have the same file name.
-    Every frame gets a unique name.
+    names. A folder can also contain the folders rgb/ and depth/, in which the two images of a frame have the same file
+    name. Every frame gets a unique name.
     """
     paths = [Path(word) for word in inputs]
     if not paths:

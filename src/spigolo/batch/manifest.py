@@ -31,7 +31,7 @@ class Entry:
     inputs: str
     """Hash of the content of the input files, from `Job.fingerprint`."""
     digest: str
-    """Digest of the preset (`Config.digest`)."""
+    """Digest of the preset (`Config.digest`), a hash of all parameter values."""
     version: str
     """Version of spigolo that processed the frame."""
     objects: int

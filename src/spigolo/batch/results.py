@@ -21,7 +21,7 @@ from spigolo.settings.config import Config
 from spigolo.stream import Segmenter
 
 SUFFIXES: Mapping[str, str] = {"labels": ".png", "objects": ".json", "undistorted": ".png"}
-"""Suffix of the output files, indexed by folder."""
+"""Suffix of the output files in each output folder."""
 MAX_LABEL = np.iinfo(np.uint16).max
 _kept = threading.local()
 

@@ -124,7 +124,7 @@ class _Run:
                 yield job
 
     def keep(self, job: Job) -> bool:
-        """Return True if the files that an earlier run wrote for a frame are still valid. In this case, the frame is
+        """Return True if the files that an earlier run wrote for a frame are still valid. A frame with valid files is
         counted as kept.
         """
         entry = self.manifest.entries.get(job.name)
@@ -156,7 +156,7 @@ class _Run:
                     self.fail(job.name, answer)
 
     def write(self, name: str, answer: Answer) -> None:
-        """Write the output files of a frame, and then the line of the frame in the manifest."""
+        """Write the output files of a frame, and then a line about the frame in the manifest."""
         try:
             paths = {folder: place(self.root, folder, name, SUFFIXES[folder]) for folder in SUFFIXES}
         except FileError as error:

@@ -46,10 +46,10 @@ def evaluate(
     Parameters
     ----------
     frames
-        Folders of frames, given before all flags. Published data sets are read in their own layout (`spigolo datasets`
-        lists the data sets). Store your own frames in folders SET/FRAME/ with rgb.png, depth.png, camera.json and
-        label.png (0 = background, 1..N = objects, 255 = ignored). Without label.png, only times and numbers of objects
-        are measured. Any field of a preset is also a flag, such as `--partition.gamma 0.004`.
+        Folders of frames. Give the folders before all flags. Published data sets are read in their own layout (`spigolo
+        datasets` lists the data sets). Store your own frames in folders SET/FRAME/ with rgb.png, depth.png, camera.json
+        and label.png (0 = background, 1..N = objects, 255 = ignored). Without label.png, only times and numbers of
+        objects are measured. Each field of a preset can also be set with a flag, such as `--partition.gamma 0.004`.
     methods
         Names of the methods: toscana2016, felzenszwalb2004, rao2010, abramov2012, mishra2012.
     presets
@@ -116,8 +116,8 @@ def losses(
     Parameters
     ----------
     frames
-        Folders of labelled frames, given before all flags, as for `spigolo evaluate`. Any field of the preset is also a
-        flag.
+        Folders of labelled frames, in the layouts that `spigolo evaluate` reads. Give the folders before all flags.
+        Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     method
         Name of the method.
     preset
@@ -160,7 +160,7 @@ def report(
     Parameters
     ----------
     rows
-        Files that `spigolo evaluate` wrote, given before all flags.
+        Result files of `spigolo evaluate`. Give the files before all flags.
     frames
         Folders of the evaluated frames. The page then shows images of the worst frames.
     against
@@ -168,8 +168,8 @@ def report(
         its preset, the digest of its preset, or its results file. Default: the first method.
     paper
         Write the paper's Tables I, II and III instead of the page index.html. Each table cell shows the value from the
-        paper and the measured value. The files must contain results on the paper's data sets or on rendered stand-ins
-        for these data sets.
+        paper and the measured value. The files must contain results on the paper's data sets or on rendered frames in
+        the layout of these data sets.
     out
         Output folder for index.html, report.md and the images of the worst frames.
 

@@ -53,8 +53,8 @@ def export(
     Parameters
     ----------
     inputs
-        Source of the frames: images, folders, a recording, a data set or a camera, named as in `spigolo segment`. Each
-        field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
+        Source of the frames: images, folders, a recording, a data set or a camera, in the forms that `spigolo segment`
+        accepts. Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     format
         File format. The formats `coco` and `bop` write one JSON file for all frames. For each frame, `yolo` writes a
         text file, `labels` writes a 16-bit PNG, and `workspace-mask` writes a 1-bit PNG. The format `contact-graspnet`
@@ -116,8 +116,8 @@ def view(
     Parameters
     ----------
     inputs
-        Source of the frames: images, folders, a recording, a data set or a camera, named as in `spigolo segment`. Each
-        field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
+        Source of the frames: images, folders, a recording, a data set or a camera, in the forms that `spigolo segment`
+        accepts. Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset

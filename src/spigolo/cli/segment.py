@@ -42,8 +42,8 @@ def segment(
 ) -> int:
     """Segment frames and write labels.png, objects.json and overlay.png for each frame.
 
-    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED. Without this flag, OpenCV converts labels.png
-    from 16 bits to 8 bits, and all labels below 256 become 0.
+    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED. Without IMREAD_UNCHANGED, OpenCV converts
+    labels.png from 16 bits to 8 bits, and all labels below 256 become 0.
 
     Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
     kinect-v1 --preset TABLE --partition.gamma 0.004`.
@@ -76,10 +76,10 @@ def segment(
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory, about 100 bytes for each pixel.
     ids
-        Give objects ids. An object keeps its id from frame to frame, even if the object is missing in up to 15
+        Give each object an id. An object keeps its id from frame to frame, even if the object is missing in up to 15
         consecutive frames.
     frames
-        Number of frames after which the program stops, for cameras and recordings. Default: all.
+        Number of frames after which the program stops, for cameras and recordings. Default: all frames.
     out
         Output folder. With several frames, the results of each frame are in a subfolder.
 
@@ -168,8 +168,8 @@ def trace(
     ----------
     inputs
         Source of the frame: a colour and a depth image, a folder with rgb.png and depth.png, a recording or a camera,
-        named as in `spigolo segment`. Each field of the preset can also be set with a flag, such as `--partition.gamma
-        0.004`.
+        in the forms that `spigolo segment` accepts. Each field of the preset can also be set with a flag, such as
+        `--partition.gamma 0.004`.
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
@@ -221,7 +221,7 @@ def doctor(
     ----------
     inputs
         Source of the frame: a colour and a depth image, a folder with rgb.png and depth.png, a recording or a camera,
-        named as in `spigolo segment`.
+        in the forms that `spigolo segment` accepts.
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale

@@ -29,8 +29,8 @@ def tune(
     Parameters
     ----------
     inputs
-        Source of the frames: colour and depth images, folders, a recording or a camera, named as in `spigolo segment`.
-        Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
+        Source of the frames: colour and depth images, folders, a recording or a camera, in the forms that `spigolo
+        segment` accepts. Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset

@@ -22,7 +22,7 @@ ELSEWHERE = "To check the alignment, run the doctor on a frame with boxes in fro
 SEARCH_PX = 24
 TOLERANCE_PX = 4
 """Maximum shift between depth and colour that does no harm, in pixels. The shift must be smaller than 5 px, because the
-detection of object boundaries compares depth 5 px from each side of an image edge.
+detection of object boundaries compares depth on both sides of an image edge, at a distance of 5 px.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
@@ -129,8 +129,8 @@ def _not_registered(fit: ScaleFit) -> Finding:
 
 
 def depth_contours(depth: DepthMap) -> Pair:
-    """Return two maps (H, W) that are 1 on the near side of depth steps along x and along y, and 0 elsewhere. Pixels
-    near the image border are 0.
+    """Return two maps (H, W), one for depth steps along x and one for depth steps along y. A map is 1 on the near side
+    of a depth step, and 0 elsewhere. Pixels near the image border are 0.
 
     Shadows are first filled with the depth of the background. A depth step counts only if its near side is flat. A
     slanted surface therefore does not count as a step.
@@ -157,8 +157,8 @@ def count_contours(contours: Pair) -> int:
 
 
 def color_gradients(color: Color) -> Pair:
-    """Return colour gradients (H, W) along x and along y, divided by the mean gradient around each pixel, with mean 0.
-    At each pixel, the colour channel with the largest gradient is used.
+    """Return the colour gradients (H, W) along x and along y. Each gradient is divided by the mean gradient around the
+    pixel. The mean of each map is 0. At each pixel, the colour channel with the largest gradient is used.
     """
     smooth = cv2.GaussianBlur(color, (0, 0), GRADIENT_SIGMA_PX)
     along_x, along_y = (

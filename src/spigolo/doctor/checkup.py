@@ -36,7 +36,8 @@ def diagnose(frame: Frame) -> Diagnosis:
     """Run all checks on a frame and return the findings, without printing. The checks take about 0.3 s for 640x480
     pixels.
 
-    A check without enough evidence returns a note. If a frame has no depth, the checks that need depth are left out.
+    A check that is not possible with this frame returns a note. If a frame has no depth, the checks that need depth are
+    left out.
     """
     check_frame(frame)
     camera: Camera | None = frame.camera

@@ -31,8 +31,8 @@ KNOWN_WIDE = (
     (4 / 3, 0.60, "RealSense D405, D455 or depth of D435"),
     (16 / 9, 0.585, "Orbbec Femto Bolt"),
 )
-"""Cameras outside `USUAL_SHARE`, as tuples: image width / height, focal length / image width, and names of the
-cameras.
+"""Cameras whose focal length is outside of `USUAL_SHARE`. Each tuple contains image width / height, focal length /
+image width, and the names of the cameras.
 """
 KNOWN_WITHIN = 0.03
 POSSIBLE_SHARE = (0.42, 1.3)
@@ -144,7 +144,8 @@ def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
 
 
 def count_upright(normals: Points, support: Points) -> npt.NDArray[np.intp]:
-    """Count the normals (N, 3) that are perpendicular to the support's normal (3,), for each factor in `TRIED`.
+    """For each factor in `TRIED`, count the normals (N, 3) that are perpendicular to the normal (3,) of the support
+    plane.
 
     If the focal length is multiplied by t, the normal (a, b, c) of a plane becomes (t a, t b, c).
     """

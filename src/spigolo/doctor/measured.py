@@ -40,7 +40,9 @@ PLAUSIBLE = math.log(3.0)
 may differ from `TABLE_M` by a factor of less than 3, stored here as a logarithm.
 """
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
-"""Minimum working distance of a RealSense D405 and its depth unit, both in metres."""
+"""CLOSEST_M: minimum working distance of a RealSense D405, in metres. CLOSE_UNIT_M: depth unit of this camera, in
+metres.
+"""
 SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
 """Minimum and maximum plausible median depth of a frame, in metres. Other median depths give a warning, or a note if
@@ -116,9 +118,9 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
 
 
 def check_unit(frame: Frame, filled: DepthMap) -> Finding:
-    """Check that depth is in metres, by the median depth, the stored unit and the noise.
+    """Check that depth is in metres. The check judges the median depth, the unit of the stored values and the noise.
 
-    filled: depth map (H, W) in metres, in which small gaps are in-painted. The noise is measured in this map.
+    filled: depth map (H, W) in metres, in which small gaps are in-painted. The noise is measured in `filled`.
     """
     depth = frame.depth
     median = float(np.median(depth[depth > 0]))

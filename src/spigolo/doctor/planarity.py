@@ -1,5 +1,5 @@
-"""Checks of planes: planes are flat, and one plane faces up. Planes look curved if the depth map contains distances
-along the rays, or raw disparity, instead of Z coordinates.
+"""Check that planes in the scene are flat, and that one plane faces up. Planes look curved if the depth map contains
+distances along the rays, or raw disparity, instead of Z coordinates.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ millimetres.
 
 
 def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
-    """Check if depth is really the distance along the ray, or the raw disparity of a Kinect v1. In this case, planes
+    """Check if depth is really the distance along the ray, or the raw disparity of a Kinect v1. With such depth, planes
     become flat only after conversion to Z.
 
     filled: depth map (H, W) in metres, in which small gaps are in-painted.

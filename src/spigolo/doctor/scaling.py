@@ -21,8 +21,8 @@ along y).
 WIDTH_PX = 320
 """Width of the downscaled images that are compared, in pixels."""
 SEARCH_PX = 20
-"""Maximum shift in x and y that is tried with each scale, in pixels of the downscaled images. A shift occurs because
-the two cameras are at different places.
+"""Maximum shift in x and y that is tried with each scale, in pixels of the downscaled images. The shift is caused by
+the distance between the depth camera and the colour camera.
 """
 TRIED = np.exp(np.arange(np.log(0.86), np.log(1.9), 0.04))
 """Scales that are tried. A scale is the focal length of the colour camera divided by the focal length of the depth

@@ -38,8 +38,8 @@ SATURATED_RATIO = 1.4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Levels:
-    """Different depth values of a frame in ascending order, in ticks of `TICK_M`, and the number of pixels with each
-    value.
+    """Different depth values of a frame in ascending order, as multiples of `TICK_M` (ticks), and the number of pixels
+    with each value.
     """
 
     ticks: npt.NDArray[np.int64]
@@ -47,7 +47,7 @@ class Levels:
 
     @property
     def unit(self) -> int:
-        """Return the greatest common divisor of the depth values, in ticks."""
+        """Return the greatest common divisor of the depth values, as a multiple of `TICK_M`."""
         return int(np.gcd.reduce(self.ticks)) if self.ticks.size else 1
 
 
@@ -76,8 +76,8 @@ def check_steps(depth: DepthMap) -> Finding:
 
 
 def check_saturated(depth: DepthMap) -> Finding:
-    """Check if many pixels have the same depth, far beyond all other depths. The value is then probably a code for
-    missing depth.
+    """Check if many pixels have the same depth value, and if this value is much larger than all other depth values.
+    Such a value is probably a code for missing depth.
     """
     levels = levels_of(depth)
     if levels.ticks.size >= FEWEST:

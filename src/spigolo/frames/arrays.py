@@ -19,7 +19,7 @@ MAX_UNPACKED = 2 << 30
 could fill the memory.
 """
 ALONE = ""
-"""Name of the only array of a .npy file."""
+"""Name under which the array of a .npy file is returned, because such a file stores no name."""
 
 
 def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:

@@ -1,6 +1,6 @@
 """Pinhole cameras: intrinsics, fields of view, scaling and undistortion.
 
-Pixel centres have integer coordinates, so that an image of width W reaches from -0.5 to W - 0.5.
+Pixel centres have integer coordinates. In x, an image of width W therefore reaches from -0.5 to W - 0.5.
 """
 
 from __future__ import annotations

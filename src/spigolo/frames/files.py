@@ -138,8 +138,8 @@ def _camera_and_fields(
 
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
-    """Return the depth_scale in the fields of a camera file or dict. None without a depth_scale. Raises CameraError for
-    an invalid value.
+    """Return the depth_scale in the fields of a camera file or dict, or None if the fields contain no depth_scale.
+    Raises CameraError for an invalid value.
     """
     is_file = isinstance(camera, str | os.PathLike)
     try:

@@ -63,7 +63,9 @@ class Frame:
     None if all depth values are plausible.
     """
     undistorted: bool = field(init=False, default=False)
-    """True if the images were undistorted. Results then match `Frame.color`, not the original image."""
+    """True if the images were undistorted. If the images were undistorted, results belong to `Frame.color`, not to the
+    original image.
+    """
 
     def __init__(
         self,

@@ -70,7 +70,7 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
 
 def inverse_error_px(coefficients: Sequence[float], camera: Camera) -> float:
     """Return the position error in pixels that results if inverse Brown-Conrady coefficients are ignored. The error is
-    the largest of the errors in the image corners.
+    computed in the four image corners, and the largest of the four errors is returned.
 
     Inverse Brown-Conrady coefficients describe a polynomial from distorted pixels to rays.
     """

@@ -32,7 +32,7 @@ class OutOfReach:
 
     - value: the most frequent implausible depth value, as stored.
     - pixels: number of pixels with this value.
-    - share: share of the frame with this value.
+    - share: number of pixels with this value, divided by the number of all pixels of the frame.
     - kind: integer type whose largest value is `value`, such as "uint16". The text is empty if `value` is a distance
       beyond REACH_M.
     """

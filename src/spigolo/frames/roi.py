@@ -29,7 +29,7 @@ class MetricBox:
     """Box in space whose edges are parallel to the axes of the camera's frame. If T_base_camera is given, the edges are
     parallel to the axes of the robot's base frame instead.
 
-    - low_m, high_m: smallest and largest (X, Y, Z) of the box in metres.
+    - low_m, high_m: minimum (X, Y, Z) and maximum (X, Y, Z) of the box, in metres.
     - T_base_camera: transform (4, 4) from the camera's frame to the robot's base frame.
 
     Raises FrameError or CameraError.
@@ -75,7 +75,7 @@ def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
 
     If the region of interest is a mask or a pixel box, all pixels are known to be inside or outside. If the region of
     interest is a box in metres, only pixels with depth are known to be inside or outside. The share of a region inside
-    the region of interest is computed from these known pixels.
+    the region of interest is computed only from pixels that are known to be inside or outside.
     """
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):

@@ -22,11 +22,12 @@ class Stamped(NamedTuple):
     """Position of an image message in a bag, and the stamp of the image."""
 
     stamp_ns: int
-    """Stamp of the image, ns."""
+    """Time stamp of the image, in nanoseconds."""
     number: int
     """Number of the message in its topic, from 0."""
     written_ns: int
-    """Time at which the recorder wrote the message, ns. This time is used to find the message in the bag."""
+    """Time at which the recorder wrote the message, in nanoseconds. This time is used to find the message in the bag.
+    """
 
 
 class Decoder:

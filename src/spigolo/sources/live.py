@@ -78,7 +78,7 @@ class LiveSource(Source):
         self._stopping.set()
 
     def report(self) -> Report:
-        """Return the counts of frames since the last iteration began, with frame rate and latency."""
+        """Return the numbers of frames since the start of the last iteration, the frame rate and the latency."""
         return replace(super().report(), dropped=self._dropped, pace=self._pace)
 
     def _frames(self) -> Iterator[Frame]:

@@ -41,7 +41,7 @@ class Image:
     kind: str
     """Kind of image, "color" or "depth"."""
     stamp_ns: int
-    """Stamp of the image on the clock of the device, ns."""
+    """Time stamp of the image in nanoseconds, on the clock of the device."""
     pixels: npt.NDArray[Any]
     """Colour (H, W, 3) uint8 RGB, or depth (H, W) uint16 in millimetres."""
 

@@ -1,4 +1,4 @@
-"""Detection of colour and depth files, and of the files of one frame, by the names of files."""
+"""Detection of the colour file and the depth file of a frame by their names."""
 
 from __future__ import annotations
 

@@ -21,8 +21,8 @@ ALIGNMENT = "alignment"
 ELSEWHERE = "To check the alignment, run the doctor on a frame with boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
-"""Maximum shift between depth and colour that does no harm, in pixels. The shift must be smaller than 5 px, because the
-detection of object boundaries compares depth on both sides of an image edge, at a distance of 5 px.
+"""Maximum shift between depth and colour that does no harm, in pixels. The shift must be smaller than 5 px. The
+detection of object boundaries compares depth at a distance of 5 px from an image edge, on both sides of the edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be

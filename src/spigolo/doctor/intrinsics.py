@@ -123,8 +123,8 @@ def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
 
     The factor is 1 if focal lengths near the given focal length are clearly the best, as defined by `CLEAR`.
 
-    Returns None if the factor cannot be estimated: no support plane, a view straight from above, too few upright
-    surfaces, or no factor that is clearly the best.
+    Returns None if the scene has no support plane, is seen straight from above, or has too few upright surfaces. Also
+    returns None if no factor is clearly the best.
     """
     support = find_support(filled, camera, Support())
     if support is None or np.degrees(np.arccos(min(abs(support.normal[2]), 1.0))) < MIN_TILT_DEG:

@@ -15,21 +15,19 @@ from spigolo.settings.presets import OBJECTS
 PLANARITY, SUPPORT = "depth along Z", "support plane"
 
 NEAR_M, NEAR_PER_M = 0.004, 0.003
-"""A pixel lies on a plane if its point is at most max(NEAR_M, NEAR_PER_M * distance^2) metres from the plane, where
-`distance` is measured from the camera.
-"""
+"""A pixel lies on a plane if its point is at most max(NEAR_M, NEAR_PER_M * depth^2) metres from the plane."""
 DOWN = 0.5
 """A plane faces down, and gives a warning, if the Y component of its normal is larger than this value. A plane that
 faces sideways may be a wall and gives a note.
 """
 MORE = 1.15
-"""Limit for a warning that depth is the distance along the ray. The warning requires that (pixels on the largest plane
-if depth is read as distance) / (pixels on the largest plane if depth is read as Z) is larger than this limit.
+"""Limit for a warning that depth is the distance along the ray. The warning requires that this quotient is larger than
+the limit: pixels on the largest plane with depth read as distance, divided by those with depth read as Z.
 """
 MORE_RAW, MIN_RAW = 1.5, 0.3
-"""Limits for a warning that depth is raw disparity. MORE_RAW: the warning requires that (pixels on the largest plane if
-depth is read as disparity) / (pixels on the largest plane if depth is read as Z) is larger than this limit. MIN_RAW:
-minimum share of the measured pixels that lie on the largest plane if depth is read as disparity.
+"""Limits for a warning that depth is raw disparity. MORE_RAW: minimum of this quotient: pixels on the largest plane
+with depth read as disparity, divided by those with depth read as Z. MIN_RAW: minimum share of the measured pixels that
+lie on the largest plane if depth is read as disparity.
 """
 MIN_SHARE = 0.12
 """Minimum share of the measured pixels that lie on the largest plane. If the share is smaller, the frame has no large

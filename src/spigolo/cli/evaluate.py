@@ -153,9 +153,9 @@ def report(
 ) -> int:
     """Write an HTML page from results of `spigolo evaluate`: accuracy, time, differences, worst frames and limitations.
 
-    Two files with the same frames and parameters are compared for each preset, for example files from before and after
-    a change of the code. Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out
-    report`, or `spigolo report rows.jsonl --paper`.
+    Files with the same frames and parameters, for example from before and after a change of the code, are compared
+    separately for each preset. Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/
+    --out report`, or `spigolo report rows.jsonl --paper`.
 
     Parameters
     ----------

@@ -28,7 +28,8 @@ WITHOUT_INTRINSICS = (
 )
 AFTER_UNIT = "not checked, because the unit of depth is probably wrong"
 BORDER = 0.1
-"""If at least this share of depth is missing at the image border, the advice on the cost function mentions the share.
+"""If holes that reach the image border cover more than this share of the frame, the advice on the cost function
+mentions the share.
 """
 
 

@@ -65,8 +65,8 @@ above `ROOM_M` has less noise, a warning about the depth unit is given.
 
 
 def check_negative(frame: Frame) -> Finding:
-    """Check that no depth is negative. Negative values can result from a subtraction, a wrong integer type or the wrong
-    direction of the Z axis.
+    """Check that no depth is negative. Negative values can result from a subtraction, a wrong integer type or a wrong
+    coordinate axis.
     """
     if frame.negative_depth:
         return warning(

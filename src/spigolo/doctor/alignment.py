@@ -43,7 +43,7 @@ smaller, depth is reported as mirrored.
 
 STEP_OFFSET_PX = 2
 STEP_M, STEP_PER_M = 0.02, 0.012
-"""A depth contour requires a depth step of at least max(STEP_M, STEP_PER_M * depth^2) metres."""
+"""A depth contour requires a depth step of more than max(STEP_M, STEP_PER_M * depth^2) metres."""
 MAX_SHADOW_PX = 60
 GRADIENT_SIGMA_PX, AROUND_PX = 1.2, 33
 FLAT_GRADIENT = 2.0

@@ -3,8 +3,9 @@
     jobs = [FrameFiles("a", Path("a/rgb.png"), Path("a/depth.png"), "kinect-v1", 0.001), ...]
     summary = run_batch(jobs, sp.OBJECTS, Path("out"), local(workers=2))
 
-`run_batch` writes labels/FRAME.png for each frame and one table of all objects. An interrupted run can be continued and
-then produces the same files as an uninterrupted run. The manifest records the reason of each failed frame.
+`run_batch` writes a label image labels/FRAME.png for each frame, and one table with the objects of all frames. An
+interrupted run can be continued and then produces the same files as an uninterrupted run. The manifest records the
+reason of each failed frame.
 """
 
 from __future__ import annotations

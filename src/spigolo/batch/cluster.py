@@ -23,14 +23,16 @@ R = TypeVar("R")
 TIMEOUT_S = 30
 """Maximum time to wait for the Dask scheduler, in seconds."""
 TASK_S = 1.0
-"""Target duration of a cluster task, in seconds. Shorter tasks increase the share of time for communication. If a
-worker dies, longer tasks increase the work that has to be repeated.
+"""Target duration of a cluster task, in seconds. With shorter tasks, a larger share of the time is spent on
+communication with the workers. With longer tasks, more work must be repeated if a worker dies.
 """
 MAX_GROUP = 1000
 """Maximum number of items in a cluster task."""
 LOOPBACK = "127.0.0.1"
 RECENT = 15
-"""Number of recent cluster tasks whose durations determine the number of items in the next tasks."""
+"""Number of recent cluster tasks over which the median time per item is computed. The number of items in the next task
+is `TASK_S` divided by this median.
+"""
 
 
 def dask_cluster(address: str, group: int | None = None) -> Engine:
@@ -55,7 +57,8 @@ def dask_cluster(address: str, group: int | None = None) -> Engine:
 def dask_local(workers: int = 1, group: int | None = None) -> Engine:
     """Return an engine that starts a Dask cluster on this machine and stops the cluster after the run.
 
-    Each worker process has one thread. The workers and the dashboard listen on the loopback interface only.
+    Each worker process has one thread. The workers and the dashboard listen only on the loopback interface, so other
+    computers cannot reach them.
 
     group: number of items in a cluster task, as for `dask_cluster`. Raises SpigoloError for less than one worker, or if
     the extra `cluster` is not installed.
@@ -79,9 +82,10 @@ def dask_local(workers: int = 1, group: int | None = None) -> Engine:
 class _ClusterRun(Generic[T, R]):
     """Run of a function on all items with a Dask cluster. Each task of the cluster processes a group of items.
 
-    If the task of a group fails because its workers died, each item of the group is repeated in a task of its own. Dask
-    reports all tasks of a dead worker as failed, although only one of these tasks may be the reason. An item whose own
-    task fails is therefore repeated while no other item runs, and is lost only if its workers die again.
+    If the task of a group fails, each item of the group is repeated in a separate task. If a worker dies, Dask reports
+    all of its tasks as failed, although possibly only one of these tasks crashed the worker. If the separate task of an
+    item also fails because workers died, the item is repeated while no other item runs. The item counts as lost only if
+    the workers die again.
     """
 
     def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:

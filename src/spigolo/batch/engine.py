@@ -22,7 +22,7 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 IN_FLIGHT = 2
-"""Number of items that are submitted per worker at a time, so that no worker has to wait."""
+"""Maximum number of items per worker that are running or waiting at a time. Waiting items keep the workers busy."""
 TRIES_ALONE = 2
 """Maximum number of times that an item is repeated in a separate process after a worker process died."""
 
@@ -36,8 +36,8 @@ class Lost:
 
 
 class Engine(Protocol):
-    """Function that runs another function on items and yields the outcomes in any order. `here` is an engine. `local`,
-    `dask_cluster` and `dask_local` return engines.
+    """Callable that applies a given function to many items and yields the outcomes in any order. `here` is an engine.
+    `local`, `dask_cluster` and `dask_local` return engines.
     """
 
     def __call__(self, do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
@@ -82,7 +82,7 @@ def in_order(engine: Engine, do: Callable[[T], R], items: Iterable[T]) -> Genera
 
 @dataclass(frozen=True, slots=True)
 class _Numbered(Generic[T, R]):
-    """Wrapper that receives a pair (number, item) and calls the function on the item only."""
+    """Function wrapper that receives a pair (number, item) and passes only the item to the function `do`."""
 
     do: Callable[[T], R]
 
@@ -212,8 +212,8 @@ def _prepare(do: Callable[[Any], Any]) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this worker process when its parent process ends. Otherwise the worker would wait forever if the parent was
-    killed.
+    """End this worker process when its parent process ends. Without this function, a worker would wait forever after
+    its parent process was killed.
     """
     parent = parent_process()
     if parent is not None:

@@ -26,8 +26,8 @@ class Job(Protocol):
         ...
 
     def stamp(self) -> str:
-        """Return a string that changes if an input file of the frame may have changed. The method must be fast and must
-        not read the content of files.
+        """Return a short text that describes the state of the input files. If the text is the same as in an earlier
+        run, the input files count as unchanged. The method must be fast and must not read the content of files.
         """
         ...
 
@@ -58,11 +58,13 @@ class FrameFiles:
     """Maximum number of pixels of an image."""
 
     def stamp(self) -> str:
-        """Return a hash of the options, and of the size and modification time of each file. Raises FileError."""
+        """Return a hash of the reading options, and of the size and modification time of each input file. Raises
+        FileError.
+        """
         return _hash(*self._options(), *(f"{s.st_size} {s.st_mtime_ns}" for s in map(_stat, self._files())))
 
     def fingerprint(self) -> str:
-        """Return a hash of the options and of the content of each file. Raises FileError."""
+        """Return a hash of the reading options and of the content of each input file. Raises FileError."""
         return _hash(*self._options(), *map(_content, self._files()))
 
     def read(self) -> Frame:
@@ -76,7 +78,7 @@ class FrameFiles:
         return files
 
     def _options(self) -> tuple[str, ...]:
-        """Return the options that affect the frame in addition to the content of the files."""
+        """Return the reading options as texts: camera name, depth scale and maximum number of pixels."""
         text = self.camera if isinstance(self.camera, str) and not os.path.isfile(self.camera) else None
         return repr(text), repr(self.depth_scale), repr(self.max_pixels)
 

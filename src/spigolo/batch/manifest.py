@@ -25,22 +25,24 @@ class Entry:
     frame: str
     """Name of the frame."""
     stamp: str
-    """Stamp of the input files (`Job.stamp`). If the stamp is unchanged, the hash of the inputs is not computed again.
+    """Short text from `Job.stamp` that describes the state of the input files. If the stamp is unchanged, the hash of
+    the inputs is not computed again.
     """
     inputs: str
-    """Hash of the inputs (`Job.fingerprint`)."""
+    """Hash of the content of the input files, from `Job.fingerprint`."""
     digest: str
-    """Digest of the preset (`Config.digest`)."""
+    """Digest of the preset (`Config.digest`), a hash of all parameter values."""
     version: str
     """Version of spigolo that processed the frame."""
     objects: int
     """Number of objects in the frame."""
     files: Mapping[str, int]
-    """Size of each output file in bytes, indexed by folder."""
+    """Size in bytes of each output file of the frame. The keys are the names of the output folders, such as `labels`.
+    """
     warnings: tuple[str, ...]
     """Warnings about the frame."""
     error: str | None
-    """Reason of the failure. None if the frame did not fail."""
+    """Reason of the failure, or None if the frame did not fail."""
 
 
 NAMES = tuple(f.name for f in fields(Entry))
@@ -48,7 +50,7 @@ NAMES = tuple(f.name for f in fields(Entry))
 
 class Manifest:
     """File that records the outcome of each frame in an output folder. Only one run at a time can open the manifest. If
-    a frame has several lines, the last line counts.
+    the manifest has several lines for the same frame, only the last of these lines is valid.
 
     Raises FileError if another run uses the folder.
     """
@@ -80,8 +82,8 @@ class Manifest:
         self._file = self._lock = None
 
     def append(self, entry: Entry) -> None:
-        """Append the line of a frame to the file without buffering. Raises FileError if the line cannot be written, for
-        example because the disk is full.
+        """Append a line with the outcome of a frame to the manifest file, without buffering. Raises FileError if the
+        line cannot be written, for example because the disk is full.
         """
         assert self._file is not None
         line = _line(entry)
@@ -156,8 +158,8 @@ def _locked(root: Path) -> BinaryIO:
 
 
 def _in_worker() -> bool:
-    """Return True in a worker process that runs the user's script again, because the script lacks `if __name__ ==
-    "__main__"`.
+    """Return True if this process is a worker that runs the user's script a second time. A script without `if __name__
+    == "__main__"` is run a second time by each worker.
     """
     frame: FrameType | None = sys._getframe()
     while frame is not None and frame.f_globals.get("__name__") != "__mp_main__":

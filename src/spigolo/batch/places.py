@@ -1,4 +1,4 @@
-"""Paths of output files. Frame names that lead out of the output folder are rejected."""
+"""Paths of output files. A frame name is rejected if its files would be written outside of the output folder."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ FORBIDDEN = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
 RESERVED = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:\..*)?", re.IGNORECASE)
 """Device names, which Windows forbids as file names."""
 MAX_BYTES = 200
-"""Maximum length in bytes of each part of a frame name between slashes. Most file systems allow 255 bytes, which
-include the suffix and the prefix of the file.
+"""Maximum length in bytes of each part of a frame name between slashes. Most file systems allow 255 bytes for a file
+name, including the prefix and the suffix that spigolo adds.
 """
 
 

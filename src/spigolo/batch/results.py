@@ -21,7 +21,7 @@ from spigolo.settings.config import Config
 from spigolo.stream import Segmenter
 
 SUFFIXES: Mapping[str, str] = {"labels": ".png", "objects": ".json", "undistorted": ".png"}
-"""Suffix of the output files, indexed by folder."""
+"""Suffix of the output files in each output folder."""
 MAX_LABEL = np.iinfo(np.uint16).max
 _kept = threading.local()
 
@@ -31,23 +31,25 @@ class Answer:
     """Outcome of one job."""
 
     stamp: str = ""
-    """Stamp of the inputs (`Job.stamp`), taken before the inputs are read."""
+    """Short text from `Job.stamp` that describes the state of the input files before the files are read."""
     fingerprint: str = ""
-    """Hash of the inputs (`Job.fingerprint`). Empty if the inputs cannot be read."""
+    """Hash of the content of the input files, from `Job.fingerprint`. The hash is an empty string if the input files
+    cannot be read.
+    """
     objects: int = 0
     """Number of objects in the frame."""
     files: Mapping[str, bytes] = field(default_factory=dict)
-    """Content of the output files, indexed by folder."""
+    """Content of the output files of the frame. The keys are the names of the output folders, such as `labels`."""
     warnings: tuple[str, ...] = ()
     """Warnings about the frame."""
     error: str | None = None
-    """Reason of a failure. None if the frame did not fail."""
+    """Reason of the failure, or None if the frame did not fail."""
 
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Function that segments the frame of a job. The message of an exception is stored in the field `error` of the
-    outcome.
+    """Function that segments the frame of a job. If an exception occurs, its message is stored in the field `error` of
+    the outcome.
     """
 
     config: Config
@@ -69,7 +71,7 @@ class Work:
 
 
 def _segmenter(config: Config) -> Segmenter:
-    """Return the segmenter of the current thread. The segmenter keeps its buffers between frames."""
+    """Return the segmenter of the current thread. The segmenter reuses its memory buffers for the following frames."""
     known: Segmenter | None = getattr(_kept, "segmenter", None)
     if known is None or known.config != config:
         known = _kept.segmenter = Segmenter(config)

@@ -44,9 +44,9 @@ class Summary:
     objects: int
     """Number of objects in the table."""
     failures: tuple[tuple[str, str], ...]
-    """Name and reason of each frame that failed."""
+    """Pairs of frame name and reason of the failure, one pair for each failed frame."""
     warnings: tuple[tuple[str, str], ...]
-    """Name of each frame with a warning, and its first warning."""
+    """Pairs of frame name and first warning, one pair for each frame with warnings."""
     table: Path
     """Path of the table of all objects."""
 
@@ -99,7 +99,7 @@ class _Run:
         self.failures: list[tuple[str, str]] = []
 
     def clean(self) -> None:
-        """Remove temporary files of a run that was killed. Other files in the folder are kept."""
+        """Remove temporary files that a killed run left in the folder. Other files in the folder are kept."""
         left = [path for name in (FILE, *TABLES) for path in self.root.glob(f".{name}-*")]
         for folder, suffix in SUFFIXES.items():
             if not (self.root / folder).is_symlink():
@@ -124,7 +124,9 @@ class _Run:
                 yield job
 
     def keep(self, job: Job) -> bool:
-        """Return True if the files of a frame from an earlier run can be kept. If so, count the frame as kept."""
+        """Return True if the files that an earlier run wrote for a frame are still valid. A frame with valid files is
+        counted as kept.
+        """
         entry = self.manifest.entries.get(job.name)
         if entry is None or not self._is_current(entry) or not self._is_whole(entry):
             return False
@@ -154,7 +156,7 @@ class _Run:
                     self.fail(job.name, answer)
 
     def write(self, name: str, answer: Answer) -> None:
-        """Write the output files of a frame, and then the line of the frame in the manifest."""
+        """Write the output files of a frame, and then a line about the frame in the manifest."""
         try:
             paths = {folder: place(self.root, folder, name, SUFFIXES[folder]) for folder in SUFFIXES}
         except FileError as error:
@@ -169,7 +171,7 @@ class _Run:
         self._count(computed=self.progress.computed + 1)
 
     def fail(self, name: str, answer: Answer) -> None:
-        """Record the failure of a frame. Output files of the frame from an earlier run are removed."""
+        """Record the failure of a frame. Files that an earlier run wrote for the frame are removed."""
         for folder, suffix in SUFFIXES.items():
             try:
                 place(self.root, folder, name, suffix).unlink(missing_ok=True)
@@ -197,7 +199,7 @@ class _Run:
         return entry.error is None and (entry.digest, entry.version) == (self.config.digest, __version__)
 
     def _is_whole(self, entry: Entry) -> bool:
-        """Return True if all output files of a frame exist and have the sizes in the manifest."""
+        """Return True if all output files of a frame exist and have the sizes that the manifest records."""
         try:
             paths = {folder: place(self.root, folder, entry.frame, SUFFIXES[folder]) for folder in entry.files}
             return {"labels", "objects"} <= paths.keys() and all(

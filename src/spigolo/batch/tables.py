@@ -86,8 +86,8 @@ def _rows(shard: Shard) -> list[dict[str, Any]]:
 
 
 def _schema(pa: Any) -> Any:
-    """Return the schema of the Parquet file. Columns with measurements have the names and the order of the fields in
-    objects.json.
+    """Return the schema of the Parquet file. The columns with measurements have the same names and the same order as
+    the fields in objects.json.
     """
     numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
     kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())
@@ -99,7 +99,7 @@ def _schema(pa: Any) -> Any:
 
 
 def write_coco(shards: Iterable[Shard], path: Path, about: Mapping[str, str]) -> None:
-    """Write a COCO file of instances. Images are numbered from 1 in the order of the frames."""
+    """Write a COCO JSON file with the mask of each object. Images are numbered from 1 in the order of the frames."""
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
     for number, shard in enumerate(shards, start=1):

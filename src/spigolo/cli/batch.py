@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from spigolo.sources.numbered import NumberedFrame
 
 MOST_FAILURES = 10
-"""Maximum number of failures that are printed. The file manifest.jsonl contains all failures."""
+"""Maximum number of failed frames that are printed. The file manifest.jsonl lists all failed frames."""
 
 
 def batch(
@@ -46,11 +46,12 @@ def batch(
     Parameters
     ----------
     inputs
-        Image files, folders, a data set or a ROS bag, as for `segment`. Any field of the preset is also a flag.
+        Frames to segment: image files, folders, a data set or a ROS bag, in the forms that `spigolo segment` accepts.
+        Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     max_pixels

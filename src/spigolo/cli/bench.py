@@ -38,33 +38,34 @@ def bench(
 ) -> int:
     """Measure the time and memory of each preset, compared with OpenCV and scikit-image.
 
-    Every round runs each preset and each reference algorithm once, and time ratios are computed within a round. The
-    reference algorithms are OpenCV's GraphSegmentation and fine-grained saliency, scikit-image's felzenszwalb, and a
-    graph partition that sorts all edges and merges regions by union-find. Close other programs before you measure.
-    Examples: `spigolo bench --quick`, or `spigolo bench recordings/ --latency 1000 --startup --json bench.json`.
+    Each measurement round runs every preset and every reference algorithm once. A ratio of two times is always computed
+    from times of the same round. The reference algorithms are OpenCV's GraphSegmentation and fine-grained saliency,
+    scikit-image's felzenszwalb, and a graph partition that sorts all edges and merges regions by union-find. Close
+    other programs before you measure. Examples: `spigolo bench --quick`, or `spigolo bench recordings/ --latency 1000
+    --startup --json bench.json`.
 
     Parameters
     ----------
     folders
-        Folders of frames, as for `spigolo segment`. Default: the bundled demo scene. The measured rounds use all
-        frames. All other measurements use only the first frame.
+        Folders of frames, in the layouts that `spigolo segment` reads. Default: the bundled demo scene. The measurement
+        rounds run on all frames. All other measurements run on the first frame only.
     rounds
-        Number of measured rounds, after one warm-up round. Default: 15, or 3 with --quick.
+        Number of measurement rounds, which follow one warm-up round. Default: 15, or 3 with --quick.
     quick
-        Measure fewer rounds, image sizes and frames, in about 15 seconds.
+        Shorten the measurement to about 15 seconds, by fewer rounds, image sizes and frames.
     sizes
         Image sizes to which the first frame is rescaled, such as `640x480,1280x960`. The word `none` skips the
         measurement of image sizes.
     peers
         Python interpreter that runs the reference algorithms of opencv-contrib-python-headless and scikit-image.
-        Default: .venv-oracle/bin/python in the current folder if this file exists, else the interpreter of spigolo.
-        Algorithms of missing packages are skipped.
+        Default: .venv-oracle/bin/python in the current folder if this file exists, else the interpreter of spigolo. If
+        a package is not installed, its reference algorithms are skipped.
     latency
         Number of frames that are segmented in a row to measure the median, the 99th percentile and the maximum of the
         latency.
     startup
-        Also measure the start time of the program without compiled kernels. This measurement takes up to a minute
-        more.
+        Also measure how long the program takes to start if its numerical kernels are not compiled yet. This measurement
+        takes up to a minute more.
     json
         JSON file to write, with all measured values of every round.
     plot
@@ -136,8 +137,8 @@ def _read(folders: tuple[str, ...]) -> dict[str, Frame]:
 
 @contextmanager
 def _progress() -> Iterator[Tell]:
-    """Show a progress bar that is redrawn only between runs, because a drawing thread would change the measured
-    times.
+    """Show a progress bar that is redrawn only between measurements, because redrawing in a background thread would
+    change the measured times.
     """
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
 

@@ -62,7 +62,7 @@ app.command(compare, group=MEASURING, sort_key=9)
 def presets(name: str | None = None, *, toml: bool = False) -> int:
     """List the presets, or list every field of one preset with its value and meaning.
 
-    Any field of a preset is also a flag of every command that has the flag `--preset` or `--presets`.
+    Every command with the flag `--preset` or `--presets` also accepts each field of a preset as a flag.
 
     Parameters
     ----------

@@ -26,9 +26,10 @@ def compare(
     Parameters
     ----------
     inputs
-        Colour image and depth image, or a folder with both images. Default: the bundled demo scene.
+        Frame to segment: a colour image and a depth image, or a folder with both images. Default: the bundled demo
+        scene.
     camera
-        Intrinsics of the camera, as for `spigolo segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     methods

@@ -16,8 +16,8 @@ def choose_cluster(scheduler: str, workers: int | None, flag: str) -> Engine:
     """Return an engine that runs jobs on a Dask cluster.
 
     - scheduler: the address of a running cluster, or "local" for a new cluster on this machine.
-    - workers: number of worker processes of a local cluster, None for one per core.
-    - flag: name of the command-line flag for `workers` in messages.
+    - workers: number of worker processes of a local cluster. If None, one process is started for each CPU core.
+    - flag: name of the command-line flag for `workers`, printed in error messages.
 
     Raises ConfigError if `workers` is given together with an address.
     """

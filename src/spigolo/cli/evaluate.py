@@ -46,17 +46,17 @@ def evaluate(
     Parameters
     ----------
     frames
-        Folders of frames, given before all flags. Published data sets are read in their own layout (`spigolo datasets`
-        lists the data sets). Store your own frames in folders SET/FRAME/ with rgb.png, depth.png, camera.json and
-        label.png (0 = background, 1..N = objects, 255 = ignored). Without label.png, only times and numbers of objects
-        are measured. Any field of a preset is also a flag, such as `--partition.gamma 0.004`.
+        Folders of frames. Give the folders before all flags. Published data sets are read in their own layout (`spigolo
+        datasets` lists the data sets). Store your own frames in folders SET/FRAME/ with rgb.png, depth.png, camera.json
+        and label.png (0 = background, 1..N = objects, 255 = ignored). Without label.png, only times and numbers of
+        objects are measured. Each field of a preset can also be set with a flag, such as `--partition.gamma 0.004`.
     methods
         Names of the methods: toscana2016, felzenszwalb2004, rao2010, abramov2012, mishra2012.
     presets
         Presets of the method toscana2016: names or TOML files.
     full
-        Name patterns of data sets in which every object is labelled. Precision is reported only for data sets that
-        match a pattern.
+        Name patterns of data sets in which every object is labelled. Precision is reported only for data sets whose
+        name matches a pattern of `--full`.
     jobs
         Number of worker processes. Default: all frames are processed in the main process, without worker processes.
     scheduler
@@ -106,7 +106,7 @@ def losses(
     preset: str = "OBJECTS",
     each: bool = False,
 ) -> int:
-    """Count the labelled objects that were not found, by cause.
+    """Count the labelled objects that were not found, separately for each cause.
 
     The causes are: rejected by a rule, merged with another object, merged with background (flooded), split, and wrong
     outline.
@@ -116,8 +116,8 @@ def losses(
     Parameters
     ----------
     frames
-        Folders of labelled frames, given before all flags, as for `spigolo evaluate`. Any field of the preset is also a
-        flag.
+        Folders of labelled frames, in the layouts that `spigolo evaluate` reads. Give the folders before all flags.
+        Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     method
         Name of the method.
     preset
@@ -153,23 +153,23 @@ def report(
 ) -> int:
     """Write an HTML page from results of `spigolo evaluate`: accuracy, time, differences, worst frames and limitations.
 
-    Files with the same frames and parameters are compared preset by preset, for example before and after a change of
-    the code. Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/ --out report`, or
-    `spigolo report rows.jsonl --paper`.
+    Files with the same frames and parameters, for example from before and after a change of the code, are compared
+    separately for each preset. Examples: `spigolo report before.jsonl after.jsonl --against before --frames frames/
+    --out report`, or `spigolo report rows.jsonl --paper`.
 
     Parameters
     ----------
     rows
-        Files that `spigolo evaluate` wrote, given before all flags.
+        Result files of `spigolo evaluate`. Give the files before all flags.
     frames
-        Folders of the evaluated frames, from which images of the worst frames are drawn.
+        Folders of the evaluated frames. The page then shows images of the worst frames.
     against
-        Reference method, with which the other methods are compared. Give its label on the page, its preset, its digest
-        or its file. Default: the first method.
+        Reference method, with which the other methods are compared. Give the label of the reference method on the page,
+        its preset, the digest of its preset, or its results file. Default: the first method.
     paper
-        Write the paper's Tables I, II and III instead of the page index.html. Each cell has the value from the paper
-        and the measured value. The files must contain results on the paper's data sets or on rendered stand-ins for
-        these data sets.
+        Write the paper's Tables I, II and III instead of the page index.html. Each table cell shows the value from the
+        paper and the measured value. The files must contain results on the paper's data sets or on rendered frames in
+        the layout of these data sets.
     out
         Output folder for index.html, report.md and the images of the worst frames.
 

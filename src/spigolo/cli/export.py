@@ -53,21 +53,21 @@ def export(
     Parameters
     ----------
     inputs
-        Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
-        a flag.
+        Source of the frames: images, folders, a recording, a data set or a camera, in the forms that `spigolo segment`
+        accepts. Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     format
         File format. The formats `coco` and `bop` write one JSON file for all frames. For each frame, `yolo` writes a
         text file, `labels` writes a 16-bit PNG, and `workspace-mask` writes a 1-bit PNG. The format `contact-graspnet`
         writes an .npz file with depth, K, rgb and segmap for each frame. The formats `ply` and `pcd` write a point
         cloud for each object.
     out
-        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder, in which
-        several frames get a subfolder each. For other formats, give a file for one frame, or a folder for several
-        frames.
+        File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder. With
+        several frames, the clouds of each frame are in a subfolder. For other formats, give a file for one frame, or a
+        folder for several frames.
     camera
-        Intrinsics of the camera, as for `spigolo segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `spigolo segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels
@@ -75,8 +75,8 @@ def export(
     frames
         Number of frames after which the program stops. Default: all frames.
     trim_m
-        Maximum distance of a point outside the oriented box, in metres, for `ply` and `pcd`. Points farther outside are
-        flying pixels and are left out. Default: all measured points.
+        For `ply` and `pcd`: maximum distance, in metres, of a point from the oriented box of its object. Points farther
+        from the box count as flying pixels and are left out. Default: all measured points.
 
     """
     words, flags = split_flags(inputs)
@@ -116,12 +116,12 @@ def view(
     Parameters
     ----------
     inputs
-        Images, folders, a recording, a data set or a camera, as for `spigolo segment`. Any field of the preset is also
-        a flag.
+        Source of the frames: images, folders, a recording, a data set or a camera, in the forms that `spigolo segment`
+        accepts. Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
-        Intrinsics of the camera, as for `spigolo segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `spigolo segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
     max_pixels

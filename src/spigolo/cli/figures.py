@@ -24,9 +24,10 @@ def figures(
     Parameters
     ----------
     inputs
-        Colour image and depth image, or folders, as for `spigolo segment`. Default: the bundled demo scene.
+        A colour image and a depth image, or folders in the layouts that `spigolo segment` reads. Default: the bundled
+        demo scene.
     camera
-        Intrinsics of the camera, as for `spigolo segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     out

@@ -37,10 +37,11 @@ def fit(
     Parameters
     ----------
     frames
-        Folders of labelled frames, given before all flags, as for `spigolo evaluate`. Frames without labels are
-        skipped. Any field of the preset is also a flag.
+        Folders of labelled frames, in the layouts that `spigolo evaluate` reads. Give the folders before all flags.
+        Frames without labels are skipped. Each field of the preset can also be set with a flag, such as
+        `--partition.gamma 0.004`.
     preset
-        Preset of the method toscana2016 to start from: a name or a TOML file.
+        Start preset of the fit, for the method toscana2016: a name or a TOML file.
     method
         Name of the method to fit. Methods other than toscana2016 start from their default parameters, not from a
         preset.
@@ -52,7 +53,7 @@ def fit(
         Seed of the random parameter values and of the random folds.
     full
         Name patterns of data sets in which every object is labelled. False objects lower the score only in data sets
-        that match a pattern.
+        whose name matches a pattern of `--full`.
     jobs
         Number of worker processes. Default: all trials run in the main process, without worker processes.
     scheduler

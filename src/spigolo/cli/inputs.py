@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 DEMO_SCENE = Path(__file__).parents[1] / "demo_scene"
 
 SHORT = {"resolution": "additions.resolution"}
-"""Short names of flags for preset fields, and the full names of these fields."""
+"""Short flag names, and the preset fields that these flags set."""
 
 Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
@@ -49,7 +49,8 @@ def configure(preset: str, flags: dict[str, str], command: Callable[..., int] | 
 
     - preset: name or TOML file.
     - flags: values as text, indexed by field name.
-    - command: function that implements the command. Its flags are suggested in the message about a misspelt flag.
+    - command: function that implements the command. If a flag is misspelt, the error message suggests a flag of this
+      command.
 
     Raises ConfigError for an unknown flag.
     """

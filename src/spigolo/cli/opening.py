@@ -25,8 +25,8 @@ def opened(
 ) -> Source:
     """Return the source of frames that is named on the command line.
 
-    quiet: suppress warnings about the depth unit. Used by commands that report the result of the doctor, which checks
-    the unit too.
+    quiet: suppress warnings about the depth unit. Commands that print the diagnosis of `spigolo doctor` set `quiet`,
+    because the diagnosis also checks the depth unit.
     """
     from spigolo.sources.opening import open_source
 

@@ -31,12 +31,13 @@ def render(
         Rutgers APC data set. Scenes of `table` show table-tops with objects of several categories, as in RGB-D Scenes.
         Scenes of `multi` show three instances of one object in clutter, as in the data set of Tejani et al.
     count
-        Number of frames to render. The frames show the different scenes of the family in turn.
+        Number of frames to render. The different scenes of the family alternate from frame to frame.
     seed
         Seed of the random scenes. Equal seeds give equal frames.
     layout
         Layout of the files: `folders`, `bop` or `original`. The layout `folders` has one folder for each frame. The
-        layout `bop` is that of the BOP challenge. The layout `original` is that of the imitated data set.
+        layout `bop` is the file layout of the BOP challenge. The layout `original` is the file layout of the imitated
+        data set.
     out
         Output folder. The file `rendered.json` in the output folder marks the frames as rendered.
 

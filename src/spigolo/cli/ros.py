@@ -28,7 +28,7 @@ def ros(
         Parameters of the node as flags, such as `--queue 5`, `--continuous false`, `--reliable false` or
         `--partition.gamma 0.004`. Arguments after `--ros-args` are passed to ROS.
     color
-        Topic of the colour image. Default: `color`, which ROS can remap.
+        Topic of the colour image. Default: the topic `color`, which can be remapped with ROS arguments.
     depth
         Topic of the depth image, which must be registered to colour. Default: `depth`.
     camera_info

@@ -42,8 +42,8 @@ def segment(
 ) -> int:
     """Segment frames and write labels.png, objects.json and overlay.png for each frame.
 
-    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED. Otherwise OpenCV converts the labels to 8 bits,
-    and all labels below 256 become 0.
+    labels.png has 16 bits. Read labels.png with cv2.IMREAD_UNCHANGED. Without IMREAD_UNCHANGED, OpenCV converts
+    labels.png from 16 bits to 8 bits, and all labels below 256 become 0.
 
     Examples: `spigolo segment rgb.png depth.png --camera camera.json`, or `spigolo segment recordings/ --camera
     kinect-v1 --preset TABLE --partition.gamma 0.004`.
@@ -51,15 +51,16 @@ def segment(
     Parameters
     ----------
     inputs
-        Colour image and depth image of one size, several such pairs, or folders. A folder holds rgb.png and depth.png,
-        subfolders that each hold rgb.png and depth.png, or the folders rgb/ and depth/ with equally named files. A ROS
-        bag (.bag, .db3, .mcap), a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Any field of the
-        preset is also a flag: `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
+        A colour image and a depth image of the same size, several such pairs, or folders. A folder contains one frame
+        (rgb.png and depth.png), or a subfolder with these two images for each frame. A folder can also contain the
+        folders rgb/ and depth/, in which the two images of a frame have the same file name. A ROS bag (.bag, .db3,
+        .mcap), a camera (realsense:) or a data set (dataset:FOLDER) is accepted too. Each field of the preset can also
+        be set with a flag, such as `--partition.gamma 0.004`. `spigolo presets OBJECTS` lists the fields.
     camera
         Intrinsics of the camera. Give a file, four numbers fx,fy,cx,cy such as 927.2,927.4,651.3,349.6, a camera name
-        such as kinect-v1, or a guess of the horizontal field of view such as 60deg. A file is JSON, YAML, a 3x3 matrix
-        as .txt, .npy or .mat, or COLMAP's cameras.txt. Default: camera.json next to the images or in a folder above
-        them. Without intrinsics, results in metres are left out.
+        such as kinect-v1, or a guess of the horizontal field of view such as 60deg. Supported files are JSON, YAML, a
+        3x3 matrix in a .txt, .npy or .mat file, and COLMAP's cameras.txt. Default: camera.json next to the images or in
+        a folder above them. Without intrinsics, results in metres are left out.
     preset
         Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
     depth_scale
@@ -67,7 +68,7 @@ def segment(
     roi
         Region of interest in pixels: first row, first column, last row + 1, last column + 1.
     roi_mask
-        Region of interest as an image. All pixels that are not black belong to the region of interest.
+        Image file that marks the region of interest: all pixels that are not black.
     roi_box
         Region of interest in metres in the camera's frame (X right, Y down, Z forward): minimum X Y Z, maximum X Y Z.
     check
@@ -75,10 +76,10 @@ def segment(
     max_pixels
         Maximum number of pixels of an image. A larger limit requires more memory, about 100 bytes for each pixel.
     ids
-        Give objects ids. An object keeps its id from frame to frame, also if the object is not found in up to 15
-        frames.
+        Give each object an id. An object keeps its id from frame to frame, even if the object is missing in up to 15
+        consecutive frames.
     frames
-        Number of frames after which the program stops, for cameras and recordings. Default: all.
+        Number of frames after which the program stops, for cameras and recordings. Default: all frames.
     out
         Output folder. With several frames, the results of each frame are in a subfolder.
 
@@ -166,12 +167,13 @@ def trace(
     Parameters
     ----------
     inputs
-        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`. Any
-        field of the preset is also a flag.
+        Source of the frame: a colour and a depth image, a folder with rgb.png and depth.png, a recording or a camera,
+        in the forms that `spigolo segment` accepts. Each field of the preset can also be set with a flag, such as
+        `--partition.gamma 0.004`.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset, as for `segment`.
+        Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     stages
@@ -179,7 +181,8 @@ def trace(
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     index
-        Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
+        Number of the frame in a folder, recording or data set. The first frame has the number 0. Default: the first
+        frame.
     out
         Output folder.
 
@@ -217,15 +220,17 @@ def doctor(
     Parameters
     ----------
     inputs
-        Colour and depth image, a folder with rgb.png and depth.png, a recording or a camera, as for `segment`.
+        Source of the frame: a colour and a depth image, a folder with rgb.png and depth.png, a recording or a camera,
+        in the forms that `spigolo segment` accepts.
     camera
-        Intrinsics, as for `segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     index
-        Number of the frame in a folder, recording or data set, from 0. Default: the first frame.
+        Number of the frame in a folder, recording or data set. The first frame has the number 0. Default: the first
+        frame.
 
     """
     with opened(inputs, camera, depth_scale, max_pixels, quiet=True) as source:

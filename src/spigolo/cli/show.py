@@ -86,7 +86,7 @@ def print_without_intrinsics(without: int, count: int) -> None:
 
 
 def print_diagnosis(diagnosis: Diagnosis) -> None:
-    """Print one line for each finding of a diagnosis, and then the checks for which the frame lacks evidence."""
+    """Print one line for each finding of a diagnosis, and then the checks that are not possible with this frame."""
     marks = {"ok": "[green]ok     [/]", "note": "[cyan]note   [/]", "warning": "[bold red]warning[/]"}
     console = Console(highlight=False, soft_wrap=True)
     for finding in diagnosis.findings:

@@ -29,12 +29,12 @@ def tune(
     Parameters
     ----------
     inputs
-        Colour and depth images, folders, a recording or a camera, as for `spigolo segment`. Any field of the preset is
-        also a flag.
+        Source of the frames: colour and depth images, folders, a recording or a camera, in the forms that `spigolo
+        segment` accepts. Each field of the preset can also be set with a flag, such as `--partition.gamma 0.004`.
     camera
-        Intrinsics of the camera, as for `spigolo segment`.
+        Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
-        Preset to start from, as for `spigolo segment`.
+        Preset to start from: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value in the camera file.
     port

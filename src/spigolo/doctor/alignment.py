@@ -1,7 +1,7 @@
 """Check that depth is aligned with colour. At a depth step, colour usually changes too.
 
-Depth contours are the near sides of depth steps. For every shift of the contours, the colour gradient under the
-contours is averaged. In an aligned frame, the average is largest without a shift.
+Depth contours are the near sides of depth steps. The contours are shifted over the colour image, and for every shift
+the mean colour gradient at the contour pixels is computed. In an aligned frame, this mean is largest without a shift.
 """
 
 from __future__ import annotations
@@ -21,44 +21,50 @@ ALIGNMENT = "alignment"
 ELSEWHERE = "To check the alignment, run the doctor on a frame with boxes in front of a background of another colour"
 SEARCH_PX = 24
 TOLERANCE_PX = 4
-"""Maximum shift between depth and colour that is harmless, in pixels. The detection of object boundaries samples depth
-5 px from an image edge, on both sides of the edge.
+"""Maximum shift between depth and colour that does no harm, in pixels. The shift must be smaller than 5 px. The
+detection of object boundaries compares depth at a distance of 5 px from an image edge, on both sides of the edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
 """Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
 judged.
 """
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
-"""Minimum of `Fit.score` and minimum of `Fit.peak`. With a smaller score or peak, alignment cannot be judged."""
+"""Minimum of `Fit.score` (`MIN_CONTRAST`) and minimum of `Fit.peak` (`MIN_PEAK`). If the score or the peak is smaller,
+the alignment of depth and colour cannot be judged.
+"""
 SHIFTED = 0.95
-"""Minimum ratio of the score without shift to the best score. A frame with a smaller ratio is reported as shifted."""
+"""Minimum of `Fit.unshifted` divided by `Fit.score`. If the quotient is smaller, depth is reported as shifted against
+colour.
+"""
 MIRRORED = 0.8
-"""Minimum ratio of the score of unmirrored contours to the score of mirrored contours. A frame with a smaller ratio is
-reported as mirrored.
+"""Minimum of the score of the contours as they are, divided by the score of the mirrored contours. If the quotient is
+smaller, depth is reported as mirrored.
 """
 
 STEP_OFFSET_PX = 2
 STEP_M, STEP_PER_M = 0.02, 0.012
-"""Minimum depth step at a contour: max(STEP_M, STEP_PER_M * depth^2), in metres."""
+"""A depth contour requires a depth step of more than max(STEP_M, STEP_PER_M * depth^2) metres."""
 MAX_SHADOW_PX = 60
 GRADIENT_SIGMA_PX, AROUND_PX = 1.2, 33
 FLAT_GRADIENT = 2.0
-"""Colour gradient below which differences count as noise, in grey levels per pixel."""
+"""Constant, in grey levels per pixel, that is added to the mean gradient around a pixel before the division. Image
+noise in areas of uniform colour therefore has little weight.
+"""
 MAX_GRADIENT = 3.0
-"""Maximum of a colour gradient, as a multiple of the mean gradient around the pixel. The maximum limits the influence
-of single strong image edges.
+"""Colour gradients are limited to this multiple of the mean gradient around the pixel, so that a few strong image edges
+do not decide the result.
 """
 
 TURNS = {"mirrored left to right": (1,), "upside down": (0, 1), "mirrored top to bottom": (0,)}
-"""Image axes that are reversed in each kind of mirrored depth."""
+"""Kinds of mirrored depth, and the array axes (0 = rows, 1 = columns) whose order is reversed in each kind."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
     """Best shift of the depth contours (dx_px, dy_px), and the mean colour gradient under the shifted contours (score).
 
-    peak: score minus the mean score of all shifts, in standard deviations. unshifted: best score of the shifts up to
-    `TOLERANCE_PX`.
+    peak: difference between the score and the mean score of all shifts, divided by the standard deviation of these
+    scores. unshifted: best score among the shifts of at most `TOLERANCE_PX`.
     """
 
     dx_px: int
@@ -123,11 +129,11 @@ def _not_registered(fit: ScaleFit) -> Finding:
 
 
 def depth_contours(depth: DepthMap) -> Pair:
-    """Return two maps (H, W) that are 1 on the near side of depth steps along x and along y, and 0 elsewhere. Pixels
-    near the image border are 0.
+    """Return two maps (H, W), one for depth steps along x and one for depth steps along y. A map is 1 on the near side
+    of a depth step, and 0 elsewhere. Pixels near the image border are 0.
 
-    Shadows are first filled with the depth of the background. The near side of a step must be flat, so that a slanted
-    surface is not taken for a step.
+    Shadows are first filled with the depth of the background. A depth step counts only if its near side is flat. A
+    slanted surface therefore does not count as a step.
     """
     limit = np.maximum(np.float32(STEP_M), np.float32(STEP_PER_M) * depth * depth)
     pair = []
@@ -151,8 +157,8 @@ def count_contours(contours: Pair) -> int:
 
 
 def color_gradients(color: Color) -> Pair:
-    """Return colour gradients (H, W) along x and along y, divided by the mean gradient around each pixel, with mean 0.
-    At each pixel, the colour channel with the largest gradient is used.
+    """Return the colour gradients (H, W) along x and along y. Each gradient is divided by the mean gradient around the
+    pixel. The mean of each map is 0. At each pixel, the colour channel with the largest gradient is used.
     """
     smooth = cv2.GaussianBlur(color, (0, 0), GRADIENT_SIGMA_PX)
     along_x, along_y = (
@@ -164,7 +170,9 @@ def color_gradients(color: Color) -> Pair:
 
 
 def best_shift(contours: Pair, gradients: Pair) -> Fit:
-    """Find the shift of the contours with the largest colour gradient, among all shifts up to 24 px in x and y."""
+    """Try all shifts of the contours up to 24 px in x and y. Return the shift with the largest mean colour gradient at
+    the contour pixels.
+    """
     inside = (slice(SEARCH_PX, -SEARCH_PX), slice(SEARCH_PX, -SEARCH_PX))
     sums = sum(
         np.asarray(cv2.matchTemplate(gradient, contour[inside], cv2.TM_CCORR))

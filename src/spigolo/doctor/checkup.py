@@ -28,14 +28,17 @@ WITHOUT_INTRINSICS = (
 )
 AFTER_UNIT = "not checked, because the unit of depth is probably wrong"
 BORDER = 0.1
-"""Minimum share of missing depth at the image border that is reported with the advice on the cost function."""
+"""If holes that reach the image border cover more than this share of the frame, the advice on the cost function
+mentions the share.
+"""
 
 
 def diagnose(frame: Frame) -> Diagnosis:
     """Run all checks on a frame and return the findings, without printing. The checks take about 0.3 s for 640x480
     pixels.
 
-    A check without enough evidence returns a note. If a frame has no depth, the checks that need depth are left out.
+    A check that is not possible with this frame returns a note. If a frame has no depth, the checks that need depth are
+    left out.
     """
     check_frame(frame)
     camera: Camera | None = frame.camera

@@ -7,8 +7,8 @@ from enum import Enum
 
 
 class Severity(str, Enum):
-    """Severity of a finding. OK: as expected. NOTE: useful information, or a check without enough evidence. WARNING: a
-    fault to fix.
+    """Severity of a finding. OK: as expected. NOTE: useful information, or a check that is not possible with this
+    frame. WARNING: a fault to fix.
     """
 
     OK = "ok"
@@ -20,15 +20,15 @@ class Severity(str, Enum):
 class Finding:
     """Result of one check.
 
-    check: name of the check. sentence: result as text. A warning contains the expected value, the found value and how
-    to fix the fault.
+    check: name of the check. sentence: result of the check as text. The text of a warning states the expected value,
+    the found value and how to fix the fault.
     """
 
     check: str
     severity: Severity
     sentence: str
     judged: bool = True
-    """False if the frame has not enough evidence for the check."""
+    """False if the check is not possible with this frame, for example because the frame has no large plane."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Diagnosis:
 
     @property
     def unjudged(self) -> tuple[Finding, ...]:
-        """Return the findings of the checks without enough evidence."""
+        """Return the findings of the checks that were not possible with this frame."""
         return tuple(f for f in self.findings if not f.judged)
 
     @property
@@ -62,7 +62,9 @@ def fine(check: str, sentence: str) -> Finding:
 
 
 def note(check: str, sentence: str, *, judged: bool = True) -> Finding:
-    """Return a finding with the severity NOTE. judged: False if the frame has not enough evidence for the check."""
+    """Return a finding with the severity NOTE. judged: False if the check is not possible with this frame, for example
+    because the frame has no large plane.
+    """
     return Finding(check, Severity.NOTE, sentence, judged)
 
 

@@ -1,7 +1,7 @@
 """Check that the intrinsics are plausible for the camera of a frame.
 
 With a wrong focal length, planes stay planar, but the angles between planes change. Most objects on a table have
-upright sides. The check therefore searches for the focal length at which the largest number of surfaces is upright.
+upright sides. The check therefore tries many focal lengths and selects the one with which most surfaces are upright.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ FOCAL_LENGTH = "focal length"
 
 MAX_ASPECT = 0.05
 USUAL_SHARE = (0.7, 1.15)
-"""Range of the focal length divided by the image width for most RGB-D cameras. Examples: Kinect v1 and Xtion 0.82 to
-0.9, RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
+"""Minimum and maximum of focal length / image width for most RGB-D cameras. Examples: Kinect v1 and Xtion 0.82 to 0.9,
+RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
 """
 KNOWN_WIDE = (
     (16 / 9, 0.473, "Azure Kinect"),
@@ -31,40 +31,38 @@ KNOWN_WIDE = (
     (4 / 3, 0.60, "RealSense D405, D455 or depth of D435"),
     (16 / 9, 0.585, "Orbbec Femto Bolt"),
 )
-"""Cameras outside `USUAL_SHARE`, as tuples: image width / height, focal length / image width, and names of the
-cameras.
+"""Cameras whose focal length is outside of `USUAL_SHARE`. Each tuple contains image width / height, focal length /
+image width, and the names of the cameras.
 """
 KNOWN_WITHIN = 0.03
 POSSIBLE_SHARE = (0.42, 1.3)
-"""Range of the focal length divided by the image width for all RGB-D cameras. An estimated focal length outside the
-range is ignored.
+"""Minimum and maximum of focal length / image width for all RGB-D cameras. An estimated focal length outside of these
+limits is ignored.
 """
 
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
 """Factors by which the focal length is multiplied in the search."""
 RIGHT_WITHIN = 1.25
-"""Maximum ratio of the estimated to the given focal length, or the inverse ratio, at which the given focal length is
-accepted. Slightly slanted surfaces make the estimate inaccurate.
+"""The given focal length is accepted if it differs from the estimated focal length by at most this factor, up or down.
+The estimate is inaccurate because some surfaces are slightly slanted.
 """
 MIN_TILT_DEG = 20.0
-"""Minimum angle between the viewing direction and the normal of the support plane, in degrees. If the camera looks down
-along the normal, upright sides stay upright with any focal length.
+"""Minimum angle between the viewing direction and the normal of the support plane, in degrees. At smaller angles the
+camera looks straight down, and upright sides look upright with any focal length.
 """
 UPRIGHT_COS = 0.07
-"""Maximum absolute cosine of the angle between a surface normal and the support's normal, at which the surface is
-upright. The limit means a tilt of 4 degrees.
+"""A surface is upright if the absolute cosine of the angle between its normal and the normal of the support plane is at
+most this value. The value 0.07 allows a tilt of 4 degrees.
 """
 MIN_UPRIGHT = 0.05
-"""Minimum share of the sampled surfaces outside the support plane that are upright with the best factor of `TRIED`.
-With a smaller share, the focal length cannot be judged.
+"""Minimum share of upright surfaces among the sampled surfaces, counted with the best factor of `TRIED`. With a smaller
+share, the focal length cannot be judged.
 """
 CLEAR = 2.0
-"""Minimum ratio of the numbers of upright surfaces at two focal lengths. With a smaller ratio, neither focal length is
-clearly better.
-"""
+"""One focal length is clearly better than another if it makes at least `CLEAR` times as many surfaces upright."""
 SURFACES, MIN_SURFACES, SEED = 15000, 2000, 7
 FLAT_M, FLAT_PER_M = 0.002, 0.003
-"""Maximum residual of a smooth surface from a local plane: max(FLAT_M, FLAT_PER_M * depth^2), in metres."""
+"""A surface is smooth if its depth differs from a local plane by at most max(FLAT_M, FLAT_PER_M * depth^2) metres."""
 
 Points = npt.NDArray[np.float64]
 
@@ -88,8 +86,8 @@ def check_intrinsics(camera: Camera) -> Finding:
 
 
 def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
-    """Check the focal length with the right angles in the scene. Without enough right angles, compare the focal length
-    with known cameras.
+    """Check the focal length by the right angles between the support plane and the sides of objects. If the scene has
+    too few right angles, compare the focal length with those of known cameras.
 
     filled: depth map (H, W) in metres, in which small gaps are in-painted.
     """
@@ -121,13 +119,12 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
 
 
 def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
-    """Return the factor by which the focal length must be multiplied so that the largest number of surfaces is upright.
+    """Return the factor by which the focal length must be multiplied so that most surfaces are upright.
 
-    The factor is 1 if focal lengths near the given one make `CLEAR` times as many surfaces upright as other focal
-    lengths.
+    The factor is 1 if focal lengths near the given focal length are clearly the best, as defined by `CLEAR`.
 
-    Returns None without enough evidence: no support plane, a view from above, few upright surfaces, or no clearly best
-    factor.
+    Returns None if the scene has no support plane, is seen straight from above, or has too few upright surfaces. Also
+    returns None if no factor is clearly the best.
     """
     support = find_support(filled, camera, Support())
     if support is None or np.degrees(np.arccos(min(abs(support.normal[2]), 1.0))) < MIN_TILT_DEG:
@@ -147,7 +144,8 @@ def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
 
 
 def count_upright(normals: Points, support: Points) -> npt.NDArray[np.intp]:
-    """Count the normals (N, 3) that are perpendicular to the support's normal (3,), for each factor in `TRIED`.
+    """For each factor in `TRIED`, count the normals (N, 3) that are perpendicular to the normal (3,) of the support
+    plane.
 
     If the focal length is multiplied by t, the normal (a, b, c) of a plane becomes (t a, t b, c).
     """

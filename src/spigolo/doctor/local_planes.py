@@ -1,4 +1,4 @@
-"""Planes that are fitted to the inverse depth in a window around every pixel.
+"""Planes that are fitted to the inverse depth in a square of pixels around every pixel.
 
 For a pinhole camera, the inverse depth 1 / Z of a plane is linear in pixel coordinates. The fits therefore need no
 intrinsics. The noise of 1 / Z is the noise of Z divided by Z^2.
@@ -23,7 +23,8 @@ Map = npt.NDArray[np.float64]
 class LocalPlanes:
     """Planes fitted to inverse depth, as maps (H, W): slopes in 1/(m px), mean and root-mean-square residual in 1/m.
 
-    whole: True if the window of a pixel has no missing depth. The other maps are valid only where `whole` is True.
+    whole: True at a pixel if the square of 7x7 pixels around it has no missing depth. The other maps are valid only
+    where `whole` is True.
     """
 
     slope_x: Map
@@ -40,7 +41,7 @@ class LocalPlanes:
 
 
 def fit_local_planes(depth: DepthMap) -> LocalPlanes:
-    """Fit a plane to inverse depth in a window of 7x7 pixels around each pixel, by least squares."""
+    """Fit a plane to the inverse depth in the square of 7x7 pixels around each pixel, by least squares."""
     size = 2 * RADIUS_PX + 1
     inverse = np.divide(1.0, depth, out=np.zeros(depth.shape), where=depth > 0)
     whole = cv2.erode((depth > 0).astype(np.uint8), np.ones((size, size), np.uint8), borderValue=0) > 0

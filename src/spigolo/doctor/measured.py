@@ -15,13 +15,17 @@ from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 MISSING, UNIT, REACH = "missing depth", "depth unit", "reach of depth"
 
 FEW_BEYOND = 0.001
-"""Minimum share of pixels with depth that no camera measures, at which a warning is given instead of a note."""
+"""If at least this share of the pixels has a depth that no camera can measure, a warning is given. If the share is
+smaller, a note is given.
+"""
 
 FEW_VALID = 0.02
-"""Minimum share of measured pixels in a frame. With a smaller share, a warning is given."""
+"""Minimum share of pixels with measured depth in a frame. With a smaller share, a warning is given."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
-"""Minimum share of pixels in sampling holes, which are one or two pixels wide, that is reported."""
+"""Sampling holes are gaps in depth that are one or two pixels wide. Sampling holes are reported if they contain more
+than this share of the pixels.
+"""
 
 SCALES = {
     0.001: "stored millimetres",
@@ -32,33 +36,37 @@ SCALES = {
 }
 """Common depth units of cameras and data sets, in metres per unit."""
 PLAUSIBLE = math.log(3.0)
-"""Maximum absolute logarithm of a ratio, here of a factor 3. A depth unit is advised only if the ratio of the median
-depth in this unit to `TABLE_M` is within the limit.
+"""A depth unit is advised only if it makes the median depth similar to `TABLE_M`. The median depth in the advised unit
+may differ from `TABLE_M` by a factor of less than 3, stored here as a logarithm.
 """
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
-"""Minimum working distance of a RealSense D405 and its depth unit, both in metres."""
+"""CLOSEST_M: minimum working distance of a RealSense D405, in metres. CLOSE_UNIT_M: depth unit of this camera, in
+metres.
+"""
 SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
-"""Range of plausible median depths of a frame, in metres. A median depth outside the range gives a warning, or a note
-for a close-range camera.
+"""Minimum and maximum plausible median depth of a frame, in metres. Other median depths give a warning, or a note if
+the camera may be a close-range camera.
 """
 TABLE_M = 0.8
-"""Typical distance of a table, in metres. The advice on a wrong depth unit assumes this median depth."""
+"""Typical distance of a table from the camera, in metres. The advice on a wrong depth unit assumes that the median
+depth is near this value.
+"""
 COARSE_UNIT_M = 0.004
-"""Minimum depth unit at which a warning is given, in metres. Cameras store depth in units of 0.1 to 1 mm, and some
-drivers in 2 mm.
+"""If the unit of the stored depth is at least this large, in metres, a warning is given. Cameras store depth in units
+of 0.1 to 1 mm, and some drivers in units of 2 mm.
 """
 FINEST_TICK_M = 1e-4
 ROOM_M = 3.0
 FINE_NOISE_PER_M = 2.5e-4
-"""Minimum depth noise of a real camera per squared distance, 1/m. If a frame with a median depth above `ROOM_M` has
-less noise, a warning about the depth unit is given.
+"""Minimum of the depth noise of a real camera divided by the squared distance, in 1/m. If a frame with a median depth
+above `ROOM_M` has less noise, a warning about the depth unit is given.
 """
 
 
 def check_negative(frame: Frame) -> Finding:
-    """Check that no depth is negative. Negative values come from a subtraction, a wrong integer type or a wrong
-    axis.
+    """Check that no depth is negative. Negative values can result from a subtraction, a wrong integer type or a wrong
+    coordinate axis.
     """
     if frame.negative_depth:
         return warning(
@@ -110,9 +118,9 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
 
 
 def check_unit(frame: Frame, filled: DepthMap) -> Finding:
-    """Check that depth is in metres, by the median depth, the stored unit and the noise.
+    """Check that depth is in metres. The check judges the median depth, the unit of the stored values and the noise.
 
-    filled: depth map (H, W) in metres, in which small gaps are in-painted. The noise is measured in this map.
+    filled: depth map (H, W) in metres, in which small gaps are in-painted. The noise is measured in `filled`.
     """
     depth = frame.depth
     median = float(np.median(depth[depth > 0]))
@@ -160,7 +168,7 @@ def unit_advice(median_m: float, unit_m: float | None) -> str:
 
 
 def guess_factor(median_m: float) -> float:
-    """Return the power of ten by which a median depth must be multiplied to be closest to `TABLE_M`."""
+    """Return the power of ten that, multiplied by the median depth, gives the value closest to `TABLE_M`."""
     return float(10.0 ** np.round(np.log10(TABLE_M / median_m)))
 
 
@@ -190,10 +198,11 @@ def stored_unit_m(depth: DepthMap) -> float:
 
 
 def noise_per_m(filled: DepthMap) -> float | None:
-    """Return the depth noise per squared distance on smooth surfaces, 1/m. None if no window has complete depth.
+    """Return the depth noise on smooth surfaces, divided by the squared distance, in 1/m. The result is None if every
+    square of 7x7 pixels contains missing depth.
 
-    Depth noise per squared distance is nearly constant for a sensor. If depth is ten times too large, the result is ten
-    times too small.
+    For one sensor, depth noise divided by the squared distance is nearly constant. If all depth values are ten times
+    too large, the result is ten times too small.
     """
     planes = fit_local_planes(filled)
     return float(np.percentile(planes.residual[planes.whole], 25)) if planes.whole.any() else None

@@ -1,5 +1,5 @@
-"""Checks of planes: planes are flat, and one plane faces up. Planes look curved if depth is the distance along the ray
-or raw disparity instead of Z.
+"""Check that planes in the scene are flat, and that one plane faces up. Planes look curved if the depth map contains
+distances along the rays, or raw disparity, instead of Z coordinates.
 """
 
 from __future__ import annotations
@@ -15,34 +15,35 @@ from spigolo.settings.presets import OBJECTS
 PLANARITY, SUPPORT = "depth along Z", "support plane"
 
 NEAR_M, NEAR_PER_M = 0.004, 0.003
-"""Maximum distance of a pixel from a plane, to count as on the plane: max(NEAR_M, NEAR_PER_M * distance^2), in
-metres.
-"""
+"""A pixel lies on a plane if its point is at most max(NEAR_M, NEAR_PER_M * depth^2) metres from the plane."""
 DOWN = 0.5
-"""Minimum Y component of the normal of a plane that faces down, for a warning. A plane that faces sideways may be a
-wall and gives a note.
+"""A plane faces down, and gives a warning, if the Y component of its normal is larger than this value. A plane that
+faces sideways may be a wall and gives a note.
 """
 MORE = 1.15
-"""Minimum ratio for a warning that depth is the distance along the ray. The number of pixels on the largest plane with
-depth read as distance is divided by the number with depth read as Z.
+"""Limit for a warning that depth is the distance along the ray. The warning requires that this quotient is larger than
+the limit: pixels on the largest plane with depth read as distance, divided by those with depth read as Z.
 """
 MORE_RAW, MIN_RAW = 1.5, 0.3
-"""Limits for a warning that depth is raw disparity. MORE_RAW: minimum ratio of the number of pixels on the largest
-plane with depth read as disparity to the number with depth read as Z. MIN_RAW: minimum share of the measured pixels on
-this plane.
+"""Limits for a warning that depth is raw disparity. MORE_RAW: minimum of this quotient: pixels on the largest plane
+with depth read as disparity, divided by those with depth read as Z. MIN_RAW: minimum share of the measured pixels that
+lie on the largest plane if depth is read as disparity.
 """
 MIN_SHARE = 0.12
-"""Minimum share of the measured pixels on the largest plane. With a smaller share, the check has not enough
-evidence.
+"""Minimum share of the measured pixels that lie on the largest plane. If the share is smaller, the frame has no large
+plane, and the check cannot judge the depth.
 """
 RAW_KINECT = (-0.0030711016, 3.3309495161)
-"""Slope and offset of the linear function from the raw disparity of a Kinect v1 to inverse depth, 1/m."""
+"""Slope and offset of the linear function that converts the raw disparity of a Kinect v1 to inverse depth in 1/m."""
 LARGEST_RAW_M = 2.047
-"""Largest raw disparity of a Kinect v1 (11 bits), read as millimetres, in metres."""
+"""Largest raw disparity of a Kinect v1. The value is 2047, and reads as 2.047 m if disparity is mistaken for
+millimetres.
+"""
 
 
 def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
-    """Check if planes become flat when depth is read as distance along the ray, or as raw disparity of a Kinect v1.
+    """Check if depth is really the distance along the ray, or the raw disparity of a Kinect v1. With such depth, planes
+    become flat only after conversion to Z.
 
     filled: depth map (H, W) in metres, in which small gaps are in-painted.
     """

@@ -1,7 +1,7 @@
-"""Detection of depth that is not registered to colour. In this case, depth contours fit the image edges only after
-scaling about the image centre.
+"""Detection of depth that is not registered to colour. Without registration, depth contours lie on the image edges only
+after the contours are enlarged or reduced about the image centre.
 
-The scale differs from 1 because the focal lengths of the depth and the colour camera differ.
+The depth and the colour camera have different focal lengths, so objects have different sizes in the two images.
 """
 
 from __future__ import annotations
@@ -14,13 +14,15 @@ import numpy.typing as npt
 
 Map = npt.NDArray[np.float32]
 Pair = tuple[Map, Map]
-"""Two maps (H, W): vertical edges, which are compared along x, and horizontal edges, which are compared along y."""
+"""Two maps (H, W). The first map contains vertical edges (changes along x), the second map horizontal edges (changes
+along y).
+"""
 
 WIDTH_PX = 320
 """Width of the downscaled images that are compared, in pixels."""
 SEARCH_PX = 20
-"""Maximum shift in x and y that is tried with each scale, in pixels of the downscaled images. The distance between the
-depth camera and the colour camera causes a shift.
+"""Maximum shift in x and y that is tried with each scale, in pixels of the downscaled images. The shift is caused by
+the distance between the depth camera and the colour camera.
 """
 TRIED = np.exp(np.arange(np.log(0.86), np.log(1.9), 0.04))
 """Scales that are tried. A scale is the focal length of the colour camera divided by the focal length of the depth
@@ -31,19 +33,19 @@ MIN_SCORE, MAX_UNSCALED = 0.1, 0.82
 `ScaleFit.score`.
 """
 MIN_EVIDENCE, UNSCALED_COSTS = 2.45, 4.0
-"""Minimum of `ScaleFit.peak` - UNSCALED_COSTS * ratio for a clear result, where ratio is `ScaleFit.unscaled` /
-`ScaleFit.score`.
+"""A clear result requires that `ScaleFit.peak` - UNSCALED_COSTS * ratio is at least `MIN_EVIDENCE`. The ratio is
+`ScaleFit.unscaled` / `ScaleFit.score`.
 """
 SAME = 0.07
-"""Maximum absolute logarithm of a scale that counts as 1, which means unscaled."""
+"""A scale counts as 1 (no scaling) if the absolute value of its natural logarithm is at most this limit."""
 
 
 @dataclass(frozen=True, slots=True)
 class ScaleFit:
     """Best scale of the depth contours about the image centre, and the shift after scaling, in pixels.
 
-    score: mean colour gradient under the scaled contours. unscaled: best score without scaling. peak: score minus the
-    mean over all scales and shifts, in standard deviations.
+    score: mean colour gradient under the scaled contours. unscaled: best score without scaling. peak: difference
+    between the score and the mean score of all scales and shifts, divided by the standard deviation of these scores.
     """
 
     scale: float
@@ -55,15 +57,17 @@ class ScaleFit:
 
     @property
     def is_clear(self) -> bool:
-        """Return True if the best scale fits much better than the scale 1 and all other scales."""
+        """Return True if the best scale matches contours and image edges much better than the scale 1 and than all
+        other scales.
+        """
         share = self.unscaled / max(self.score, MIN_SCORE)
         evident = self.peak - UNSCALED_COSTS * share >= MIN_EVIDENCE
         return self.score >= MIN_SCORE and share < MAX_UNSCALED and evident
 
 
 def best_scale(contours: Pair, gradients: Pair) -> ScaleFit:
-    """Find the scale and the shift of the contours with the largest colour gradient. contours, gradients: results of
-    `depth_contours` and `color_gradients`.
+    """Find the scale and the shift of the contours for which the mean colour gradient at the contour pixels is largest.
+    contours, gradients: results of `depth_contours` and `color_gradients`.
     """
     height, width = contours[0].shape
     shrink = max(width / WIDTH_PX, 1.0)

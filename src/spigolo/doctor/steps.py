@@ -1,4 +1,6 @@
-"""Check for coarse depth. Whole-pixel disparity or 8-bit depth leaves wide gaps between the depth values of a frame."""
+"""Check for coarse depth. If disparity is measured in whole pixels, or depth is stored with 8 bits, the depth values of
+a frame are far apart.
+"""
 
 from __future__ import annotations
 
@@ -15,29 +17,29 @@ STEPS = "depth steps"
 TICK_M = 1e-4
 """Resolution to which depth values are rounded, in metres."""
 GAP_PER_M = 4e-3
-"""Half the width of the window around a depth value per squared distance, 1/m. Depth steps per squared distance are
-2.9e-3 1/m for a Kinect v1, and at least 1.6e-2 1/m for whole-pixel disparity.
+"""Two depth values are similar if they differ by at most GAP_PER_M * depth^2. The steps between depth values, divided
+by depth^2, are 2.9e-3 1/m for a Kinect v1, and at least 1.6e-2 1/m for whole-pixel disparity.
 """
 GAP_UNITS = 2.5
-"""Minimum of half the width of the window around a depth value, in units of the stored depth. The window then contains
-the neighbouring values at one unit, so that steps of one unit are not reported.
+"""Two depth values are also similar if they differ by at most this many units of the stored depth. Steps of one unit
+are therefore never reported.
 """
 ALONE = 0.8
-"""Minimum share, at which depth is reported as coarse. For each pixel, the number of pixels with exactly the same depth
-is divided by the number of pixels with a similar depth. The compared share is the median over all pixels.
+"""Depth is reported as coarse if at least this share of the pixels with similar depth have exactly the same depth. The
+share is computed for the depth of each pixel, and the median over all pixels is compared with the limit.
 """
 FEWEST = 8
-"""Minimum number of different depth values in a frame. With fewer values, the check has not enough evidence."""
+"""Minimum number of different depth values in a frame. With fewer values, the depth steps cannot be judged."""
 SATURATED_SHARE = 0.005
-"""Minimum share of the frame's pixels with the largest depth value, for the value to be reported."""
+"""The largest depth value is reported only if at least this share of the frame's pixels has this value."""
 SATURATED_RATIO = 1.4
-"""Minimum ratio of the largest depth value to the next smaller value, for the value to be reported."""
+"""The largest depth value is reported only if it is at least this many times the second largest value."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Levels:
-    """Different depth values of a frame in ascending order, in ticks of `TICK_M`, and the number of pixels with each
-    value.
+    """Different depth values of a frame in ascending order, as multiples of `TICK_M` (ticks), and the number of pixels
+    with each value.
     """
 
     ticks: npt.NDArray[np.int64]
@@ -45,7 +47,7 @@ class Levels:
 
     @property
     def unit(self) -> int:
-        """Return the greatest common divisor of the depth values, in ticks."""
+        """Return the greatest common divisor of the depth values, as a multiple of `TICK_M`."""
         return int(np.gcd.reduce(self.ticks)) if self.ticks.size else 1
 
 
@@ -74,8 +76,8 @@ def check_steps(depth: DepthMap) -> Finding:
 
 
 def check_saturated(depth: DepthMap) -> Finding:
-    """Check if many pixels have the same depth, far beyond all other depths. The value is then probably a code for
-    missing depth.
+    """Check if many pixels have the same depth value, and if this value is much larger than all other depth values.
+    Such a value is probably a code for missing depth.
     """
     levels = levels_of(depth)
     if levels.ticks.size >= FEWEST:
@@ -92,8 +94,8 @@ def check_saturated(depth: DepthMap) -> Finding:
 
 
 def _alone(levels: Levels) -> float:
-    """Return the median over all pixels of the number of pixels with equal depth divided by the number of pixels with
-    similar depth.
+    """For each pixel, divide the number of pixels with equal depth by the number of pixels with similar depth. Return
+    the median of this quotient over all pixels.
     """
     half = np.maximum(GAP_PER_M * TICK_M * levels.ticks.astype(np.float64) ** 2, GAP_UNITS * levels.unit)
     total = np.concatenate([[0], np.cumsum(levels.counts)])
@@ -105,8 +107,8 @@ def _alone(levels: Levels) -> float:
 
 
 def _gap_m(levels: Levels, middle: int) -> float:
-    """Return the mean difference, m, between the depth value at index `middle` and its neighbours among the frequent
-    depth values, which occur at least 0.1 times as often.
+    """Return the mean distance, in metres, from the depth value at index `middle` to the next smaller and the next
+    larger frequent value. A value is frequent if it occurs at least 0.1 times as often as the value at `middle`.
     """
     common = np.nonzero(levels.counts >= 0.1 * levels.counts[middle])[0]
     place = int(np.searchsorted(common, middle))

@@ -4,11 +4,11 @@
     sp.export.contact_graspnet(result, "scene.npz")  # depth, K, rgb, segmap
     sp.export.coco([result], "instances.json")
 
-| function | format | for |
+| function | format | programs that read it |
 |---|---|---|
 | `labels` | 16-bit PNG | any program |
-| `coco` | COCO instances, JSON | CVAT, Label Studio, FiftyOne, training |
-| `yolo` | YOLO segmentation, text | training |
+| `coco` | COCO instances, JSON | CVAT, Label Studio, FiftyOne, training programs |
+| `yolo` | YOLO segmentation, text | training programs |
 | `bop` | BOP results, JSON | the BOP toolkit |
 | `sam` | records of SAM's mask generator | code written for SAM |
 | `detections` | `supervision.Detections` | supervision |

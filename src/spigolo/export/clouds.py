@@ -43,8 +43,8 @@ def ply(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> 
     """Write a point cloud `object_N.ply` for each object N and return the paths. Raises CameraError without
     intrinsics.
 
-    trim_m: maximum distance of a point outside the oriented box, in metres, as for `points_m`. Points farther outside
-    are left out.
+    trim_m: maximum distance, in metres, of a point from the oriented box of its object. Points farther from the box are
+    left out.
     """
     return [
         _write(Path(folder) / f"object_{o.label}.ply", PLY_HEADER, o, _records(points, PLY_POINT, colors))
@@ -56,8 +56,8 @@ def pcd(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> 
     """Write a point cloud `object_N.pcd` for each object N and return the paths. Raises CameraError without
     intrinsics.
 
-    trim_m: maximum distance of a point outside the oriented box, in metres, as for `points_m`. Points farther outside
-    are left out.
+    trim_m: maximum distance, in metres, of a point from the oriented box of its object. Points farther from the box are
+    left out.
     """
     shifts = np.array([16, 8, 0], np.uint32)
     return [

@@ -34,7 +34,8 @@ def contact_graspnet(result: Segmentation, path: PathLike) -> None:
 
 
 def workspace_mask(result: Segmentation, path: PathLike) -> None:
-    """Write the mask of all objects as a 1-bit PNG, the `workspace_mask.png` of GraspNet and AnyGrasp.
+    """Write one mask that contains all objects as a 1-bit PNG, as the grasp planners GraspNet and AnyGrasp read it from
+    `workspace_mask.png`.
 
     PIL reads a 1-bit PNG as a boolean array.
     """

@@ -24,7 +24,8 @@ def labels(result: Segmentation, path: PathLike) -> None:
 def yolo(result: Segmentation, path: PathLike) -> None:
     """Write the object outlines as YOLO segmentation text, one line `0 x1 y1 x2 y2 ...` for each object.
 
-    Coordinates are divided by the image size. If an object has several outlines, only the largest outline is written.
+    The x coordinates are divided by the image width, and the y coordinates by the image height. If an object has
+    several outlines, only the largest outline is written.
     """
     height, width = result.labels.shape
     outlines = (_outline(o) / (width, height) for o in result)
@@ -33,8 +34,8 @@ def yolo(result: Segmentation, path: PathLike) -> None:
 
 
 def _outline(o: ObjectMask) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """Return the largest outline (N, 2) of an object in pixels (x, y). The left end of the image is x = 0, and the
-    upper end is y = 0.
+    """Return the largest outline (N, 2) of an object in pixels (x, y). The left border of the image is at x = 0, and
+    the upper border is at y = 0.
     """
     found, _ = cv2.findContours(o.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     return np.asarray(max(found, key=cv2.contourArea)[:, 0], np.float64) + 0.5

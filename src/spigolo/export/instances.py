@@ -61,7 +61,8 @@ def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -
     Scene and image numbers are taken from the frame's name "SCENE/IMAGE". The field `time` is -1, which means not
     measured.
 
-    category_id: category number of all objects. Raises FrameError if a frame's name does not have the form SCENE/IMAGE.
+    category_id: category number that is written for every object. Raises FrameError if a frame's name does not have the
+    form SCENE/IMAGE.
     """
     records = []
     for result in results:
@@ -88,8 +89,8 @@ def box_xywh(o: ObjectMask) -> list[int]:
 
 
 def run_lengths(mask: Mask) -> dict[str, Any]:
-    """Return COCO's uncompressed run lengths of a mask (H, W), column by column. The first run counts pixels outside
-    the mask.
+    """Return COCO's uncompressed run lengths of a mask (H, W), column by column. The first run length is the number of
+    pixels outside the mask before the first mask pixel.
     """
     flat = np.concatenate([[False], mask.ravel(order="F"), [False]])
     if flat.size == 2:

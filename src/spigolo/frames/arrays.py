@@ -15,11 +15,11 @@ from spigolo.errors import FileError
 PathLike = str | os.PathLike[str]
 Array = npt.NDArray[Any]
 MAX_UNPACKED = 2 << 30
-"""Maximum size in bytes of the unpacked arrays of a .npz file, because the arrays of a small file can exceed the
-available memory.
+"""Maximum size in bytes of all arrays of a .npz file after decompression. Without this limit, a small compressed file
+could fill the memory.
 """
 ALONE = ""
-"""Name of the only array of a .npy file."""
+"""Name under which the array of a .npy file is returned, because such a file stores no name."""
 
 
 def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
@@ -45,8 +45,8 @@ def _check_unpacked(stored: Any) -> None:
 
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:
-    """Return the first array with one of the names, or the only array of the file. Raises FileError if the file has
-    several arrays and none of them has such a name.
+    """Return the first array that has one of the given names, or the only array of the file. Raises FileError if the
+    file has several arrays, but none with a given name.
     """
     lower = {name.lower(): array for name, array in arrays.items()}
     found = next((lower[name] for name in names if name in lower), None)

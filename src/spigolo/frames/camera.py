@@ -1,6 +1,6 @@
 """Pinhole cameras: intrinsics, fields of view, scaling and undistortion.
 
-Pixel centres have integer coordinates, so that an image of width W reaches from -0.5 to W - 0.5.
+Pixel centres have integer coordinates. In x, an image of width W therefore reaches from -0.5 to W - 0.5.
 """
 
 from __future__ import annotations
@@ -20,26 +20,30 @@ from spigolo.frames.nominal import NOMINAL
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
 """Valid numbers of OpenCV's distortion coefficients k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y."""
 LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
-"""Minimum focal length, and maximum of focal lengths and principal-point coordinates, in pixels."""
+"""LEAST_FOCAL_PX: minimum focal length in pixels. MOST_PX: maximum focal length and maximum coordinate of the principal
+point, in pixels.
+"""
 MAX_SKEW = 1e-3
-"""Maximum skew of the camera matrix K, relative to fx, that is treated as a rounding error."""
+"""A skew of the camera matrix K counts as a rounding error if skew / fx is at most this limit."""
 MAX_ASPECT_CHANGE = 0.01
-"""Maximum relative difference of two aspect ratios that count as equal, such as 848:480 and 16:9."""
+"""Two aspect ratios count as equal if their relative difference is at most this limit. For example, 848:480 counts as
+equal to 16:9.
+"""
 LEAST_FOCAL_SHARE = 0.05
 """Minimum focal length as a share of the image width. A focal length of 5 % of the image width means a field of view of
 169 degrees.
 """
 LEAST_WIDTH = 16
-"""Minimum image width, px, for the check of the field of view. Narrower images, which are usually crops, are not
-checked.
+"""Minimum image width in pixels for which the field of view is checked. Narrower images, which are usually crops, are
+not checked.
 """
 FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Camera:
-    """Pinhole intrinsics in pixels of the colour camera, to whose image the depth map is registered. Raises CameraError
-    for invalid values.
+    """Pinhole intrinsics of the colour camera, in pixels. The depth map is registered to the image of this camera.
+    Raises CameraError for invalid values.
     """
 
     fx: float
@@ -47,16 +51,16 @@ class Camera:
     fy: float
     """Focal length in y, in pixels."""
     cx: float
-    """Principal point in x, in pixels. The centre of the first pixel has the coordinate 0."""
+    """The x coordinate of the principal point, in pixels. The centre of the leftmost pixel has x = 0."""
     cy: float
-    """Principal point in y, in pixels. The centre of the first pixel has the coordinate 0."""
+    """The y coordinate of the principal point, in pixels. The centre of the topmost pixel has y = 0."""
     width: int
     """Image width, in pixels."""
     height: int
     """Image height, in pixels."""
     distortion: tuple[float, ...] = ()
-    """Distortion coefficients k1 k2 p1 p2 k3 ... of OpenCV, either 4, 5, 8, 12 or 14 numbers. The tuple is empty
-    without distortion.
+    """Distortion coefficients k1 k2 p1 p2 k3 ... of OpenCV, either 4, 5, 8, 12 or 14 numbers. The tuple is empty if the
+    camera has no distortion.
     """
 
     def __post_init__(self) -> None:
@@ -151,7 +155,9 @@ class Camera:
         )
 
     def scaled(self, width: int, height: int) -> Camera:
-        """Return the camera of the same image after the image is resized to width x height pixels, without a crop."""
+        """Return the intrinsics that are valid after the image has been resized to width x height pixels without
+        cropping.
+        """
         x, y = width / self.width, height / self.height
         cx, cy = (self.cx + 0.5) * x - 0.5, (self.cy + 0.5) * y - 0.5
         return Camera(self.fx * x, self.fy * y, cx, cy, width, height, self.distortion)
@@ -249,5 +255,5 @@ def shortened(value: Any) -> str:
 
 
 def kernel_numbers(camera: Camera | None) -> tuple[float, float, float, float]:
-    """Return the intrinsics (fx, fy, cx, cy) of a camera for kernels, or placeholder numbers without a camera."""
+    """Return the intrinsics (fx, fy, cx, cy) of a camera for kernels, or placeholder numbers if the camera is None."""
     return (1.0, 1.0, 0.0, 0.0) if camera is None else (camera.fx, camera.fy, camera.cx, camera.cy)

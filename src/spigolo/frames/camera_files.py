@@ -42,14 +42,14 @@ COLMAP = {
     "OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"),
     "FULL_OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
 }
-"""Names of the parameters of COLMAP's camera models, for the models whose distortion OpenCV can remove."""
+"""For each COLMAP camera model whose distortion OpenCV can remove: the names of the model's parameters."""
 
 
 def read_camera(
     path: PathLike, width: int | None = None, height: int | None = None, *, image: str | None = None
 ) -> tuple[Camera, float | None]:
-    """Return the camera in a camera file, and the depth scale in metres per unit, or None if the file has no depth
-    scale.
+    """Read a camera file. Return the camera and the depth scale in metres per unit. The second value is None if the
+    file has no depth scale.
 
     The following formats are supported:
 
@@ -204,8 +204,8 @@ def _mat(path: PathLike) -> Mapping[str, Any]:
 
 
 def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
-    """Return named arrays as the fields of a camera. If no array has a known name, the only array with 4, 9, 12 or 16
-    numbers is the camera matrix.
+    """Convert named arrays to camera fields, such as a camera matrix and a depth scale. If no array has a known name,
+    the only array with 4, 9, 12 or 16 numbers is the camera matrix.
     """
     lower = {name.lower(): name for name in MATRIX_NAMES}
     named = {lower.get(name.lower(), name): value for name, value in arrays.items()}

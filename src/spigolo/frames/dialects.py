@@ -1,4 +1,6 @@
-"""Search for the fields of the colour camera in files that nest, prefix or repeat camera fields."""
+"""Search for the fields of the colour camera in files in which camera fields are nested, have a prefix, or occur
+several times.
+"""
 
 from __future__ import annotations
 
@@ -27,8 +29,8 @@ SHARED = ("depth_scale", "factor_depth", "width", "height")
 
 
 def own_fields(values: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return the fields of the colour camera, or of the only camera, in `values`. Raises CameraError if several cameras
-    differ.
+    """Return the fields of the colour camera, or of the only camera, in `values`. Raises CameraError if `values`
+    contains several different cameras.
     """
     values = _without_prefix(values)
     if is_camera(values):

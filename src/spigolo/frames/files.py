@@ -48,7 +48,7 @@ __all__ = [
 
 
 NEARBY = "nearby"
-"""Value of `camera` in `read_frame`: the camera file is searched for near the images."""
+"""Value for the argument `camera` of `read_frame`. With this value, the camera file is searched for near the images."""
 
 
 def read_frame(
@@ -63,7 +63,8 @@ def read_frame(
     """Read a frame from a colour image, a depth image and a camera file. The depth image is a lossless image, such as a
     16-bit PNG, or an array file.
 
-    - camera: a camera file (`read_camera`), or any form that `as_camera` takes. None if the intrinsics are not known. A
+    - camera: a camera file (`read_camera`), or any form that `as_camera` accepts. Give None if the intrinsics are
+      unknown. A
       string is a file name if the file exists or the string has the suffix of a camera file. Otherwise the string is a
       camera name. By default, the camera file next to the colour image or in a parent folder is read, such as
       camera.json.
@@ -96,8 +97,8 @@ def read_frame(
 
 
 def find_camera(color: Path) -> Path:
-    """Return the camera file for a colour image, from its folder or the two folders above. Raises FileError if there is
-    no camera file.
+    """Return the camera file that belongs to a colour image. The file is searched for in the folder of the image and in
+    the two folders above. Raises FileError if there is no camera file.
     """
     found = camera_for(color.parent, color.parent.parent if color.parent.name in COLOR_NAMES else color.parent)
     if found is None:
@@ -113,8 +114,8 @@ def _name_of(color: Path) -> str:
 
 
 def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tuple[Camera | None, float | None]:
-    """Convert a camera in any form that `read_frame` accepts to a `Camera` and a depth scale. An unknown camera or
-    scale is None.
+    """Convert a camera in any form that `read_frame` accepts to a `Camera` and a depth scale. If the camera or the
+    depth scale is unknown, None is returned in its place.
 
     Raises FileError or CameraError.
     """
@@ -137,8 +138,8 @@ def _camera_and_fields(
 
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
-    """Return the depth_scale in the fields of a camera file or dict. None without a depth_scale. Raises CameraError for
-    an invalid value.
+    """Return the depth_scale in the fields of a camera file or dict, or None if the fields contain no depth_scale.
+    Raises CameraError for an invalid value.
     """
     is_file = isinstance(camera, str | os.PathLike)
     try:
@@ -169,8 +170,8 @@ def write_json(path: PathLike, values: Any) -> None:
 
 
 def append_lines(path: Path) -> BinaryIO:
-    """Open a text file to append lines, and create the folder of the file. An incomplete last line, which a crash may
-    leave, is removed.
+    """Open a text file to append lines, and create the folder of the file. If a crash left an incomplete last line,
+    this line is removed.
 
     Raises FileError.
     """

@@ -53,17 +53,19 @@ class Frame:
     name: str = ""
     """Name of the frame, used in messages and file names."""
     stamp_ns: int | None = None
-    """Time of capture, ns. None if the time is unknown."""
+    """Time of capture in nanoseconds, or None if the time is unknown."""
     negative_depth: int = field(init=False, default=0)
     """Number of pixels with negative depth, which counts as missing."""
     unit_m: float | None = field(init=False, default=None)
     """Metres per unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
-    """Description of positive depth values beyond the range of cameras, which count as missing. None if all depth
-    values are plausible.
+    """Description of positive depth values that no camera can measure. Pixels with such values count as missing depth.
+    None if all depth values are plausible.
     """
     undistorted: bool = field(init=False, default=False)
-    """True if the images were undistorted. Results then match `Frame.color`, not the original image."""
+    """True if the images were undistorted. If the images were undistorted, results belong to `Frame.color`, not to the
+    original image.
+    """
 
     def __init__(
         self,

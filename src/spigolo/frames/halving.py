@@ -12,7 +12,7 @@ from spigolo.kernels.halving import halve_depth
 
 
 def halve_frame(frame: Frame) -> Frame:
-    """Return a frame of half the width and height, rounded up, in which each pixel stands for a block of 2x2 pixels.
+    """Return a frame of half the width and height, rounded up, in which each pixel replaces a block of 2x2 pixels.
 
     The colour of a pixel is the mean colour of its block. The depth of a pixel is the lower median of the measured
     depth values in its block.
@@ -35,6 +35,8 @@ def halve_roi(roi: Roi | None, frame: Frame) -> Roi | None:
 
 
 def uncropped(shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the size (H, W) of the 4:3 image from which a camera cuts an image of another aspect ratio."""
+    """Return the size (H, W) of the full 4:3 image of a camera. Images of another aspect ratio are crops of this full
+    image.
+    """
     height, width = shape
     return max(height, round(width * 3 / 4)), max(width, round(height * 4 / 3))

@@ -98,8 +98,8 @@ def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXEL
 
 
 def read_labels(path: PathLike) -> Image:
-    """Read a label image (H, W) of integers. Labels of an indexed PNG are its colour indices. Raises FileError or
-    FrameError.
+    """Read a label image (H, W) of integers. In a PNG with indexed colours, the label of a pixel is its colour index.
+    Raises FileError or FrameError.
     """
     data, factor = as_grey(read_bytes(path).tobytes())
     stored = decode_bytes(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, path)
@@ -170,7 +170,7 @@ def _advice(path: PathLike) -> str:
 
 
 def how_to_extract(suffix: str) -> str:
-    """Return instructions to extract frames from a recording. suffix: suffix of the recording file."""
+    """Return instructions for the user to extract frames from a recording. suffix: file suffix of the recording."""
     if suffix in OPENED:
         return "read the frames with sp.open_source or `spigolo segment RECORDING`"
     tool = "Open3D or k4arecorder" if suffix == ".mkv" else "the recorder or driver of the camera"

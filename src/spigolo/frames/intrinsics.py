@@ -61,7 +61,8 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
     value: one of the following
 
     - a Camera, which is returned unchanged
-    - a matrix K (3, 3), nine numbers of K row by row, a matrix P (3, 4), or (fx, fy, cx, cy), also as text
+    - a matrix K (3, 3), the nine numbers of K row by row, a matrix P (3, 4), or the numbers (fx, fy, cx, cy). Numbers
+      may also be text, such as "927.2,927.4,651.3,349.6"
     - a name of a camera model or a field of view, as in `Camera.named`
     - a dict of the fields that `camera_from_mapping` lists, or a camera object of pyrealsense2, ROS or Open3D
 
@@ -112,7 +113,8 @@ def numbers_of(text: str) -> list[float] | None:
 
 
 def square_part(numbers: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | None:
-    """Return the camera matrix K (3, 3) in a 3x3, 3x4 or 4x4 matrix, or None for other shapes.
+    """Return the first three rows and columns of a 3x3, 3x4 or 4x4 matrix as the camera matrix K, or None for other
+    shapes.
 
     numbers: the matrix, or its numbers row by row.
     """
@@ -128,9 +130,9 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
     The following fields are supported:
 
-    - intrinsics as numbers: fx, fy, cx, cy, with ppx, ppy instead of cx, cy for RealSense, or kalibr's intrinsics
+    - intrinsics as numbers: fx, fy, cx, cy, or fx, fy, ppx, ppy of RealSense, or the field intrinsics of kalibr
     - intrinsics as a matrix: K, k, camera_matrix or cam_K row by row, or Open3D's intrinsic_matrix column by column
-    - projection matrix of ROS, used if K is empty: P
+    - projection matrix P of ROS, which is read only if K is empty
     - image size: width, height, or image_width, image_height, or resolution
     - crop and binning of a ROS CameraInfo: roi, binning_x, binning_y
     - distortion: distortion, distortion_coefficients, dist_coeffs, coeffs, D or d, or k1, k2, p1, p2, k3
@@ -237,8 +239,8 @@ def _polynomial(values: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def _distorted(camera: Camera, values: Mapping[str, Any]) -> Camera:
-    """Return the camera with the distortion coefficients of the fields. Raises CameraError if OpenCV lacks the lens
-    model.
+    """Return the camera with the distortion coefficients of the fields. Raises CameraError if OpenCV does not support
+    the lens model.
     """
     coefficients = _coefficients(values)
     for name in MODEL_NAMES:

@@ -17,12 +17,16 @@ OPENCV_MODELS = (
 """Names of lens models whose coefficients `cv2.undistort` accepts."""
 INVERSE = "inverse_brown_conrady"
 POLYNOMIALS = (INVERSE, "modified_brown_conrady")
-"""Names of lens models that OpenCV lacks. A camera with such a model is accepted if all its coefficients are 0."""
+"""Names of lens models that OpenCV does not support. A camera with such a model is accepted if all its coefficients are
+0.
+"""
 NO_PINHOLE = (
     "equi", "fish", "kannala", "kb4", "kb8", "omni", "mei", "unified", "sphere", "spherical", "eucm", "ucm", "ftheta",
     "f_theta", "fov", "atan", "ocam", "scaramuzza", "panoram", "cylind", "stereographic", "orthographic", "division",
 )  # fmt: skip
-"""Parts of the names of lens models that are not pinhole models even if all coefficients are 0."""
+"""Parts of lens-model names. If a name contains such a part, the model is not a pinhole model, even if all coefficients
+are 0.
+"""
 EXACTLY_NO_PINHOLE = ("ds", "kb", "theta")
 REALSENSE_MODELS = (
     "none", "modified_brown_conrady", INVERSE, "ftheta", "brown_conrady", "kannala_brandt4",
@@ -65,7 +69,8 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
 
 
 def inverse_error_px(coefficients: Sequence[float], camera: Camera) -> float:
-    """Return the largest position error in the image corners, px, if inverse Brown-Conrady coefficients are ignored.
+    """Return the position error in pixels that results if inverse Brown-Conrady coefficients are ignored. The error is
+    computed in the four image corners, and the largest of the four errors is returned.
 
     Inverse Brown-Conrady coefficients describe a polynomial from distorted pixels to rays.
     """

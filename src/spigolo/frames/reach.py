@@ -15,13 +15,15 @@ NEAREST_M, FARTHEST_M = 1e-6, 1e8
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
-LEAST_WITHIN: the unit is wrong if the number of pixels within REACH_M, divided by the number beyond REACH_M, is at most
-this limit. MOST_EQUAL: if at least this share of the pixels beyond REACH_M has the same value, the value stands for
-missing depth. Without such a value, the unit is wrong if more pixels lie beyond REACH_M than within. Depth in a wrong
-unit is kept, so that a message can suggest the unit.
+LEAST_WITHIN: the unit is wrong if (pixels up to REACH_M) / (pixels beyond REACH_M) is at most this limit. MOST_EQUAL: a
+value means missing depth if at least this share of the pixels beyond REACH_M has the value. If no value means missing
+depth, the unit is wrong if most pixels lie beyond REACH_M. Depth in a wrong unit does not count as missing, so that a
+message can suggest the right unit.
 """
 LARGEST_UINT16 = 65535
-"""Value that means missing depth in 16-bit files, and in wider integer types that were converted from 16 bits."""
+"""The value 65535 means missing depth in 16-bit files. In arrays of 32-bit and 64-bit integers, which may have been
+read from such files, 65535 means missing depth too.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +32,9 @@ class OutOfReach:
 
     - value: the most frequent implausible depth value, as stored.
     - pixels: number of pixels with this value.
-    - share: share of the frame with this value.
-    - kind: name of the integer type whose largest value is `value`, or "" if `value` is a distance beyond REACH_M.
+    - share: number of pixels with this value, divided by the number of all pixels of the frame.
+    - kind: integer type whose largest value is `value`, such as "uint16". The text is empty if `value` is a distance
+      beyond REACH_M.
     """
 
     value: float
@@ -47,7 +50,9 @@ class OutOfReach:
 
 
 def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return the mask (H, W) of integers that have the largest value of their type, or 65535 in a wider type."""
+    """Return the mask (H, W) of pixels with the largest value of the integer type. In types with more than 16 bits,
+    pixels with the value 65535 belong to the mask too.
+    """
     largest = np.iinfo(stored.dtype).max
     found = stored == largest
     return np.asarray(found | (stored == LARGEST_UINT16) if largest > LARGEST_UINT16 else found)
@@ -79,7 +84,7 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
 
 
 def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
-    """Return True if depth values beyond REACH_M are probably distances in a wrong unit.
+    """Return True if depth values beyond REACH_M are probably valid distances in another unit, such as millimetres.
 
     beyond: depth values (N,) beyond REACH_M, as stored. within: number of pixels within REACH_M.
     """

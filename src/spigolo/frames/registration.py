@@ -14,7 +14,9 @@ from spigolo.kernels import registration as kernel
 
 STEP_M = 0.03
 STEP_SHARE = 0.03
-"""The minimum depth difference of a depth step is max(STEP_M, STEP_SHARE Z) metres at the depth Z."""
+"""At the depth Z, a depth step is a difference of more than max(STEP_M, STEP_SHARE * Z) metres between neighbouring
+pixels.
+"""
 ROTATION_TOLERANCE = 1e-3
 FARTHEST_M = 10.0
 """Maximum distance between depth camera and colour camera in metres. A longer translation is probably in millimetres
@@ -70,7 +72,7 @@ def register_depth(
 
 
 def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return the matrix P (3, 4) that maps pixels with depth of camera `source` to pixels with depth of camera
+    """Return the matrix P (3, 4) that converts pixel coordinates and depth in camera `source` to those in camera
     `target`.
 
     Pixel (x, y) at depth z maps to pixel (u, v) at depth Z by (u Z, v Z, Z) = P (x z, y z, z, 1).

@@ -26,9 +26,10 @@ rejected.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetricBox:
-    """Box in space, aligned with the axes of the camera's frame or, with T_base_camera, of the robot's base frame.
+    """Box in space whose edges are parallel to the axes of the camera's frame. If T_base_camera is given, the edges are
+    parallel to the axes of the robot's base frame instead.
 
-    - low_m, high_m: smallest and largest (X, Y, Z) of the box in metres.
+    - low_m, high_m: minimum (X, Y, Z) and maximum (X, Y, Z) of the box, in metres.
     - T_base_camera: transform (4, 4) from the camera's frame to the robot's base frame.
 
     Raises FrameError or CameraError.
@@ -69,12 +70,12 @@ def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
 
 
 def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
-    """Return the mask (H, W) of pixels inside a region of interest, and the mask (H, W) of pixels whose position is
-    known.
+    """Return two masks (H, W): the pixels inside a region of interest, and the pixels that are known to be inside or
+    outside.
 
-    For a mask or a pixel box, the position of all pixels is known. For a box in metres, only the position of pixels
-    with depth is known. The share of a region inside the region of interest is computed from pixels with known
-    position.
+    If the region of interest is a mask or a pixel box, all pixels are known to be inside or outside. If the region of
+    interest is a box in metres, only pixels with depth are known to be inside or outside. The share of a region inside
+    the region of interest is computed only from pixels that are known to be inside or outside.
     """
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):

@@ -20,7 +20,7 @@ SIMILAR = (
     "depthmapfactor", "depth_map_scale", "png_depth_scale", "scale_factor", "depth_scaling_factor", "depth_scaling",
     "units_per_metre", "units_per_meter", "integer_depth_scale", "depth_divider", "depth_div",
 )  # fmt: skip
-"""Names of depth-scale fields in an unknown unit, in lower case."""
+"""Lower-case names of depth-scale fields whose unit is not defined."""
 
 
 def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
@@ -48,8 +48,8 @@ def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
 
 
 def check_scale(scale: float, where: object) -> None:
-    """Raise CameraError if a depth scale is too large for metres per unit. where: origin of the scale in the
-    message.
+    """Raise CameraError if a depth scale is too large for metres per unit. where: origin of the depth scale, as named
+    in the error message.
     """
     if scale > LARGEST_SCALE_M:
         raise CameraError(

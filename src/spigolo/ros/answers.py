@@ -24,8 +24,8 @@ MAX_NUMBER = 65535
 
 
 def number_of(o: ObjectMask) -> int:
-    """Return the number of an object in all messages: its id or, without ids, its label. After 65535, numbers restart
-    at 1.
+    """Return the number of an object in all messages. The number is the id of the object, or its label if objects have
+    no ids. After 65535, numbers restart at 1.
     """
     return (o.number - 1) % MAX_NUMBER + 1
 
@@ -123,8 +123,8 @@ def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
 
 
 class Answers:
-    """Publishers of segmentation results. All messages except the labels are created only for topics with
-    subscribers.
+    """Publishers of segmentation results. The labels are always published. All other messages are created only if their
+    topic has subscribers.
     """
 
     def __init__(self, node: Any, kinds: Kinds, qos: Any) -> None:

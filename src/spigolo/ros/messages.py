@@ -23,7 +23,7 @@ Points = npt.NDArray[np.float32]
 
 
 def fill_image(message: Any, header: Any, pixels: npt.NDArray[Any], encoding: str) -> Any:
-    """Fill a sensor_msgs/Image with pixels (H, W) or (H, W, channels) and return it."""
+    """Fill a message sensor_msgs/Image with pixels (H, W) or (H, W, channels) and return the message."""
     stored = np.ascontiguousarray(pixels, pixels.dtype.newbyteorder("<"))
     message.header = header
     message.height, message.width = stored.shape[:2]
@@ -35,8 +35,8 @@ def fill_image(message: Any, header: Any, pixels: npt.NDArray[Any], encoding: st
 
 
 def fill_cloud(message: Any, field: Any, header: Any, points: npt.NDArray[np.void]) -> Any:
-    """Fill a sensor_msgs/PointCloud2 with points of the data type `POINT` and return it. field: the class
-    PointField.
+    """Fill a message sensor_msgs/PointCloud2 with points of the data type `POINT` and return the message. field: the
+    class PointField.
     """
     message.header = header
     message.height, message.width = 1, len(points)
@@ -50,7 +50,7 @@ def fill_cloud(message: Any, field: Any, header: Any, points: npt.NDArray[np.voi
 
 
 def point_records(points_m: Points, colors: Color, label: int) -> npt.NDArray[np.void]:
-    """Return points (N, 3) in metres with RGB colours (N, 3) and an object number as an array (N,) of data type
+    """Combine points (N, 3) in metres, their RGB colours (N, 3) and an object number into an array (N,) of data type
     `POINT`.
     """
     records = np.empty(len(points_m), POINT)
@@ -63,7 +63,9 @@ def point_records(points_m: Points, colors: Color, label: int) -> npt.NDArray[np
 
 
 def fill_pose(message: Any, center_m: npt.NDArray[np.float64], R: npt.NDArray[np.float64]) -> Any:
-    """Fill a geometry_msgs/Pose with a position (3,) in metres and a rotation matrix (3, 3), and return it."""
+    """Fill a message geometry_msgs/Pose with a position (3,) in metres and a rotation matrix (3, 3), and return the
+    message.
+    """
     message.position.x, message.position.y, message.position.z = map(float, center_m)
     q = message.orientation
     q.x, q.y, q.z, q.w = quaternion(R)

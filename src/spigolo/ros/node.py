@@ -36,7 +36,7 @@ TOPICS = ("color", "depth", "camera_info")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """Newest segmentation result, which clicks refer to."""
+    """Newest segmentation result. A click of the user selects an object of this result."""
 
     pair: Pair
     """Colour and depth message from which the result was computed."""
@@ -47,7 +47,9 @@ class Answer:
 
 
 class SpigoloNode:
-    """ROS 2 node that receives messages on the spinning thread and segments on a second thread."""
+    """ROS 2 node with two threads. The thread that calls `rclpy.spin` receives messages, and a second thread segments
+    images.
+    """
 
     def __init__(self, kinds: Kinds, overrides: Mapping[str, Any]) -> None:
         parameter = kinds.rclpy.parameter.Parameter
@@ -158,7 +160,8 @@ class SpigoloNode:
         return self._answer
 
     def _current(self) -> Answer | str:
-        """Return the result that a click refers to, or the reason as text if no result exists.
+        """Return the segmentation result in which a click selects an object. If no result exists, return the reason as
+        text.
 
         If `continuous` is off, the newest pair of images is segmented first.
         """
@@ -210,7 +213,9 @@ class SpigoloNode:
         )
 
     def _hint(self) -> str:
-        """Return advice for a topic without messages: no publisher exists, or its quality of service does not match."""
+        """Return advice for a topic without messages: no publisher exists, or the publisher's quality of service does
+        not match that of the node.
+        """
         for name in (topic for topic, count in self._received.items() if not count):
             publishers = self.node.get_publishers_info_by_topic(self.node.resolve_topic_name(name))
             if not publishers:

@@ -17,7 +17,7 @@ class Pair:
     depth: Any
     """Depth image message, registered to colour."""
     arrived_s: float
-    """Arrival time of the second message of the pair, s, on the clock `time.perf_counter`."""
+    """Arrival time of the later message of the pair, in seconds, on the clock `time.perf_counter`."""
 
 
 class Waiting:

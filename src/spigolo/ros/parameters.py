@@ -33,8 +33,8 @@ class Options(Settings):
     called or a point arrives on the topic `click`.
     """
     tolerance_s: NotNegative = 0.015
-    """Maximum difference between the time stamps of a colour and a depth image that form a pair, in seconds. Choose
-    less than half the frame period.
+    """Maximum difference between the time stamps of a colour and a depth image that form a pair, in seconds. Choose a
+    value below half of the time between two frames of the camera.
     """
     depth_scale: Positive = 0.001
     """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard of ROS."""
@@ -49,7 +49,8 @@ class Options(Settings):
     the shortest delay. Read-only.
     """
     reliable: bool = True
-    """Subscribe with the quality of service RELIABLE. Set false for drivers that publish with BEST_EFFORT. Read-only.
+    """Subscribe with the quality of service RELIABLE. Set this parameter to false for camera drivers that publish with
+    BEST_EFFORT. Read-only.
     """
 
 
@@ -77,8 +78,8 @@ def descriptions(config: Config = OBJECTS) -> dict[str, str]:
 
 
 def values_of(state: State) -> dict[str, Any]:
-    """Return the values of all parameters in the types of ROS, indexed by parameter name. Fields that are None become
-    "none".
+    """Return the values of all parameters in the types of ROS, indexed by parameter name. The value None of a field is
+    converted to the text "none".
     """
     options = state.options.model_dump()
     return {name: options[name] if name in options else _stored(state, name) for name in descriptions(state.config)}
@@ -164,8 +165,8 @@ class NodeParameters:
         return answer(successful=True)
 
     def _store(self, names: set[str]) -> None:
-        """Write the current values of the given parameters to ROS. For example, a new preset changes the values of
-        other parameters.
+        """Write the current values of the given parameters to ROS. This function is called, for example, after a new
+        preset has changed other parameters.
         """
         values = values_of(self.state)
         kind = self._kinds.rclpy.parameter.Parameter

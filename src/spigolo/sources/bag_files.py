@@ -22,11 +22,12 @@ class Stamped(NamedTuple):
     """Position of an image message in a bag, and the stamp of the image."""
 
     stamp_ns: int
-    """Stamp of the image, ns."""
+    """Time stamp of the image, in nanoseconds."""
     number: int
     """Number of the message in its topic, from 0."""
     written_ns: int
-    """Time at which the recorder wrote the message, ns. This time is used to find the message in the bag."""
+    """Time at which the recorder wrote the message, in nanoseconds. This time is used to find the message in the bag.
+    """
 
 
 class Decoder:
@@ -85,7 +86,7 @@ def read_stamps(reader: Any, topics: Topics) -> tuple[Stamps, frozenset[tuple[st
 
 
 def find_message(reader: Any, topic: str, wanted: Stamped) -> bytes:
-    """Search a message in a bag by its time of writing, and return its bytes. Raises FrameError."""
+    """Find a message in a bag by the time at which it was written, and return its bytes. Raises FrameError."""
     connections = [c for c in reader.connections if c.topic == topic]
     at = wanted.written_ns
     try:
@@ -120,7 +121,7 @@ def open_bag(path: Path) -> Any:
 
 
 def _stamp_ns(data: bytes, is_ros2: bool) -> int | None:
-    """Return the stamp of a serialised header. None if the message is too short."""
+    """Return the stamp of a serialised header, or None if the message is too short."""
     if len(data) < 12:
         return None
     if not is_ros2:

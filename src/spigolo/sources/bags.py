@@ -32,7 +32,7 @@ class Content:
     topics: Topics
     """Topics of colour, depth and CameraInfo."""
     partner: dict[tuple[str, int], int]
-    """Number of the pair that a message belongs to, indexed by topic and message number."""
+    """Pair number of each message that belongs to a pair. The keys are topic and message number."""
     pairs: tuple[tuple[Stamped, Stamped], ...]
     """Colour and depth message of each pair."""
     headless: frozenset[tuple[str, int]]
@@ -42,7 +42,7 @@ class Content:
     info: Any
     """First readable CameraInfo message, or None."""
     cut: str
-    """Reason why reading stopped before the end of the file. Empty if the whole file was read."""
+    """Reason why reading stopped before the end of the file. The text is empty if the whole file was read."""
 
 
 class BagSource(SizedSource):
@@ -75,11 +75,11 @@ class BagSource(SizedSource):
         return _name(number)
 
     def files_of(self, number: int) -> tuple[Path, ...]:
-        """Return the files of the bag, which all frames share."""
+        """Return the files of the bag, which are the same for all frames."""
         return tuple(listed(self._path)) if self._path.is_dir() else (self._path,)
 
     def report(self) -> Report:
-        """Return the counts of frames since the last iteration began, with the pairing tolerance."""
+        """Return the numbers of frames and images since the start of the last iteration, and the pairing tolerance."""
         counts = super().report()
         return replace(counts, tolerance_ms=self.options.tolerance_ms)
 
@@ -104,7 +104,7 @@ class BagSource(SizedSource):
             self._skip(self.name, FileError(f"the recording cannot be read to its end: {content.cut}"))
 
     def _count_single(self, topic: str, number: int, data: bytes) -> None:
-        """Count a message without a partner as unmatched, or as broken if the message is unreadable."""
+        """Count an image message that belongs to no pair: as broken if the message is unreadable, else as unmatched."""
         name = f"{topic}, message {number}"
         if (topic, number) in self.content.headless:
             self._skip(name, FrameError(f"too short for a stamp ({len(data)} bytes)"))

@@ -26,12 +26,13 @@ def counted(number: int, noun: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """Counts of frames and images of a source since the last iteration began."""
+    """Numbers of frames and images of a source since the start of the last iteration."""
 
     frames: int
     """Number of frames that the source has yielded."""
     unmatched: int = 0
-    """Number of colour and depth images without a partner within the tolerance."""
+    """Number of colour images without a depth image, and of depth images without a colour image, within the tolerance.
+    """
     broken: int = 0
     """Number of unreadable frames or messages."""
     dropped: int = 0
@@ -54,7 +55,8 @@ class Report:
 
 
 class Source(ABC):
-    """Iterable of the frames of a folder, data set, recording or camera. Use a source inside `with`.
+    """Iterable of the frames of a folder, data set, recording or camera. Use a source in a `with` statement, which
+    closes the source at the end.
 
     Unreadable frames are skipped and counted. The function `on_broken` is called for each unreadable frame. By default,
     the function issues a warning.
@@ -69,15 +71,15 @@ class Source(ABC):
         self.options = options
         """Options of the source."""
         self.intrinsics = ""
-        """Origin of the intrinsics, such as the device. Empty if the intrinsics were given by the caller or are
-        unknown.
+        """Origin of the intrinsics, such as the device. The text is empty if the caller gave the intrinsics, or if they
+        are unknown.
         """
         self.on_broken: OnBroken = _warn
         self._frames_done = self._unmatched = self._broken = 0
 
     @property
     def count(self) -> int | None:
-        """Return the number of frames. None if the number is unknown."""
+        """Return the number of frames, or None if the number is unknown."""
         return None
 
     @abstractmethod
@@ -91,7 +93,7 @@ class Source(ABC):
             yield frame
 
     def report(self) -> Report:
-        """Return the counts of frames since the last iteration began."""
+        """Return the numbers of frames and images since the start of the last iteration."""
         return Report(self._frames_done, self._unmatched, self._broken)
 
     def close(self) -> None:  # noqa: B027
@@ -141,7 +143,7 @@ class SizedSource(Source):
 
     @abstractmethod
     def files_of(self, number: int) -> tuple[Path, ...]:
-        """Return the files that contain a frame. All frames of a recording have the same files."""
+        """Return the files that contain a frame. For a recording, the files are the same for all frames."""
 
 
 def _warn(name: str, error: SpigoloError) -> None:

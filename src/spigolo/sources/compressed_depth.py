@@ -38,7 +38,9 @@ def unpacked_rvl(data: Bytes, max_pixels: int) -> npt.NDArray[np.uint16]:
 
 
 def metres_of(stored: Image, header: Bytes) -> npt.NDArray[np.float32]:
-    """Convert quantised inverse depth (H, W) to metres with the parameters in the message header. 0 is missing."""
+    """Convert quantised inverse depth (H, W) to metres with the parameters in the message header. The value 0 means
+    missing depth.
+    """
     _, a, b = CONFIG.unpack(header[: CONFIG.size].tobytes())
     with np.errstate(divide="ignore", invalid="ignore"):
         metres = np.float32(a) / (stored.astype(np.float32) - np.float32(b))

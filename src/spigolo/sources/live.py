@@ -19,7 +19,9 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """Slot for one item between two threads. A newer item replaces an item that was not taken."""
+    """Storage for one item that one thread puts in and another thread takes out. If an item is not taken in time, the
+    next item replaces it.
+    """
 
     def __init__(self) -> None:
         self._ready = threading.Condition()
@@ -76,7 +78,7 @@ class LiveSource(Source):
         self._stopping.set()
 
     def report(self) -> Report:
-        """Return the counts of frames since the last iteration began, with frame rate and latency."""
+        """Return the numbers of frames since the start of the last iteration, the frame rate and the latency."""
         return replace(super().report(), dropped=self._dropped, pace=self._pace)
 
     def _frames(self) -> Iterator[Frame]:

@@ -33,7 +33,7 @@ class NumberedFrame:
     """Maximum number of pixels of an image."""
 
     def stamp(self) -> str:
-        """Return a hash of the options, and of the size and modification time of each file of the frame. Raises
+        """Return a hash of the reading options, and of the size and modification time of each file of the frame. Raises
         FileError.
         """
         try:
@@ -78,7 +78,7 @@ def _open(
     source: str, camera: str | None, depth_scale: float | None, max_pixels: int, state: tuple[int, int] | None
 ) -> SizedSource:
     """Open a source. The last source is cached. state: size and modification time of the file or folder. The source is
-    opened again if they change.
+    opened again if this state changes.
     """
     opened = open_source(source, camera, depth_scale, max_pixels=max_pixels)
     if not isinstance(opened, SizedSource):

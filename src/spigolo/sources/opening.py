@@ -46,8 +46,8 @@ def is_recording(path: Path) -> bool:
 
 
 def _parted(name: str) -> tuple[str, dict[str, str]]:
-    """Split a source name at `?` into the name and its options. A name with `?` that is the path of an existing file is
-    not split.
+    """Split a source name at `?` into the name and its options. A name that contains `?` is not split if it is the path
+    of an existing file.
     """
     before, mark, after = name.partition("?")
     if not mark or Path(name).exists():
@@ -74,7 +74,7 @@ def _open(name: str, options: Options) -> Source:
 
 
 def _folder(path: Path, options: Options) -> Source:
-    """Return the source for a folder, which contains frames, a single bag or a published data set."""
+    """Return the source for a folder. The folder contains frames, a single bag or a published data set."""
     from spigolo.lab.datasets import Tum
 
     if Tum.matches(path):

@@ -26,9 +26,10 @@ from spigolo.sources.pairing import StampMatcher
 PIP = 'pip install "spigolo[openni]"'
 LIBRARY = "install OpenNI2 (apt install libopenni2-0), or set OPENNI2_REDIST64 to the folder of its library"
 MILLIMETRES = 0.001
-"""Unit of depth that the device is set to, in metres."""
+"""Unit of the depth values in metres. The device is set to this unit."""
 WAIT_S = 0.5
-"""Interval at which the receiving thread checks if the source was closed while no image arrives, in seconds."""
+"""Interval in seconds. While no image arrives, the receiving thread checks at this interval if the source was closed.
+"""
 PATIENCE_S = 10.0
 """Maximum time without images, in seconds. After `PATIENCE_S` without an image, iteration raises an error."""
 
@@ -40,14 +41,14 @@ class Image:
     kind: str
     """Kind of image, "color" or "depth"."""
     stamp_ns: int
-    """Stamp of the image on the clock of the device, ns."""
+    """Time stamp of the image in nanoseconds, on the clock of the device."""
     pixels: npt.NDArray[Any]
     """Colour (H, W, 3) uint8 RGB, or depth (H, W) uint16 in millimetres."""
 
 
 class OpenNICamera(LiveSource):
-    """Source for an OpenNI2 camera: the camera with an address, or the first connected camera. Iteration returns the
-    newest frame.
+    """Source for an OpenNI2 camera: the camera with the given address, or the first connected camera. Each step of an
+    iteration returns the newest frame.
     """
 
     def __init__(self, uri: str, options: Options) -> None:
@@ -59,7 +60,7 @@ class OpenNICamera(LiveSource):
             self.intrinsics = "the field of view that the device reports"
 
     def report(self) -> Report:
-        """Return the counts of frames since the last iteration began, with the pairing tolerance."""
+        """Return the numbers of frames and images since the start of the last iteration, and the pairing tolerance."""
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
     def _receive(self) -> Iterator[Frame]:

@@ -9,8 +9,8 @@ from typing import Any
 KEPT = 30
 """Maximum number of images of one topic that wait for a partner. 30 images are one second at 30 Hz."""
 RESTART_NS = 1_000_000_000
-"""Minimum backward jump of the stamps that counts as a restart, ns, for example of a recording that is played in a
-loop.
+"""If the stamps jump back by more than this time, in nanoseconds, the recording was restarted, for example because it
+is played in a loop.
 """
 
 
@@ -44,8 +44,8 @@ def pair_stamps(colors_ns: Sequence[int], depths_ns: Sequence[int], tolerance_ns
 class StampMatcher:
     """Pairing of messages of two topics by their stamps. Each message belongs to at most one pair.
 
-    A message is paired with the message of the other topic that has the nearest stamp within the tolerance. Waiting
-    messages that are older than a new pair are dropped and counted in `unmatched`.
+    A message is paired with the message of the other topic that has the nearest stamp within the tolerance. When a new
+    pair is found, older waiting messages are dropped and counted in `unmatched`.
     """
 
     def __init__(self, tolerance_ns: int) -> None:
@@ -80,7 +80,7 @@ class StampMatcher:
             self.unmatched += 1
 
     def _drop_until(self, stamp_ns: int | None) -> None:
-        """Drop the waiting messages that are not newer than a stamp. If the stamp is None, drop all waiting
+        """Drop the waiting messages whose stamp is at most the given stamp. If the stamp is None, drop all waiting
         messages.
         """
         self._last_ns = stamp_ns

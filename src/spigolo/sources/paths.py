@@ -32,8 +32,9 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
 
     If two files are given, the first is the colour image and the second is the depth image of one frame. More than two
     files are paired by their names (0001-color.png and 0001-depth.png) or in the given order. A folder with rgb.png and
-    depth.png is one frame. Any other folder contains subfolders with one frame each, folders rgb/ and depth/ with
-    equally named files, or files that are paired by their names. Every frame gets a unique name.
+    depth.png is one frame. Any other folder contains subfolders with one frame each, or files that are paired by their
+    names. A folder can also contain the folders rgb/ and depth/, in which the two images of a frame have the same file
+    name. Every frame gets a unique name.
     """
     paths = [Path(word) for word in inputs]
     if not paths:
@@ -145,7 +146,9 @@ def _frames_in(folder: Path) -> list[FramePaths]:
 
 
 def _what_lies_there(folder: Path) -> str:
-    """Return a hint for the error message about a folder without frames. Empty if the folder contains no recording."""
+    """Return a hint for the error message about a folder without frames. The hint is empty if the folder contains no
+    recording.
+    """
     found = next((path for path in listed(folder) if path.suffix.lower() in RECORDINGS), None)
     if found is None:
         return ""

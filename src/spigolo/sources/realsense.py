@@ -20,8 +20,8 @@ from spigolo.sources.options import Options
 
 PIP = 'pip install "spigolo[realsense]"'
 WAIT_MS = 500
-"""Timeout of the wait for a frame, in milliseconds. After each timeout, the receiving thread checks if the source was
-closed.
+"""Maximum time of one wait for a frame, in milliseconds. After this time without a frame, the receiving thread checks
+if the source was closed.
 """
 PATIENCE_S = 10.0
 """Maximum time without frames, in seconds. After `PATIENCE_S` without a frame, iteration raises an error."""
@@ -49,13 +49,13 @@ class _RealSense(Source):
             yield frame
 
     def report(self) -> Report:
-        """Return the counts of frames since the last iteration began, with the pairing tolerance."""
+        """Return the numbers of frames and images since the start of the last iteration, and the pairing tolerance."""
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
 
 class RealSenseCamera(_RealSense, LiveSource):
-    """Source for a RealSense camera: the camera with a serial number, or the first connected camera. Each iteration
-    yields the newest frame.
+    """Source for a RealSense camera: the camera with the given serial number, or the first connected camera. Each step
+    of an iteration yields the newest frame.
     """
 
     def __init__(self, serial: str, options: Options) -> None:
@@ -68,8 +68,8 @@ class RealSenseCamera(_RealSense, LiveSource):
             self.intrinsics = "the device"
 
     def report(self) -> Report:
-        """Return the counts of frames since the last iteration began. Image pairs that the SDK replaced count as
-        dropped frames.
+        """Return the numbers of frames and images since the start of the last iteration. Image pairs that the SDK
+        replaced count as dropped frames.
         """
         counts = super().report()
         return replace(counts, dropped=counts.dropped + self._lost)
@@ -156,7 +156,7 @@ class _Converter:
         return max(self._images - 2 * self._pairs, 0)
 
     def take(self, frames: Any) -> bool:
-        """Return True if a frameset is a new pair of images with equal stamps, within the tolerance."""
+        """Return True if a frameset is a new pair of images whose stamps differ by at most the tolerance."""
         images = {"color": frames.get_color_frame(), "depth": frames.get_depth_frame()}
         numbers = {kind: image.get_frame_number() for kind, image in images.items() if image}
         self._images += sum(self._seen.get(kind) != number for kind, number in numbers.items())

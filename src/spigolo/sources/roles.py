@@ -1,4 +1,4 @@
-"""Detection of colour and depth files, and of the files of one frame, by the names of files."""
+"""Detection of the colour file and the depth file of a frame by their names."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ WORDS = re.compile(r"[-_. ]+")
 
 
 def role_of(path: Path) -> str | None:
-    """Return "color" or "depth" by the words in the name of a file, or else in the name of its folder. Return None if
-    the role is unclear.
+    """Return "color" or "depth", depending on the words in the name of a file. If the file name has no such word, the
+    name of its folder decides. Return None if both names are unclear.
     """
     for name in (path.stem, path.parent.name):
         words = set(WORDS.split(name.lower()))

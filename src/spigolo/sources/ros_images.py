@@ -18,7 +18,7 @@ from spigolo.frames.png import header_of
 from spigolo.sources.compressed_depth import CONFIG, metres_of, unpacked_rvl
 
 MILLIMETRES = 0.001
-"""Unit of integer depth in ROS messages, m (REP 118)."""
+"""Unit of integer depth in ROS messages, in metres, as defined in REP 118."""
 DEPTH_ENCODINGS = {"16UC1": np.uint16, "mono16": np.uint16, "32FC1": np.float32, "64FC1": np.float64}
 """ROS encodings of depth images, with the NumPy type of a pixel."""
 COLOR_ENCODINGS = {
@@ -46,7 +46,9 @@ def stamp_ns(message: Any) -> int:
 
 
 def encoding_of(message: Any) -> str:
-    """Return the pixel encoding of an image message, such as "16UC1" or "rgb8". Empty if unknown."""
+    """Return the pixel encoding of an image message, such as "16UC1" or "rgb8". The text is empty if the encoding is
+    unknown.
+    """
     if hasattr(message, "encoding"):
         return str(message.encoding)
     first = str(message.format).partition(";")[0].strip()

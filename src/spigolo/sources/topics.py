@@ -18,7 +18,7 @@ NOT_COLOR = ("depth", "infra", "/ir", "mask", "label", "overlay", "confidence", 
 
 @dataclass(frozen=True, slots=True)
 class Topics:
-    """Topics of a bag from which frames are read."""
+    """Topics from which the frames of a bag are read."""
 
     color: str
     """Topic of the colour images."""
@@ -31,8 +31,8 @@ class Topics:
 def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:
     """Choose the topics of a bag. Topics that are not in the options are guessed.
 
-    depth_of: dict from each image topic to True if the topic contains depth, else False. infos: CameraInfo topics.
-    Raises FileError.
+    depth_of: dict with True for each image topic that contains depth, and False for the other image topics. infos:
+    CameraInfo topics. Raises FileError.
     """
     colors = sorted((t for t, is_depth in depth_of.items() if not is_depth), key=_color_rank)
     depths = sorted((t for t, is_depth in depth_of.items() if is_depth), key=_depth_rank)

@@ -12,8 +12,8 @@ from spigolo.settings.additions import Additions, Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""Image width divided by the side length of the square in which image edges are searched. A pixel counts as close to an
-image edge if the square around the pixel contains an edge pixel.
+"""A pixel counts as close to an image edge if a square around the pixel contains an edge pixel. `PART` is the image
+width divided by the side length of this square.
 """
 OUTLINE_PX = 9
 """Side length in pixels of the square by which the mask of the support plane is eroded. The erosion excludes image

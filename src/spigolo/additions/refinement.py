@@ -26,8 +26,8 @@ MEMORY = 0.5
 pixel has the remaining weight. The trees of the spanning forest grow from seed pixels.
 """
 CARRY = 0.9
-"""Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. The pixels of a
-blurred image edge then have the same total weight as those of a sharp image edge.
+"""Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. Across a blurred
+image edge, the weights then add up to about the weight of a sharp image edge.
 """
 HALVED_BAND_PX = 3
 """Width in pixels, on each side of a border, of the band in which pixels get new labels. This width is used after a
@@ -131,8 +131,9 @@ def open_band(
     width_px at other pixels.
 
     Each object is divided into layers that are one pixel wide. Layer 1 is its border, and the next layers follow
-    inwards. At most the share `max_opened` of an object's layers is marked, outermost layers first. In the background
-    (label 0), all pixels of the band are marked.
+    inwards. If an object lies entirely inside the band, only the share `max_opened` of its layers is marked, outermost
+    layers first. Otherwise, all its pixels inside the band are marked. All pixels of the background (label 0) inside
+    the band are marked too.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     bands.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)

@@ -144,10 +144,11 @@ class Packing(Settings):
 
 
 class DepthContours(Settings):
-    """Contours that are added to the boundary map: depth steps and concave creases, found in the depth map only.
+    """Contours that are added to the boundary map: depth steps and concave creases. Contours are found in the depth
+    map, without the colour image.
 
-    Shadows are first filled with the depth of their farther side. The contour of an object then lies where the shadow
-    of the object begins.
+    Before contours are searched, shadows are filled with the larger of the depths on both sides. The contour of an
+    object then lies between the object and its shadow.
     """
 
     max_shadow_px: Length_px = 60

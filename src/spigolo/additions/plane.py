@@ -98,8 +98,9 @@ class Sample:
         return float((above & self.surrounded(self.on(plane, config))).mean())
 
     def surrounded(self, on: Mask) -> Mask:
-        """Return a mask (N,) of the points that a plane surrounds on at least three of four sides. on: mask (N,) of the
-        points on the plane.
+        """Return a mask (N,) of the points that a plane surrounds on at least three of four sides.
+
+        on: mask (N,) of the points on the plane.
 
         A cell of the grid belongs to the plane if most points of the cell are on the plane. The sides of a point are
         left, right, above and below in the grid. The plane surrounds a point on a side if any cell on this side, in the

@@ -57,8 +57,9 @@ def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinem
     The band is wider where depth is smeared or missing. The innermost pixels of each object keep their labels. Lengths
     in `config` must be scaled to the image size.
 
-    labels: (H, W), 0 = background, 1..N = objects. color: (H, W, 3) uint8 RGB. depth: measured depth (H, W) in metres,
-    0 where missing.
+    - labels: (H, W), 0 = background, 1..N = objects.
+    - color: (H, W, 3) uint8 RGB.
+    - depth: measured depth (H, W) in metres, 0 where missing.
     """
     width = band_width_px(labels, depth, config)
     near_hole = _widen(np.asarray(depth == 0), config.near_hole_px)

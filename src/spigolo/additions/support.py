@@ -57,9 +57,11 @@ def find_support(
 ) -> Plane | None:
     """Find the support plane of a depth map.
 
-    depth: measured depth map (H, W) in metres. max_distance_m: maximum depth, used if `config.within_reach` is set.
-    roi: mask (H, W) of the region of interest, used if `config.near_roi` is set. Returns None if `camera` or `config`
-    is None, or if no plane fulfils the rules.
+    Returns None if `camera` or `config` is None, or if no plane fulfils the rules.
+
+    - depth: measured depth map (H, W) in metres.
+    - max_distance_m: maximum depth in metres, used if `config.within_reach` is set.
+    - roi: mask (H, W) of the region of interest, used if `config.near_roi` is set.
     """
     if camera is None or config is None:
         return None
@@ -74,8 +76,9 @@ def find_support(
 
 
 def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
-    """Return True if a plane faces up, so that objects can stand on the plane. share: share of the frame's measured
-    pixels that lie on the plane.
+    """Return True if a plane faces up, so that objects can stand on the plane.
+
+    share: share of the frame's measured pixels that lie on the plane.
     """
     x, y, _ = plane.normal
     if rule.up is not None:
@@ -119,7 +122,8 @@ def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Suppo
     """Return the first plane that fulfils the rules, or a parallel plane above this plane. Return None if no plane
     faces up.
 
-    planes: planes to choose from, largest first. sparse: True if much of the frame's depth is missing.
+    - planes: planes to choose from, largest first.
+    - sparse: True if much of the frame's depth is missing.
     """
     facing = config.facing
     remaining = (p for p in planes if facing is None or faces_up(p, sample.share_on(p, config), facing))

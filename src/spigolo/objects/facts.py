@@ -207,18 +207,20 @@ def measure_regions(
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
     """Update the measurements of regions after their outlines have changed.
 
-    The measurements score, above, inside, contour, cut, hides, ledge and lean_deg are not updated, because rules have
-    already accepted or rejected the region by these measurements. All other measurements are updated.
+    The measurements score, above, inside, contour, cut, hides, ledge and lean_deg are not updated. Rules have already
+    accepted or rejected the region by these measurements. All other measurements are updated.
 
-    facts: earlier measurements, indexed by new region number. depth: in-painted depth map (H, W) in metres.
+    - facts: measurements before the change, indexed by new region number.
+    - depth: in-painted depth map (H, W) in metres.
     """
     places = _places(regions, depth, frame, _sum_points(regions, frame))
     return [replace(f, region=k, frame=frame, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]
 
 
 def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
-    """Return the measurements that are computed from each region's mask, as one dict for each region. points: result
-    (R, 4) of `_sum_points`.
+    """Return the measurements that are computed from each region's mask, as one dict for each region.
+
+    points: result (R, 4) of `_sum_points`.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)
@@ -261,8 +263,8 @@ def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.floa
 
 
 def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
-    """Return an array (R, 4) with four values for each region: its number of measured pixels, and the sums of their X,
-    Y and Z in metres.
+    """Return four values (R, 4) for each region: the number of its measured pixels, and the sums of their X, Y and Z in
+    metres.
 
     Without a camera, only the number of measured pixels is valid.
     """

@@ -41,7 +41,9 @@ def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
 def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None = None) -> Segmentation:
     """Convert the result of a frame at half resolution (`halve_frame`) to full resolution, with refined outlines.
 
-    frame: frame at full resolution. config: parameters of the segmentation. roi: region of interest in the full frame.
+    - frame: frame at full resolution.
+    - config: parameters of the segmentation.
+    - roi: region of interest at full resolution.
     """
     regions = Regions(_doubled(result.regions.labels, frame.shape), result.regions.count)
     scene = _enlarged_scene(result.scene, frame, config, roi)
@@ -86,7 +88,8 @@ def _redrawn(
     """Return a segmentation result with the new labels of pixels near borders. Regions that have lost all their pixels
     are removed.
 
-    before: labels (H, W) before the refinement. claimed: labels after the refinement.
+    - before: labels (H, W) before the refinement.
+    - claimed: labels after the refinement.
     """
     labels, areas = np.empty_like(regions.labels), np.zeros(regions.count, np.int64)
     kernel.follow_seeds(before, claimed.labels, claimed.source_of, regions.labels, labels, areas)

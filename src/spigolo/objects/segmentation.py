@@ -246,8 +246,8 @@ def assemble(
 ) -> Segmentation:
     """Build the segmentation result from the measurements and the reasons for rejection of all regions.
 
-    facts: measurements of each region, indexed by region number. verdicts: reason for rejection of each region, indexed
-    by region number. The entry of an object is None.
+    - facts: measurements of each region, indexed by region number.
+    - verdicts: reason for the rejection of each region, indexed by region number. The entry of an object is None.
     """
     accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
     objects = tuple(ObjectMask(label=k, id=getattr(f, "id", None), **_fields(f)) for k, f in enumerate(accepted, 1))

@@ -25,8 +25,8 @@ from spigolo.stages.regions import Regions
 NEAREST_M, FARTHEST_M = 0.03, 50.0
 """Minimum and maximum plausible median depth of a frame, in metres. No RGB-D camera measures outside this range."""
 CLOSE_M, FAR_M = 0.15, 3.0
-"""Minimum and maximum median depth of a usual frame, in metres. If no object is found, a warning is given in two cases:
-the median depth is below `CLOSE_M`, or it is above both `FAR_M` and `max_distance_m`.
+"""Minimum and maximum median depth of a usual frame, in metres. If no object is found, a smaller median depth gives a
+warning. A larger median depth gives a warning if it is also larger than `max_distance_m`.
 """
 SAMPLED = 8
 
@@ -44,8 +44,8 @@ def set_scene(
 ) -> Scene:
     """Collect the maps and parameters by which the rules accept or reject the regions of a frame.
 
-    sized: `config` with lengths and areas scaled to the image size. roi: region of interest. Regions outside the region
-    of interest are rejected.
+    - sized: `config` with lengths and areas scaled to the image size.
+    - roi: region of interest. Regions outside the region of interest are rejected.
     """
     return Scene(
         frame=frame,
@@ -87,7 +87,9 @@ def _for_holes(additions: Additions | None, contours: Contours | None) -> Additi
 @stage("objects")
 def select_objects(regions: Regions, scene: Scene) -> Segmentation:
     """Measure all regions, and accept or reject each region. Return the segmentation result: accepted regions are its
-    objects. regions: regions from any segmentation method.
+    objects.
+
+    regions: regions from any segmentation method.
     """
     warn_of_depth(scene.frame)
     facts = scene.measure(regions)

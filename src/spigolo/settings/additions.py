@@ -94,19 +94,18 @@ class Support(Settings):
     contour: bool = True
     """Add the outlines of the pixels above the support plane to the boundary map."""
     stacked_share: Positive | None = None
-    """Minimum number of pixels on a plane that is parallel to the largest plane and above it, divided by the number of
-    pixels on the largest plane. If the ratio is at least this value, the upper plane is the support plane, such as a
-    table above the floor. If None, planes above the largest plane are not searched.
+    """Minimum size of a plane that is parallel to the largest plane and lies above it, as a share of the size of the
+    largest plane. The size of a plane is its number of pixels. An upper plane of at least this size becomes the support
+    plane, such as a table above the floor. If None, planes above the largest plane are not searched.
     """
     facing: Facing | None = None
     """Exclude planes on which nothing can stand, such as ceilings and side walls. If None, planes of any direction are
     accepted. None accepts every direction.
     """
     min_things: Share | None = None
-    """Minimum share of the frame's measured pixels that stand on the support plane. A pixel stands on the plane if its
-    height above the plane is less than 0.3 m and the plane surrounds it on at least three sides. If the share is
-    smaller for the largest plane, such as the wall of a bin, the largest other plane with this share is used. If None,
-    this share is not tested.
+    """Minimum share of the frame's measured pixels that stand on the support plane. Such a pixel is less than 0.3 m
+    above the plane, and the plane surrounds it on at least three sides. If the share is smaller for the largest plane,
+    such as the wall of a bin, the largest other plane with this share is used. If None, this share is not tested.
     """
     max_below: Share | None = None
     """Maximum number of points below the support plane, divided by the number of points on or below it. Only points

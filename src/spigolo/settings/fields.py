@@ -34,8 +34,8 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def value_at(config: Config, field: str) -> Any:
-    """Return the value of the field with a dotted name. Return None in two cases: the stage of the field is off, or the
-    field belongs to a cost function that the configuration does not use.
+    """Return the value of the field with a dotted name. Return None if the stage of the field is off. Also return None
+    if the field belongs to a cost function that is not used.
     """
     value: Any = config
     for part in field.split("."):

@@ -1,8 +1,8 @@
 """Parameters of the paper's method, with one class for each stage. `settings.additions` contains the parameters of our
 additions.
 
-The text of each field names the origin of its default value. "The paper" is Toscana & Rosa 2016. "The authors' code" is
-the code that the authors of the paper published. "Our choice" means that the paper gives no value (docs/paper.md).
+The text of each field names the origin of its default value. The paper is Toscana & Rosa 2016. The authors' code is the
+code that the authors of the paper published. A default value is our choice if the paper gives no value (docs/paper.md).
 Lengths and areas in pixels refer to a 640x480 image. Areas, and the lengths of in-painting, are scaled with the image
 size. Other lengths are scaled only if `Additions.lengths_grow` is set.
 """

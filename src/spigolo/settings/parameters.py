@@ -29,8 +29,10 @@ VGA_PX = 640 * 480
 
 @dataclass(frozen=True, slots=True)
 class Grows:
-    """Marker of a field that is a length in pixels for a 640x480 image. odd: True if the length must stay an odd
-    number. always: True to scale the length even if `Additions.lengths_grow` is off.
+    """Marker of a field that is a length in pixels for a 640x480 image.
+
+    - odd: True if the length must stay an odd number.
+    - always: True to scale the length even if `Additions.lengths_grow` is off.
     """
 
     odd: bool = False

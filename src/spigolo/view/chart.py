@@ -31,7 +31,9 @@ Point = tuple[float, float]
 class Curve:
     """Curve in a chart.
 
-    name: one or two lines of text. x: positive values in ascending order. y: positive value for each x.
+    - name: one or two lines of text.
+    - x: positive values in ascending order.
+    - y: positive value for each x.
     """
 
     name: str
@@ -139,8 +141,9 @@ def _line(picture: Color, a: Point, b: Point, tint: Tint, width: float = 1.0) ->
 
 
 def _text(picture: Color, text: str, at: Point, size: float, tint: Tint, align: float = 0.0, weight: int = 1) -> None:
-    """Write a text at the position `at` in pixels. align: 0 if the text begins at this position, 0.5 if it is centred,
-    and 1 if it ends there.
+    """Write a text at the position `at` in pixels.
+
+    align: 0 to begin the text at this position, 0.5 to centre it, and 1 to end it there.
     """
     thickness = round((0.6 + 0.5 * weight) * FINER)
     (width, _), _ = cv2.getTextSize(text, FONT, size * FINER, thickness)

@@ -13,8 +13,8 @@ def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], 
     """Draw three kinds of images side by side: the colour image, the regions of each method, and the objects of one
     method. Titles state the number of objects and the time of each method.
 
-    answers: segmentation result and time in seconds of each method, indexed by method name. ours: name of the method
-    whose objects are drawn.
+    - answers: segmentation result and time in seconds of each method, indexed by method name.
+    - ours: name of the method whose objects are drawn.
     """
     pictures = {"colour": frame.color}
     for name, (answer, seconds) in answers.items():

@@ -21,8 +21,9 @@ def truth_picture(
     """Draw the outlines of the objects in the ground truth over a colour image (H, W, 3). Outlines of found objects are
     green, and outlines of missed objects are red.
 
-    labels: label image (H, W) of the ground truth, 0 = background. found: labels of the found objects. ignore: mask (H,
-    W) of pixels that are not evaluated. These pixels are drawn hatched.
+    - labels: label image (H, W) of the ground truth, 0 = background.
+    - found: labels of the found objects.
+    - ignore: mask (H, W) of pixels that are not evaluated. These pixels are drawn hatched.
     """
     picture = color.copy()
     if ignore is not None:

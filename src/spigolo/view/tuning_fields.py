@@ -160,8 +160,9 @@ def range_of(leaf: Leaf, value: float) -> Range:
     """Return the range of a slider, within the limits of the parameter.
 
     If the parameter is a floating-point number with an upper limit of at most 180, the slider ends at this limit. Other
-    sliders end at four times a typical value, rounded up to 1, 2 or 5 times a power of ten, but at most at the upper
-    limit. The typical value is the largest of `value` and those values in presets that are at most 10 * `value`.
+    sliders end at four times a typical value, but at most at the upper limit. The end is rounded up to 1, 2 or 5 times
+    a power of ten. The typical value is the largest of `value` and those values in presets that are at most 10 *
+    `value`.
 
     value: current value of the parameter.
     """
@@ -304,8 +305,8 @@ def _round_down(value: float) -> float:
 
 
 def _finest(value: float, step: float) -> float:
-    """Divide the step of a slider by a number from 1 to 100, so that the value of the parameter is a multiple of the
-    result.
+    """Return a smaller step for a slider, so that the value of the parameter is a multiple of the step. The step is
+    divided by at most 100.
     """
     for divisor in (1, 2, 5, 10, 20, 50, 100):
         count = value / step * divisor

@@ -24,7 +24,8 @@ GREY, RED, YELLOW = (73, 80, 87), (235, 64, 52), (200, 160, 0)
 class Lists:
     """Lists of buttons. A click on a button selects an object or a rejected region.
 
-    gui: interface of the page. select: function that is called with a pixel (y, x) of the selected object or region.
+    - gui: interface of the page.
+    - select: function that is called with a pixel (y, x) of the selected object or region.
     """
 
     def __init__(self, gui: viser.GuiApi, select: Callable[[Pixel | None], None]) -> None:
@@ -43,7 +44,8 @@ class Lists:
     ) -> None:
         """Show the objects and rejected regions of a result in the lists.
 
-        boxes: oriented box of each object. chosen: selected object or region, which is highlighted.
+        - boxes: oriented box of each object.
+        - chosen: selected object or region, which is highlighted.
         """
         tints = palette(len(result))
         refused = sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]

@@ -170,6 +170,7 @@ class Stand:
 
 def distance(width: float, height: float, aspect: float) -> float:
     """Return the distance from the camera at which a rectangle fills the browser window. All lengths are in metres.
+
     aspect: width divided by height of the browser window.
     """
     return float(1.04 * max(height, width / aspect) / 2 / np.tan(FOV / 2))

@@ -160,7 +160,8 @@ class Session:
 
     The methods may be called from several threads.
 
-    frames: a frame or any iterable of frames. config: configuration with the initial values of the parameters.
+    - frames: a frame or any iterable of frames.
+    - config: configuration with the initial values of the parameters.
     """
 
     def __init__(self, frames: Frame | Iterable[Frame] | Numbered, config: Config = OBJECTS) -> None:

@@ -41,7 +41,10 @@ class Space:
         self._show_cloud(answer, chosen, boxes)
 
     def look(self, client: viser.ClientHandle, view: str) -> None:
-        """Point the camera of a browser window at a part of the scene. view: "picture", "cloud" or "both"."""
+        """Point the camera of a browser window at a part of the scene.
+
+        view: "picture", "cloud" or "both".
+        """
         if self.stand is None:
             return
         position, target = self.stand.look(view, client.camera.aspect)

@@ -33,7 +33,10 @@ def trouble(error: Exception) -> str:
 
 
 def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
-    """Return a text about the selected object or region. merging: True if the user must now click a second region."""
+    """Return a text about the selected object or region.
+
+    merging: True if the user must now click a second region.
+    """
     if region is None:
         return HINT
     title = f"**Object {region.label}**" if isinstance(region, ObjectMask) else f"**Rejected**: {region.why}"

@@ -1,8 +1,8 @@
 """Joining of regions that are parts of one object (our addition, not in the paper).
 
-The graph partition can split an object into several regions. Reasons are depth steps within the object, the change from
-the wall to the inside of a cup, and noise. Four rules join such regions. Each rule compares two neighbouring regions.
-The class `Joining` holds the parameters of these rules.
+The graph partition can split an object into several regions. The splits lie at depth steps within the object, between
+the wall and the inside of a cup, and at noise. Four rules join such regions. Each rule compares two neighbouring
+regions. The class `Joining` holds the parameters of these rules.
 
 - vessel: the wall and the inside of a cup. The rule joins two regions if the front region is convex, the region behind
   it is concave, and both have the same top height.

@@ -41,7 +41,7 @@ class Claimed:
 
     - labels: (H, W) int32, object at each pixel, 0 = background.
     - source_of: (H * W,) int32. For each pixel in `opened`, the index y * W + x of the seed pixel from which the label
-      comes. Undefined for other pixels.
+      comes. Values at other pixels are undefined.
     - opened: mask (H, W) of the pixels that got their label from a seed pixel.
     """
 
@@ -133,8 +133,8 @@ def open_band(
 
     Each object is divided into layers that are one pixel wide. Layer 1 is its border, and the next layers follow
     inwards. If an object lies entirely inside the band, only the share `max_opened` of its layers is marked, outermost
-    layers first. Otherwise, all its pixels inside the band are marked. All pixels of the background (label 0) inside
-    the band are marked too.
+    layers first. If an object reaches beyond the band, all its pixels inside the band are marked. All pixels of the
+    background (label 0) inside the band are marked too.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     bands.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)

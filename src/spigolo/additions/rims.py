@@ -1,5 +1,5 @@
-"""Area of the support plane that a region surrounds. This area separates the rims of bins and trays from objects
-(`settings.Rim`).
+"""Area of the support plane that a region surrounds. The rule `settings.Rim` uses this area to separate the rims of
+bins and trays from objects.
 """
 
 from __future__ import annotations

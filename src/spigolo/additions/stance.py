@@ -21,8 +21,8 @@ TALL_SHARE = 0.05
 with a smaller share are not tested for walls.
 """
 SLOPES_SHARE = 0.1
-"""Minimum share of a region's measured pixels for which a surface normal can be computed. If the share is smaller, no
-mean normal of the region is computed.
+"""Minimum share of a region's measured pixels for which a surface normal can be computed. If fewer pixels have a
+normal, no mean normal of the region is computed.
 """
 REACH_INSIDE = 2.5
 """Distance from the outline at which a region's slope is measured, as a multiple of `Wall.reach_px`."""

@@ -171,8 +171,8 @@ def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Gene
     parallel to the plane before.
 
     For example, if a plane lies on the upper side of a heap of objects, many points between the objects are visible
-    below it. A lower plane must have a smaller share of points below it. Its number of points must be at least
-    `LOWER_SHARE` times the number of points on the plane before.
+    below it. A lower plane must have a smaller share of points below it. The number of points on a lower plane must be
+    at least `LOWER_SHARE` times the number of points on the plane before.
     """
     below, share = _visible_below(plane, sample, config)
     while share > max_below:

@@ -71,7 +71,7 @@ class RegionFacts:
     """Share of the region's outline along which the depth outside is larger than the depth inside by a step. Parts of
     the outline next to a nearer object are left out of this share.
 
-    None in the same cases as `cut`, and if too little of the outline has depth.
+    None in the same cases as `RegionFacts.cut`, and also if too little of the outline has depth.
     """
     ledge: float | None
     """Share of the region's outline along which the height above the support plane changes by a step. None in one of
@@ -81,10 +81,10 @@ class RegionFacts:
     lean_deg: float | None
     """Angle between the region's mean surface normal and the line of sight, in degrees.
 
-    None in the same cases as `cut`, and if too few pixels of the region have a surface normal.
+    None in the same cases as `RegionFacts.cut`, and also if too few pixels of the region have a surface normal.
     """
     regions: Labels
-    """Region number of each pixel of the frame, (H, W)."""
+    """Region number of each pixel of the frame, as an array (H, W)."""
     frame: Frame
     """Frame that contains the region."""
     plane: Plane | None

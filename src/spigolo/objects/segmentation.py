@@ -120,7 +120,8 @@ class Segmentation:
     def overlay(self) -> Color:
         """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered.
 
-        If objects have ids, the id of an object determines its number and tint. Both are then the same in all frames.
+        If objects have ids, the id of an object determines its number and tint. The number and tint of an object are
+        then the same in all frames.
         """
         masks = {o.number: o.mask for o in self}
         picture = draw_objects(self.frame.color, masks)

@@ -25,8 +25,8 @@ from spigolo.stages.regions import Regions
 NEAREST_M, FARTHEST_M = 0.03, 50.0
 """Minimum and maximum plausible median depth of a frame, in metres. No RGB-D camera measures outside this range."""
 CLOSE_M, FAR_M = 0.15, 3.0
-"""Minimum and maximum median depth of a usual frame, in metres. If no object is found, a smaller median depth gives a
-warning. A larger median depth gives a warning if it is also larger than `max_distance_m`.
+"""Minimum and maximum median depth of a usual frame, in metres. If no object is found, a median depth below `CLOSE_M`
+gives a warning. A median depth above `FAR_M` gives a warning if it is also above `max_distance_m`.
 """
 SAMPLED = 8
 
@@ -65,8 +65,8 @@ def set_scene(
 def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArray[np.float32]:
     """Return the map (H, W) of boundary values that is averaged along the border of each region.
 
-    At half resolution, the border of a region and the boundary may lie one pixel apart. At half resolution, each value
-    of the map is therefore replaced by the maximum of its 3x3 neighbourhood.
+    At half resolution, the border of a region and the boundary may lie one pixel apart. Each value of the map at half
+    resolution is therefore replaced by the maximum of its 3x3 neighbourhood.
     """
     contour = contour_cue(cues, graph)
     if additions is None or additions.resolution == "full":

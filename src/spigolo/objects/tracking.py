@@ -11,7 +11,7 @@ from spigolo.objects.facts import Labels
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 KEPT_FRAMES = 15
-"""Maximum number of frames without an object after which the object still gets its former id."""
+"""Maximum number of successive frames in which an object may be missing without losing its id."""
 REACH_M = 0.05
 """Scale of distances, in metres. The closeness of two detections is exp(-distance / `REACH_M`), from 0 to 1."""
 MIN_AFFINITY = 0.15

@@ -62,7 +62,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
     - facts: measurements of the region.
     - paper: limits of the paper's rules (section III-F).
     - ours: limits of our rules.
-    - support: parameters of the support plane. Its field `min_above` is the minimum share of a region above the plane.
+    - support: parameters of the support plane. The field `min_above` is the minimum share of a region above the plane.
     """
     return (
         _judge_place(facts, support)
@@ -132,8 +132,8 @@ def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
 def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
     """Check the size and the eccentricity of a region.
 
-    If intrinsics are known, the limits in metres apply. In addition, the limits in pixels apply, unless `ours.metric`
-    is set. Without intrinsics, only the limits in pixels apply.
+    If intrinsics are known, the limits in metres apply. The limits in pixels apply too, unless `ours.metric` is set.
+    Without intrinsics, only the limits in pixels apply.
     """
     large, small = facts.spread_px2
     length, width = facts.size_m or (None, None)

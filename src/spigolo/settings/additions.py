@@ -41,16 +41,16 @@ class Facing(Settings):
     """Maximum angle between the plane's normal and `up`, in degrees. Larger values accept steeper planes."""
     max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
     """Maximum angle between the plane's normal and the Y-Z plane of the camera's frame, in degrees. A plane with a
-    larger angle faces sideways. Such a plane is accepted only if its share of the measured pixels is at least
-    `min_share_sideways`. Used only if `up` is None.
+    larger angle faces sideways. A plane that faces sideways is accepted only if at least the share `min_share_sideways`
+    of the measured pixels lies on it. This angle is used only if `up` is None.
     """
     max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
     """Maximum angle of the plane's normal below the X-Z plane of the camera's frame, in degrees. A plane with a larger
-    angle faces down, such as a ceiling, and is never used as support plane. Used only if `up` is None.
+    angle faces down, such as a ceiling, and is never used as support plane. This angle is used only if `up` is None.
     """
     min_share_sideways: Share = 0.5
     """Minimum share of the frame's measured pixels on a plane that faces sideways. A plane with at least this share is
-    accepted, because the camera is probably mounted on its side. Used only if `up` is None.
+    accepted, because the camera is probably mounted on its side. This share is used only if `up` is None.
     """
 
     @model_validator(mode="after")
@@ -67,7 +67,7 @@ class Support(Settings):
 
     min_height_m: Positive = 0.008
     """Minimum height of an object pixel above the support plane, in metres. Pixels with a smaller height count as
-    pixels of the plane. Larger values miss more low objects.
+    pixels of the plane. With larger values, more low objects are missed.
     """
     noise_factor: NotNegative | None = None
     """Minimum height of an object pixel above the support plane, as a multiple of the noise of the plane. The noise is
@@ -76,8 +76,8 @@ class Support(Settings):
     `min_height_m`.
     """
     lowest_m: Positive = 0.004
-    """Lower limit of the minimum height that is computed from `noise_factor`, in metres. Larger values miss more low
-    objects.
+    """Lower limit of the minimum height that is computed from `noise_factor`, in metres. With larger values, more low
+    objects are missed.
     """
     noise_per_m: NotNegative = 0.0056
     """Minimum height of an object pixel above the support plane, divided by its squared distance, 1/m. The minimum
@@ -100,17 +100,19 @@ class Support(Settings):
     """
     facing: Facing | None = None
     """Exclude planes on which nothing can stand, such as ceilings and side walls. If None, planes of any direction are
-    accepted. None accepts every direction.
+    accepted.
     """
     min_things: Share | None = None
-    """Minimum share of the frame's measured pixels that stand on the support plane. Such a pixel is less than 0.3 m
-    above the plane, and the plane surrounds it on at least three sides. If the share is smaller for the largest plane,
-    such as the wall of a bin, the largest other plane with this share is used. If None, this share is not tested.
+    """Minimum share of the frame's measured pixels that stand on the support plane. A pixel stands on a plane if it is
+    less than 0.3 m above the plane and the plane surrounds it on at least three sides. If the largest plane has too few
+    such pixels, like the wall of a bin, the largest other plane with enough such pixels is used. If None, this share is
+    not tested.
     """
     max_below: Share | None = None
-    """Maximum number of points below the support plane, divided by the number of points on or below it. Only points
-    that the plane surrounds in the image are counted. If the ratio is larger, a parallel plane below is used. For
-    example, this replaces a plane on the upper side of a heap of objects. If None, this ratio is not tested.
+    """Maximum number of points below the support plane, divided by the number of points on or below the plane. Only
+    points that are surrounded by the plane in the image are counted. If too many points lie below the plane, a parallel
+    plane below it is used instead. For example, a plane on the upper side of a heap of objects is replaced by the
+    table. If None, the plane is never replaced.
     """
     near_roi: NotNegative | None = None
     """Margin around the region of interest, as a share of its height and width. The support plane is searched only
@@ -152,7 +154,7 @@ class DepthContours(Settings):
 
     max_shadow_px: Length_px = 60
     """Maximum width of a shadow that is filled before contours are searched, in pixels. A shadow is filled with the
-    larger of the depths on both sides. Wider shadows stay missing.
+    larger of the depths on both sides. Wider shadows are not filled.
     """
     step_offset_px: Offset_px = 2
     """Distance of two depth samples from a pixel, on opposite sides of the pixel, in pixels. The depths of the pixel
@@ -163,8 +165,8 @@ class DepthContours(Settings):
     """Minimum second difference of depth at a pixel on a depth step, in metres. Larger values give fewer contours."""
     step_per_m: NotNegative = 0.012
     """Minimum second difference of depth at a pixel on a depth step, divided by the squared distance, 1/m. The minimum
-    is max(`step_m`, `step_per_m` * distance^2). Larger values give fewer false depth steps at large distances, where
-    the noise is larger.
+    second difference is max(`step_m`, `step_per_m` * distance^2). Larger values give fewer false depth steps at large
+    distances, where the noise is larger.
     """
     crease_offset_px: Offset_px = 5
     """Distance of two depth samples from a pixel, on opposite sides of the pixel, in pixels. The pixel and the samples
@@ -173,17 +175,17 @@ class DepthContours(Settings):
     crease_low_deg: Angle_deg = 30.0
     """Minimum angle between the two sides of a concave crease, in degrees. Larger values give fewer contours."""
     crease_high_deg: Angle_deg = 140.0
-    """Maximum angle between the two sides of a concave crease, in degrees. Larger values give more contours. 0 finds no
-    creases.
+    """Maximum angle between the two sides of a concave crease, in degrees. Larger values give more contours. With the
+    value 0, no creases are found.
     """
     crease_noise: NotNegative | None = None
     """Minimum distance of a crease pixel behind the straight line between the depth samples on both sides, as a
     multiple of the frame's depth noise. Larger values give fewer false creases in noise. If None, there is no minimum.
     """
     holes_from: Share | None = None
-    """Minimum share of missing depth in a frame. If the share is at least this value, hole outlines and the image edges
-    inside holes become contours. Without these contours, regions on opposite sides of a hole could merge. If None, the
-    rule is off.
+    """Minimum share of missing depth in a frame. In frames with at least this share, hole outlines and the image edges
+    inside holes become contours. Without these contours, regions on opposite sides of a hole could merge. If None,
+    holes give no contours.
     """
 
 
@@ -192,7 +194,7 @@ class Merging(Settings):
 
     max_mean: Share = 0.4
     """Maximum mean boundary value along the common border of two regions that are merged. Larger values merge more
-    regions. Larger values merge more.
+    regions.
     """
     line: Share = 0.35
     """Minimum boundary value of a pixel that counts as part of a boundary line. With larger values, fewer pixels count
@@ -224,8 +226,8 @@ class Refinement(Settings):
     give a wider band.
     """
     hole_width_px: Annotated[int, Field(ge=0, le=250), Grows()] = 20
-    """Width of the band of pixels with new labels where depth is missing, such as in shadows, in pixels. Used only if
-    larger than the width of the band elsewhere. Larger values give a wider band.
+    """Width of the band of pixels with new labels where depth is missing, such as in shadows, in pixels. This width is
+    used only if it is larger than the width of the band elsewhere. Larger values give a wider band.
     """
     near_hole_px: Length_px = 1
     """Maximum distance between a pixel and missing depth, in pixels, at which the band at this pixel has the width
@@ -246,20 +248,20 @@ class Refinement(Settings):
     """
     min_solidity: Share | None = 0.5
     """Minimum solidity of an object: its area divided by the area of its convex hull. If an object has at least this
-    solidity, background pixels inside its convex hull get new labels too. If None, the rule is off.
+    solidity, background pixels inside its convex hull get new labels too. If None, these pixels keep their labels.
     """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, in pixels. 0 does not
-    smooth. Larger values suppress more noise.
+    """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, in pixels. With 0,
+    the image is not smoothed. Larger values suppress more noise.
     """
     step_m: Positive = 0.018
     """Minimum depth difference between neighbouring pixels that counts as a full depth step, in metres. Larger values
     give depth less influence on the outlines.
     """
     step_per_m: NotNegative = 0.0083
-    """Minimum depth difference that counts as a full depth step, divided by the squared distance, 1/m. The minimum is
-    max(`step_m`, `step_per_m` * distance^2). Larger values give depth less influence on the outlines at large
-    distances.
+    """Minimum depth difference that counts as a full depth step, divided by the squared distance, 1/m. The minimum
+    depth difference is max(`step_m`, `step_per_m` * distance^2). Larger values give depth less influence on the
+    outlines at large distances.
     """
     step_weight: NotNegative = 40.0
     """Weight of a full depth step between two neighbouring pixels, in the unit of colour differences (grey levels).
@@ -275,15 +277,15 @@ class Additions(Settings):
     packing: Packing | None = None
     """Warn if a layer of packed objects may have been mistaken for the support plane. No region is rejected."""
     contours: DepthContours | None = None
-    """Add depth steps and concave creases to the boundary map. This has an effect only if the cost function reads the
-    boundary map.
+    """Add depth steps and concave creases to the boundary map. This addition has an effect only if the cost function
+    uses the boundary map.
     """
     merging: Merging | None = None
-    """Merge neighbouring regions if the mean boundary value along their common border is small. This has an effect only
-    if the cost function reads the boundary map.
+    """Merge neighbouring regions if the mean boundary value along their common border is small. This addition has an
+    effect only if the cost function uses the boundary map.
     """
     joining: Joining | None = None
-    """Join regions that are parts of one object. Requires `support`."""
+    """Join regions that are parts of one object. This addition requires `Additions.support`."""
     rules: Rules = Rules()
     """Rules that reject regions, in addition to the rules of the paper."""
     refinement: Refinement | None = None

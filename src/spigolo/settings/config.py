@@ -90,8 +90,8 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from the values in `old`, as nested dicts. None is written as the string
-    "none".
+    """Return the values of `new` that differ from the values in `old`, as nested dicts. The value None is written as
+    the string "none".
     """
     changes: dict[str, Any] = {}
     for key, value in new.items():

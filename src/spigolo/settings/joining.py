@@ -14,7 +14,7 @@ class Vessel(Settings):
 
     Hollowness describes how concave a region is. A chord is a straight line between the left and the right end of the
     region in one image row. Hollowness is the mean distance of the surface behind the middle of its chords, divided by
-    their mean length. It is positive for a concave region and negative for a convex region.
+    their mean length. Hollowness is positive for a concave region and negative for a convex region.
     """
 
     min_behind_m: Positive = 0.02
@@ -56,8 +56,8 @@ class Vessel(Settings):
     regions.
     """
     sure_solidity: Share = 0.75
-    """Minimum solidity of the wall and the inside of a vessel together. It replaces `min_solidity` if both
-    `sure_hollow_back` and `sure_contrast` are reached. Replaces `min_solidity`. Larger values join fewer regions.
+    """Minimum solidity of the wall and the inside of a vessel together. This limit replaces `min_solidity` if both
+    `sure_hollow_back` and `sure_contrast` are reached. Larger values join fewer regions.
     """
 
 
@@ -70,7 +70,8 @@ class Cap(Settings):
     """
     max_bend_m: float = 0.006
     """Maximum mean distance of the border behind the straight line between the depth samples on both sides, in metres.
-    If the distance is larger, the border is a valley between two objects. Larger values join more regions.
+    At a larger distance, the border counts as a valley between two objects, and the regions are not joined. Larger
+    values join more regions.
     """
     top_share: Share = 0.2
     """Maximum difference between the top heights of the two regions, divided by the larger of both heights. Heights are
@@ -83,7 +84,7 @@ class Cap(Settings):
 
 
 class Smooth(Settings):
-    """Conditions to join two parts of one flat or convex surface. Such parts are often separated because of noise."""
+    """Conditions to join two parts of one flat or convex surface. Noise often separates a surface into such parts."""
 
     max_gap_m: Positive = 0.025
     """Maximum mean depth difference across the common border of two regions that are joined, in metres. Larger values
@@ -91,7 +92,8 @@ class Smooth(Settings):
     """
     max_bend_m: float = 0.0015
     """Maximum mean distance of the border behind the straight line between the depth samples on both sides, in metres.
-    If the distance is larger, the border is a valley between two objects. Larger values join more regions.
+    At a larger distance, the border counts as a valley between two objects, and the regions are not joined. Larger
+    values join more regions.
     """
     max_boundary: Share = 0.75
     """Maximum mean boundary value along the common border of two regions that are joined. Larger values join more
@@ -109,8 +111,8 @@ class Joining(Settings):
     smooth: Smooth | None = None
     """Join two parts of one flat or convex surface."""
     enclosed: Share | None = None
-    """Minimum share of the pixels around a region that belong to one object. If the share is at least this value, the
-    region is joined with the object. Only regions on the support plane or without depth are joined, such as the bottom
+    """Minimum share of the pixels around a region that belong to one object. A region with at least this share is
+    joined with the object around it. Only regions on the support plane or without depth are joined, such as the bottom
     of a bowl. Larger values join fewer regions. If None, the rule is off.
     """
     reach_px: Offset_px = 4
@@ -126,8 +128,8 @@ class Joining(Settings):
     not joined.
     """
     min_measured: Share = 0.5
-    """Minimum share of pixels with measured depth. The share must be reached in each region and along the common border
-    of two regions. Otherwise, the regions are not joined.
+    """Minimum share of pixels with measured depth, in each of two regions that are joined and along their common
+    border.
     """
     min_above: Share = 0.5
     """Minimum share of a region's measured pixels that lie above the support plane. Regions with a smaller share are

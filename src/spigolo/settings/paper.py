@@ -53,8 +53,8 @@ class Smoothing(Settings):
     equation 18 detects fewer of them. The default is our choice.
     """
     skip_steps: bool = True
-    """Exclude pixels on a depth step from the mean over the smoothing window. This has no effect if `mean` is `plain`.
-    The default comes from the authors' code.
+    """Exclude pixels on a depth step from the mean over the smoothing window. `skip_steps` has no effect if `mean` is
+    `plain`. The default comes from the authors' code.
     """
 
 
@@ -74,12 +74,12 @@ class Inpainting(Settings):
     gaps.
     """
     step_m: NotNegative = 0.03
-    """Largest minus smallest depth around a gap, in metres, above which the gap counts as lying on a depth step. A gap
-    on a depth step is filled with the largest depth around the gap.
+    """Limit of the depth range (largest minus smallest depth) around a gap, in metres. If the depth range is larger,
+    the gap lies on a depth step. A gap on a depth step is filled with the largest depth around the gap.
     """
     step_share: Share = 0.03
-    """Largest minus smallest depth around a gap, as a share of the distance, above which the gap counts as lying on a
-    depth step. The limit is max(`step_m`, `step_share` * distance).
+    """Limit of the depth range (largest minus smallest depth) around a gap, as a share of the distance. If the depth
+    range is larger, the gap lies on a depth step. The limit is max(`step_m`, `step_share` * distance).
     """
 
 
@@ -93,9 +93,9 @@ class DepthConfig(Settings):
     cost function.
     """
     depth_range: Positive | None = None
-    """Depth difference between neighbouring pixels that has the value 1 in equation 9, in metres. If None, it is the
-    largest minus the smallest depth of each frame. Larger values reduce the influence of depth. The default comes from
-    the authors' code.
+    """Depth difference between neighbouring pixels that has the value 1 in equation 9, in metres. If None, this value
+    is the largest minus the smallest depth of each frame. Larger values reduce the influence of depth. The default
+    comes from the authors' code.
     """
 
 
@@ -121,8 +121,8 @@ class SaliencyConfig(Settings):
 
     surrounds_px: Annotated[tuple[Annotated[int, Field(ge=1, le=10_000)], ...], Grows()] = (12, 24, 48, 28, 56, 112)
     """Half the side lengths of the squares around a pixel, in pixels. The pixel is compared with the mean grey value of
-    each square. The default values are sigma * 2^s with sigma = 3 or 7, and s = 2, 3 or 4. The default comes from
-    Montabone's code.
+    each square. The default values are sigma * 2^s with sigma = 3 or 7, and s = 2, 3 or 4. They come from Montabone's
+    code.
     """
     power: Positive = 4.0
     """Exponent to which the saliency of each pixel is raised (equation 10). With larger values, only the most salient
@@ -178,9 +178,9 @@ class EdgesConfig(Settings):
     """
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
     """Rule for the sign of the contact angle, which is computed from a cross product. With `tangent`, the sign comes
-    from the component of the cross product along the edge. This sign is correct for all edge directions. With `x`, the
-    sign comes from the x component, as printed in equation 19. This component is zero for vertical edges. With `none`,
-    the sign is ignored, so that convex edges inside an object also become boundaries.
+    from the component of the cross product along the edge. The sign is then correct for all edge directions. With `x`,
+    the sign comes from the x component, as printed in equation 19. The x component is zero for vertical edges. With
+    `none`, the sign is ignored, so that convex edges inside an object also become boundaries.
     """
     boundary: Literal["soft", "thin"] = "soft"
     """Kind of boundary map. With `soft`, the boundaries E_F are blurred, and the map is rescaled to a maximum of 1. The
@@ -208,7 +208,9 @@ Ends = Literal["max", "i"]
 
 
 class SaliencyCost(Settings):
-    """First cost function (equation 22), for frames with large shadows. It combines colour, depth and saliency."""
+    """First cost function (equation 22), for frames with large shadows. The weight of an edge is computed from the
+    differences in colour and depth, and from the saliency.
+    """
 
     kind: Literal["saliency"] = "saliency"
     """Name of this cost function in preset files."""
@@ -225,8 +227,8 @@ class SaliencyCost(Settings):
 
 
 class BoundaryCost(Settings):
-    """Second cost function (equation 23), for frames with little missing depth. It adds the product of depth and colour
-    difference to the boundary map.
+    """Second cost function (equation 23), for frames with little missing depth. The weight of an edge is the sum of two
+    terms: the product of depth difference and colour difference, and the boundary value.
     """
 
     kind: Literal["boundary"] = "boundary"
@@ -313,6 +315,6 @@ class Rejection(Settings):
     """
     max_dark: Share | None = None
     """Limit of the share of dark pixels in a region. A pixel is dark if its brightness is at most 23 of 255. A region
-    is rejected if its share is larger than the limit or equal to it. Larger values keep darker regions. The paper uses
-    0.3.
+    is rejected if its share of dark pixels is equal to the limit or larger. Larger values keep darker regions. The
+    paper uses 0.3.
     """

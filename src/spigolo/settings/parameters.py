@@ -1,5 +1,5 @@
-"""Base classes of all classes of parameters. Instances cannot be changed, and their values are validated. An invalid
-value raises an error with a one-line message.
+"""Base classes for classes of parameters. Instances cannot be changed, and their values are validated. An invalid value
+raises an error with a one-line message.
 """
 
 from __future__ import annotations

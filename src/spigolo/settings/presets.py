@@ -137,9 +137,9 @@ WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
 def preset(name: str | Path) -> Config:
     """Return a preset by its name, in upper or lower case, or read a preset from a TOML file.
 
-    A file may contain a line such as `base = "TABLE"`. Such a file contains only the values that differ from this
-    preset. The value "none" switches a rule off. A file without a line `base` contains all fields, as written by
-    `to_toml`. Raises ConfigError for an unknown name or key.
+    A file may contain a line such as `base = "TABLE"`. A file with this line contains only the values that differ from
+    the named preset. The value "none" switches a rule off. A file without a line `base` contains all fields, as written
+    by `to_toml`. Raises ConfigError for an unknown name or key.
     """
     if str(name).upper() in PRESETS:
         return PRESETS[str(name).upper()]

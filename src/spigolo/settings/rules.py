@@ -12,11 +12,12 @@ from spigolo.settings.parameters import Angle_deg, Grows, NotNegative, Positive,
 
 
 class Wall(Settings):
-    """Rules that reject the walls and rims of bins and shelves. These can be as high above the support plane as
-    objects.
+    """Rules that reject the walls and rims of bins and shelves. Walls and rims can have the same height above the
+    support plane as objects.
 
     At the outline of a free-standing object, the depth outside is larger than the depth inside by a step. If the depth
-    outside is smaller by a step, an object in front hides the region. Such parts of the outline are not counted.
+    outside is smaller by a step, an object in front hides the region. Parts of the outline next to an object in front
+    are not counted.
     """
 
     min_hides: Share = 0.15
@@ -29,9 +30,9 @@ class Wall(Settings):
     """
     slant_deg: Angle_deg = 36.0
     """Maximum angle between a region's mean surface normal and the line of sight without an effect on `min_hides`, in
-    degrees. If the angle is larger, `min_hides` increases by `hides_per_deg` for each degree. The reason is that the
-    side wall of a bin faces sideways, while the visible faces of an object face the camera on average. Larger values
-    reject fewer regions.
+    degrees. For each degree above this angle, `min_hides` increases by `hides_per_deg`. The reason is that the side
+    wall of a bin faces sideways, while the visible faces of an object face the camera on average. Larger values reject
+    fewer regions.
     """
     hides_per_deg: NotNegative = 0.025
     """Increase of `min_hides` for each degree by which a region's slant is above `slant_deg`, 1/degree. Larger values
@@ -54,14 +55,14 @@ class Wall(Settings):
     both sides of the outline are not compared. This length is always scaled with the image size.
     """
     step_m: NotNegative = 0.012
-    """Minimum depth difference across a region's outline that counts as a step, in metres. The minimum is `step_m` +
-    `step_share` * distance + the depth change due to the region's slope. With larger values, fewer steps are found and
-    more regions are rejected.
+    """Minimum depth difference across a region's outline that counts as a step, in metres. The minimum depth difference
+    is `step_m` + `step_share` * distance + the depth change due to the region's slope. With larger values, fewer steps
+    are found and more regions are rejected.
     """
     step_share: Share = 0.006
     """Minimum depth difference across a region's outline that counts as a step, as a share of the distance. The minimum
-    is `step_m` + `step_share` * distance + the depth change due to the region's slope. With larger values, fewer steps
-    are found and more regions are rejected.
+    depth difference is `step_m` + `step_share` * distance + the depth change due to the region's slope. With larger
+    values, fewer steps are found and more regions are rejected.
     """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
     """Maximum length divided by width of a high region that touches the image border. Regions with a larger ratio are
@@ -82,7 +83,8 @@ class Ledge(Settings):
     """
     step_per_m: NotNegative = 0.0056
     """Minimum difference in height across a region's outline that counts as a step, divided by the squared distance,
-    1/m. The minimum is max(`step_m`, `step_per_m` * distance^2). With larger values, fewer regions are accepted.
+    1/m. The minimum height difference is max(`step_m`, `step_per_m` * distance^2). With larger values, fewer regions
+    are accepted.
     """
 
 
@@ -105,22 +107,25 @@ class Rules(Settings):
     """Rules that reject regions, in addition to the rules of the paper. A rule with the value None is switched off."""
 
     wall: Wall | None = None
-    """Reject high regions that have few depth steps along their outline, such as the walls of a bin. Requires
+    """Reject high regions that have few depth steps along their outline, such as the walls of a bin. This rule requires
     `additions.support`.
     """
     ledge: Ledge | None = None
-    """Accept flat regions with a weak boundary if their height differs from that of the surroundings by a step.
-    Requires `additions.support` and `wall`.
+    """Accept flat regions with a weak boundary if their height differs from that of the surroundings by a step. This
+    rule requires `additions.support` and `wall`.
     """
     rim: Rim | None = None
-    """Reject long regions that surround the support plane, such as the rim of a tray. Requires `additions.support`."""
+    """Reject long regions that surround the support plane, such as the rim of a tray. This rule requires
+    `additions.support`.
+    """
     min_contour: Share | None = None
     """Minimum mean boundary value along a region's border. Regions with a smaller value are rejected. If the cost
     function does not use the boundary map, boundary values are computed from the edge weights.
     """
     min_contour_holes: Share | None = None
-    """Minimum mean boundary value along a region's border in frames with much missing depth. It replaces `min_contour`
-    if hole outlines count as contours (`DepthContours.holes_from`). If None, `min_contour` is used in all frames.
+    """Minimum mean boundary value along a region's border in frames with much missing depth. This limit replaces
+    `min_contour` if hole outlines count as contours (`DepthContours.holes_from`). If None, `min_contour` is used in all
+    frames.
     """
     metric: bool = False
     """Ignore the size limits in pixels (`max_lambda1_px2`, `max_lambda2_px2`) if intrinsics are known. Only the limits

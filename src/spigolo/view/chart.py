@@ -68,7 +68,8 @@ class Axis:
 def log_log(curves: Sequence[Curve], title: str, x_label: str, y_label: str, note: str = "") -> Color:
     """Draw a chart (H, W, 3) with two logarithmic axes.
 
-    A dashed line with slope 1 starts at the first point of the first curve. On this line, y is proportional to x.
+    A dashed line with slope 1 passes through the first point of the first curve. On this dashed line, y is proportional
+    to x.
     """
     x = _axis([v for c in curves for v in c.x], LEFT, WIDTH - RIGHT)
     y = _axis([v for c in curves for v in c.y], HEIGHT - BOTTOM, TOP)

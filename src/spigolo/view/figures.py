@@ -70,11 +70,11 @@ def figure3(frame: Frame, config: Config = SHELF) -> Color:
 
 
 def figure4(frame: Frame, config: Config = TABLE) -> Color:
-    """Draw boundaries with and without internal boundaries, which are convex edges inside objects. Then draw the Canny
+    """Draw boundaries with and without internal boundaries, which are convex edges inside objects. Also draw the Canny
     edges and the boundaries of two objects, enlarged.
 
-    These are the two objects with the largest share of Canny pixels that are not boundaries. Such Canny pixels are
-    common on printed patterns and curved surfaces.
+    The two objects have the largest shares of Canny pixels that are not boundaries. Canny pixels that are not
+    boundaries are common on printed patterns and curved surfaces.
     """
     config = config.at_size(frame.shape)
     with_internal = config.edges.replace(sign_rule="none")

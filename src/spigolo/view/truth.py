@@ -23,7 +23,7 @@ def truth_picture(
 
     - labels: label image (H, W) of the ground truth, 0 = background.
     - found: labels of the found objects.
-    - ignore: mask (H, W) of pixels that are not evaluated. These pixels are drawn hatched.
+    - ignore: mask (H, W) of pixels that are not evaluated. Pixels that are not evaluated are drawn hatched.
     """
     picture = color.copy()
     if ignore is not None:

@@ -112,7 +112,7 @@ class TuningPage:
     def select(self, pixel: Pixel | None) -> None:
         """Select the object or rejected region at a pixel (y, x).
 
-        If the action before was "merge", the new selection is merged with the previous selection.
+        If the user chose the action "merge" before, the new selection is merged with the previous selection.
         """
         if self._merging and pixel is not None and self.session.selected is not None:
             self.session.correct("merge", self.session.selected, pixel)
@@ -233,7 +233,7 @@ class TuningPage:
         self._saved.add(path)
 
     def _run(self) -> bool:
-        """Segment the current frame and draw the result. This function runs on the segmentation thread. It returns True
+        """Segment the current frame and draw the result. `_run` is called on the segmentation thread, and returns True
         if it must be called again.
         """
         try:

@@ -16,16 +16,16 @@ if TYPE_CHECKING:
 class Controls:
     """Controls of all parameters on a tuning page.
 
-    - gui: the page.
+    - gui: interface of the page.
     - values: values of all parameters.
     - changed: function that is called with the key and the new value of a changed control. The new value is None if a
-      rule was switched off. It is True or False if a stage was switched on or off.
+      rule was switched off, and True or False if a stage was switched on or off.
     """
 
     def __init__(self, gui: viser.GuiApi, values: Values, changed: Callable[[str, Any], None]) -> None:
         self._gui, self._values, self._changed = gui, values, changed
         self.handles: dict[str, list[Any]] = defaultdict(list)
-        """Controls of all parameters, indexed by key. Also contains the dropdowns that select one of several
+        """Controls of all parameters, indexed by key. The dict also contains the dropdowns that select one of several
         alternative classes, such as the cost function.
         """
         self.switches: dict[str, list[Any]] = defaultdict(list)

@@ -60,7 +60,7 @@ class Leaf:
     """Dotted name of the parameter, as in `Config.replace`."""
     key: str
     """Unique name of the control. Parameters of alternative classes, such as the cost functions, can have the same
-    path. Their keys are always different.
+    path. The keys of two controls are always different.
     """
     label: str
     """Name and unit of the parameter on the page."""
@@ -160,9 +160,9 @@ def range_of(leaf: Leaf, value: float) -> Range:
     """Return the range of a slider, within the limits of the parameter.
 
     If the parameter is a floating-point number with an upper limit of at most 180, the slider ends at this limit. Other
-    sliders end at four times a typical value, but at most at the upper limit. The end is rounded up to 1, 2 or 5 times
-    a power of ten. The typical value is the largest of `value` and those values in presets that are at most 10 *
-    `value`.
+    sliders end at four times a typical value, rounded up to 1, 2 or 5 times a power of ten. No slider exceeds the upper
+    limit of its parameter. The typical value is the largest of `value` and those values in presets that are at most 10
+    * `value`.
 
     value: current value of the parameter.
     """

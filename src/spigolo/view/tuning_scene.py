@@ -44,8 +44,8 @@ PORTRAIT = 0.9
 FOV = 0.7
 """Vertical field of view of the camera of the 3-D scene, in radians."""
 CLICK = 0.012
-"""Maximum angle between the ray of a click and a point of the cloud, in radians. If the angle is larger, the click does
-not select the point.
+"""Maximum angle between the ray of a click and a point of the cloud, in radians. A click does not select points at a
+larger angle.
 """
 
 
@@ -150,8 +150,8 @@ class Stand:
         metres.
 
         - view: part of the scene that fills the browser window: "picture", "cloud" or "both".
-        - aspect: width divided by height of the browser window. If it is at most 0.9, as on a phone, the picture is
-          shown above the controls.
+        - aspect: width divided by height of the browser window. On a phone (aspect at most 0.9), the picture is shown
+          above the controls.
         """
         (width, height), wanted = self.size, view if len(self.points) else "picture"
         lift = np.zeros(3)

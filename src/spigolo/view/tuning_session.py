@@ -220,8 +220,8 @@ class Session:
     def correct(self, action: Literal["keep", "drop", "merge"], *pixels: Pixel) -> None:
         """Keep, drop or merge the objects or regions at pixels (y, x).
 
-        The correction is applied again after each change of parameters. It is deleted when another frame becomes the
-        current frame.
+        The correction is applied again after each change of parameters. When another frame becomes the current frame,
+        all corrections are deleted.
         """
         with self._lock:
             self.corrections.append(Correction(action, pixels))

@@ -12,7 +12,7 @@ class Latest:
     """Worker thread that calls a function on request. If several requests arrive during a call, the function is called
     only once more.
 
-    work: function that is called. If it returns True, it is called again.
+    work: function that is called. If the function returns True, it is called again.
     """
 
     def __init__(self, work: Callable[[], bool]) -> None:

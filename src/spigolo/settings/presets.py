@@ -1,9 +1,9 @@
 """Presets: SHELF, TABLE and CLUTTER of the paper, and OBJECTS for all other data.
 
 SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that the paper does not
-print come from the code that its authors published. OBJECTS contains our additions and is fitted to real frames of
-several sensors. OBJECTS is the newest of the versions OBJECTS_1, OBJECTS_2 and so on. The values of a numbered version
-never change.
+print come from the code that its authors published, or are our choice. OBJECTS contains our additions and is fitted to
+real frames of several sensors. OBJECTS is the newest of the versions OBJECTS_1, OBJECTS_2 and so on. The values of a
+numbered version never change.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Contours of the depth map, added to the boundary map (`settings.DepthContours`).
 
-Canny finds no image edge where object and background have the same colour. Depth steps, concave creases and the
+Canny marks no image edge where object and background have the same colour. Depth steps, concave creases and the
 outlines of objects on the support plane are found in the depth map, without the colour image.
 """
 
@@ -20,19 +20,19 @@ from spigolo.settings.additions import Additions, DepthContours
 from spigolo.stages.edges import NO_ANGLE_DEG, EdgeMaps
 
 NOISE_ROWS, NOISE_SAMPLES = 16, 1000
-"""Depth noise is measured on every `NOISE_ROWS`-th image row. With fewer than `NOISE_SAMPLES` measured pixels, the
-noise is set to 0.
+"""Depth noise is measured on every `NOISE_ROWS`-th image row. If the noise can be measured at fewer than
+`NOISE_SAMPLES` pixels, the noise is set to 0.
 """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contours:
-    """Contours found in a depth map, and their union with the boundary map E_F."""
+    """Contours of a depth map, and the union of these contours with the boundary map E_F."""
 
     contours: Mask | None
     """Mask (H, W) of the contours, without the boundary map E_F. None if contours are switched off."""
     lines: Mask
-    """Mask (H, W) of the boundary map E_F and the contours together, dilated to lines of `line_px` pixels."""
+    """Mask (H, W) of the boundary map E_F and the contours together, dilated to a line width of `line_px` pixels."""
     in_holes: bool
     """True if the contours include hole outlines."""
 
@@ -80,11 +80,11 @@ def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours
 
 
 def measure_noise(depth: DepthMap, reach_px: int) -> float:
-    """Return the depth noise per squared depth, in 1/m, of a depth map (H, W) in metres.
+    """Return the depth noise of a depth map (H, W) in metres, divided by the squared depth, in 1/m.
 
-    Noise is the distance of a pixel from the straight line in space between two other pixels, `reach_px` to the left
-    and to the right. The result is the median over the frame, or 0 if fewer than `NOISE_SAMPLES` pixels can be
-    measured.
+    The noise at a pixel is the depth difference between the pixel and a straight line in space. The line connects the
+    pixels that are `reach_px` columns to the left and to the right. The result is the median over the measured pixels.
+    The result is 0 if fewer than `NOISE_SAMPLES` pixels can be measured.
     """
     rows = depth[::NOISE_ROWS]
     before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]
@@ -96,17 +96,18 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
 
 
 def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
-    """Return the mask (H, W) of pixels without depth, or None if their share is smaller than `holes_from`."""
+    """Return the mask (H, W) of pixels without depth. Return None if these pixels cover less than the share
+    `holes_from` of the frame.
+    """
     if config.holes_from is None or np.count_nonzero(depth) > (1 - config.holes_from) * depth.size:
         return None
     return np.asarray(depth == 0)
 
 
 def hole_contours(holes: Mask, canny: Mask, line_px: int) -> Mask:
-    """Return the mask (H, W) of hole outlines and of the image edges inside holes.
+    """Return the mask (H, W) of two kinds of contours: the outlines of holes, and the image edges inside holes.
 
-    Image edges are dilated to the width of contours, so that image edges and contours are equally strong after the
-    Gaussian blur.
+    Image edges are dilated to the width of other contours. After the Gaussian blur, both are then equally strong.
     """
     borders = cv2.morphologyEx(holes.view(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
     return np.asarray(borders).view(bool) | (holes & widen(canny, 2 * line_px + 1))

@@ -1,7 +1,7 @@
 """Minimum heights of objects, lowered where the support plane has little noise (`settings.Support.noise_factor`).
 
-A fixed minimum height of objects must be large enough for the noisiest camera. On a support plane with less noise, a
-lower minimum height still separates objects from the plane.
+A fixed minimum height of objects must be large enough for the noisiest camera. If the noise of the support plane is
+small, a lower minimum height also separates objects from the plane.
 """
 
 from __future__ import annotations
@@ -14,11 +14,14 @@ from spigolo.settings.additions import Support
 from spigolo.settings.config import Config
 
 SIGMA = 1.4826
-"""Standard deviation of normally distributed values, divided by the median of their absolute values."""
+"""Factor that converts a median of absolute values to a standard deviation, for normally distributed values with mean
+0.
+"""
 
 
 def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: Camera | None) -> Config:
-    """Return the configuration with a lower `Support.min_height_m` if the plane has little noise, or else unchanged.
+    """Return the configuration with a lower `Support.min_height_m` if the plane has little noise. Otherwise return the
+    configuration unchanged.
 
     `Ledge.step_m` is multiplied by the same factor as `Support.min_height_m`. depth: depth map (H, W) in metres.
     """
@@ -40,8 +43,8 @@ def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: 
 def plane_noise_m(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
     """Return the standard deviation of the heights above the plane, in metres, of the pixels that lie on the plane.
 
-    The standard deviation is estimated from the median absolute height of a grid of pixels. A few low objects hardly
-    change this median.
+    The standard deviation is estimated from the median of the absolute heights at a grid of pixels. A few low objects
+    on the plane hardly change the median.
     """
     sample = sample_frame(depth, camera)
     heights = np.abs(plane.height_m(sample.points[sample.on(plane, config)]))

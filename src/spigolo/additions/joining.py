@@ -1,16 +1,18 @@
 """Joining of regions that are parts of one object (our addition, not in the paper).
 
-The graph partition splits an object at a depth step within the object, between the wall and the inside of a cup, and at
-noise. Four rules join regions above the support plane by comparing both sides of their common border. The class
-`Joining` holds the parameters of these rules.
+The graph partition can split an object into several regions. The splits lie at depth steps within the object, between
+the wall and the inside of a cup, and at noise. Four rules join such regions. Each rule compares two neighbouring
+regions. The class `Joining` holds the parameters of these rules.
 
-- vessel: the wall and the inside of a cup. The front region is convex, the region behind is hollow, and both regions
-  have the same top height.
-- cap: a lid and its box, or a filled cup. The depth step across the border is small, and the border is not a valley.
-  One region lies above the other, both regions have the same top height, and both regions together are nearly convex.
-- smooth: two parts of one surface that noise separated. The depth step across the border is small, and the border is
-  not a valley.
-- enclosed: a region on the support plane, or without depth, that an object surrounds, such as the bottom of a bowl.
+- vessel: the wall and the inside of a cup. The rule joins two regions if the front region is convex, the region behind
+  it is concave, and both have the same top height.
+- cap: the upper face and the side of a box, or a filled cup. The depth step across the border is small, and the border
+  is not a valley. The regions lie above each other in the image and have similar top heights. Both regions together are
+  nearly convex.
+- smooth: two parts of one surface that were separated because of noise. The depth step across the border is small, and
+  the border is not a valley.
+- enclosed: a region that is surrounded by an object, such as the bottom of a bowl. The region lies on the support plane
+  or has no depth.
 """
 
 from __future__ import annotations
@@ -35,15 +37,15 @@ from spigolo.stages.regions import Regions
 GAP_LIMIT_M, BEND_LIMIT_M = 0.15, 0.02
 TOP_PERCENT = 95
 MOST_PARTS = 1000
-"""Maximum number of regions that are compared with each other. If a frame has more regions, only the largest regions
-are compared.
+"""Maximum number of regions of a frame that are tested for joining. If a frame has more regions, only the largest
+regions are tested.
 """
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
-"""Minimum overlap in image columns of two regions that are joined, as a share of the columns of one region.
+"""Minimum number of image columns that two joined regions share, divided by the number of columns of one of them.
 
-For a vessel, the overlap is divided by the number of columns of the inside of the vessel. For a cap, the overlap is
-divided by the number of columns of the narrower region.
+For the rule `vessel`, the divisor is the number of columns of the inside of the vessel. For the rule `cap`, the divisor
+is the number of columns of the narrower region.
 """
 
 Counts = npt.NDArray[np.int64]
@@ -51,13 +53,13 @@ Counts = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Border:
-    """Measurements of the border between region a and region b behind it, from depth samples on both sides of the
-    border.
+    """Measurements of the border between a region a and a neighbouring region b that is farther away. Depth is sampled
+    on both sides of the border.
 
     - gap_m: mean absolute depth difference across the border, metres.
     - behind_m: mean signed depth difference across the border, metres, positive if region b is behind region a.
-    - bend_m: mean depth of the border behind the straight line between both depth samples, metres, positive in a
-      valley.
+    - bend_m: mean distance of the border behind the straight line between the depth samples on both sides, metres. The
+      value is positive if the border is a valley.
     - boundary: mean value of the boundary map along the border.
     """
 
@@ -88,7 +90,7 @@ def join_parts(regions: Regions, cues: Cues, plane: Plane | None, camera: Camera
 
 
 def _unite(root: Counts, a: int, b: int) -> None:
-    """Merge the groups of regions a and b in the union-find forest, and keep the smaller root."""
+    """Merge the groups that contain regions a and b. The root of the merged group is the smaller of both roots."""
     low, high = sorted((root[a], root[b]))
     root[root == high] = low
 
@@ -118,8 +120,8 @@ class _Parts:
         self._tops: dict[int, float] = {}
 
     def borders(self) -> Iterator[Border]:
-        """Yield the measured borders between regions above the support. Short borders and borders with few measured
-        pixels are skipped.
+        """Yield the borders between regions above the support plane, with their measurements. Short borders and borders
+        with few measured pixels are skipped.
         """
         count = self.ids.size
         sums = np.zeros((count, count, borders.SUMS))
@@ -142,7 +144,7 @@ class _Parts:
                 )
 
     def is_vessel(self, border: Border) -> bool:
-        """Return True if region a of the border is the wall and region b the inside of one vessel."""
+        """Return True if region a of the border is the wall of a vessel, and region b is the inside of this vessel."""
         rule, front, back = self.config.vessel, self.hollowness[border.a], self.hollowness[border.b]
         if rule is None:
             return False
@@ -161,8 +163,8 @@ class _Parts:
     def _has_room(self, border: Border) -> bool:
         """Return True if region b fits into a vessel whose wall is region a.
 
-        Region b must overlap region a in image columns. Region b must not lie farther behind region a than region a is
-        wide.
+        Region b must overlap region a in image columns. The distance of region b behind region a must be at most the
+        width of region a.
         """
         shared, across, own = self._columns(border)
         y0, x0, y1, x1 = self.boxes[border.a]
@@ -171,14 +173,14 @@ class _Parts:
         return shared >= LEAST_ABOVE * own and border.behind_m <= width_m
 
     def _columns(self, border: Border) -> tuple[int, int, int]:
-        """Return three counts of image columns: shared by regions a and b, covered by region a, and covered by region
-        b.
+        """Return three numbers of image columns: the columns that both regions share, the columns of region a, and the
+        columns of region b.
         """
         (left, right), (start, end) = self.boxes[border.a, 1::2].tolist(), self.boxes[border.b, 1::2].tolist()
         return max(min(right, end) - max(left, start), 0), right - left, end - start
 
     def is_cap(self, border: Border) -> bool:
-        """Return True if one region of the border is the upper face of the object whose side is the other region."""
+        """Return True if one region of the border is the upper face of an object, and the other region is its side."""
         rule = self.config.cap
         shared, *widths = self._columns(border)
         return (
@@ -201,8 +203,8 @@ class _Parts:
         )
 
     def enclosed(self, root: Counts) -> Iterator[tuple[int, int]]:
-        """Yield pairs of region numbers. The first region lies on the support plane or has no depth. The second region
-        is the root, in the union-find forest, of the object that surrounds the first region.
+        """Yield pairs (region, object) of region numbers for the rule `enclosed`. The region lies on the support plane
+        or has no depth. The object surrounds the region and is given by the root of its group of joined regions.
         """
         least = self.config.enclosed
         if least is None:
@@ -225,8 +227,9 @@ class _Parts:
         return self.labels[top:bottom, left:right]
 
     def _hollowness(self) -> npt.NDArray[np.float64]:
-        """Return the hollowness (R,) of each region: the mean depth of the region behind its chords along image rows,
-        divided by the chord length.
+        """Return the hollowness (R,) of each region. A chord is a straight line in space between the left and the right
+        end of the region in one image row. Hollowness is the summed distance of the surface behind the middles of the
+        chords, divided by the summed lengths of the chords.
         """
         sums = np.zeros((self.ids.size, 2))
         borders.sum_hollows(self.labels, self.number, self.cues.depth, self.focal_px, self.config.margin_px, sums)
@@ -235,7 +238,7 @@ class _Parts:
         return out
 
     def top_m(self, k: int) -> float:
-        """Return the cached height of the top of region k above the support plane, in metres."""
+        """Return the height of the top of region k above the support plane, in metres. The value is cached."""
         if k not in self._tops:
             self._tops[k] = self._find_top_m(k)
         return self._tops[k]
@@ -251,7 +254,7 @@ class _Parts:
         return abs(a - b) <= max(tolerance_m, share * max(a, b))
 
     def _solidity(self, parts: Sequence[int]) -> float:
-        """Return the solidity of some regions together: the area of the regions divided by the area of their convex
+        """Return the solidity of the union of some regions: the area of the union divided by the area of its convex
         hull.
         """
         (y0, x0), (y1, x1) = self.boxes[parts, :2].min(0), self.boxes[parts, 2:].max(0)

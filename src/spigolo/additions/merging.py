@@ -1,8 +1,9 @@
 """Merging of neighbouring regions by the boundary values along their common border (`settings.Merging`).
 
-Equation 3 compares two regions by the lightest edge between these regions. Noise at a short part of the border can
-therefore split a surface. In this module, two regions merge if the mean boundary value along their whole common border
-is small. The weakest borders merge first. Regions above the support plane do not merge with the support plane.
+Equation 3 compares two regions by the edge of smallest weight between them. Noise at a short part of the border can
+therefore split one surface into two regions. In this module, two regions merge if the mean boundary value along their
+whole common border is small. Regions with the weakest common border merge first. Regions above the support plane do not
+merge with the support plane.
 """
 
 from __future__ import annotations
@@ -41,8 +42,8 @@ def merge_regions(
 
 
 def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Sums, Sums]:
-    """Return the E borders between regions as four arrays (E,): first region, second region, length in pixel pairs,
-    summed boundary values.
+    """Return the borders between all pairs of neighbouring regions as four arrays (E,), for E borders. The arrays
+    contain the first region, the second region, the length in pixel pairs, and the sum of the boundary values.
     """
     size = labels.size // 4
     while True:
@@ -58,7 +59,9 @@ def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Su
 
 
 class _Borders:
-    """Regions of a frame, with the length and the summed boundary values of every border between two regions."""
+    """Regions of a frame, with the length of every border between two regions and the sum of the boundary values along
+    it.
+    """
 
     def __init__(self, regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, line: float) -> None:
         self.root = list(range(regions.count))
@@ -89,7 +92,9 @@ class _Borders:
         return stands_a == stands_b
 
     def merge(self, may_merge: Callable[[float, int, int], bool]) -> None:
-        """Merge neighbouring regions for which `may_merge` returns True, weakest common border first."""
+        """Merge neighbouring regions for which `may_merge` returns True. Regions with the weakest common border are
+        merged first.
+        """
         heap = [(t / n, a, b) for a, beside in enumerate(self.beside) for b, (n, t) in beside.items() if a < b]
         heapq.heapify(heap)
         while heap:
@@ -101,8 +106,8 @@ class _Borders:
                 heapq.heappush(heap, (t_c / n_c, min(a, c), max(a, c)))
 
     def _join(self, a: int, b: int) -> Iterator[tuple[int, tuple[float, float]]]:
-        """Merge region b into region a. Yield each former neighbour of b with its new border to a: length in pixel
-        pairs, and sum of boundary values.
+        """Merge region b into region a. Yield each former neighbour of b, with the length in pixel pairs and the sum of
+        boundary values of its new border to a.
         """
         self.root[b] = a
         for counts in (self.open_px, self.measured, self.above):

@@ -12,20 +12,20 @@ from spigolo.settings.additions import Additions, Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""Image width divided by the side of a square. A pixel counts as close to an image edge if the square around the pixel
-contains an edge pixel.
+"""A pixel counts as close to an image edge if a square around the pixel contains an edge pixel. `PART` is the image
+width divided by the side length of this square.
 """
 OUTLINE_PX = 9
-"""Side in pixels of the square that erodes the mask of the support plane. Image edges at the outline of the mask are
-then not counted.
+"""Side length in pixels of the square by which the mask of the support plane is eroded. The erosion excludes image
+edges at the outline of the mask.
 """
 
 
 def warn_of_packing(
     edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> None:
-    """Warn if the support plane looks like a layer of packed objects: a large plane, covered with image edges, without
-    objects.
+    """Warn if the support plane looks like a layer of packed objects: it is large, has many image edges, and almost no
+    objects stand on it.
     """
     support, rule = config.support, config.packing
     if rule is None or support is None or edges is None or plane is None or camera is None:
@@ -40,7 +40,7 @@ def warn_of_packing(
 
 
 def is_packed(edges: EdgeMaps, depth: DepthMap, camera: Camera, plane: Plane, support: Support, rule: Packing) -> bool:
-    """Return True if the support plane is large, is covered with image edges and carries almost no objects."""
+    """Return True if the support plane is large, has many image edges, and almost no objects stand on it."""
     if things_on(plane, depth, camera, support) > rule.max_things:
         return False
     on = support_mask(plane, depth, camera, support)

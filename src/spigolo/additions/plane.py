@@ -1,8 +1,8 @@
 """Planes of a frame: heights of pixels above a plane, and masks of pixels on or above a plane (our addition, not in the
 paper).
 
-The masks of pixels on and above a plane are exact. The share of points that stand on a plane
-(`Sample.share_standing_on`) is estimated from a sample of pixels.
+The masks are computed from all pixels. The share of points that stand on a plane (`Sample.share_standing_on`) is
+estimated from a sample of pixels.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from spigolo.settings.additions import Support
 SAMPLES = 3000
 """Maximum number of pixels in a sample of a frame."""
 CELLS = 24
-"""Number of grid cells along the longer image side. The grid is used to find points that a plane surrounds."""
+"""Number of grid cells along the longer image side. The grid is used to test which points are surrounded by a plane."""
 TALLEST_M = 0.3
-"""Maximum height at which a point counts as standing on a plane, in metres."""
+"""Upper limit of the height of a point that counts as standing on a plane, in metres."""
 SPECKLE_PX = 5
 
 Points = npt.NDArray[np.float64]
@@ -54,8 +54,8 @@ class Plane:
     def slopes(
         self, shape: tuple[int, ...], camera: Camera
     ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], np.float32]:
-        """Return the slopes of the plane in the image: arrays s_x (W,) and s_y (H,), and a number s. The height of
-        pixel (y, x) is (s_x[x] + s_y[y] + s) * depth + offset_m.
+        """Return the terms of a formula for the height above the plane: arrays s_x (W,) and s_y (H,), and a number s.
+        The height of pixel (y, x) is (s_x[x] + s_y[y] + s) * depth + offset_m.
         """
         a, b, c = (float(v) for v in self.normal)
         slope_x = (np.arange(shape[1], dtype=np.float32) - np.float32(camera.cx)) * np.float32(a / camera.fx)
@@ -65,7 +65,7 @@ class Plane:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """Sample of the measured points of a frame, on which planes are tested."""
+    """Sample of the measured points of a frame. Planes are tested with the points of the sample."""
 
     points: Points
     """Points (N, 3) in the camera's frame, metres."""
@@ -98,11 +98,13 @@ class Sample:
         return float((above & self.surrounded(self.on(plane, config))).mean())
 
     def surrounded(self, on: Mask) -> Mask:
-        """Return a mask (N,) of the points that a plane surrounds on at least three of four sides. on: mask (N,) of the
-        points on the plane.
+        """Return a mask (N,) of the points that a plane surrounds on at least three of four sides.
 
-        A cell of the grid belongs to the plane if most points of the cell are on the plane. The plane surrounds a point
-        on a side if any cell on this side, in the same grid row or column, belongs to the plane.
+        on: mask (N,) of the points on the plane.
+
+        A cell of the grid belongs to the plane if most points of the cell are on the plane. The sides of a point are
+        left, right, above and below in the grid. The plane surrounds a point on a side if any cell on this side, in the
+        same grid row or column, belongs to the plane.
         """
         rows, columns = self.cells.T
         votes = np.zeros(self.cells.max(axis=0) + 1, np.int64)
@@ -113,8 +115,8 @@ class Sample:
 
 
 def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray[np.float32]:
-    """Return the maximum distance between a plane and a pixel that counts as on the plane, m: max(`min_height_m`,
-    `noise_per_m` * depth^2).
+    """Return the tolerance in metres: the maximum distance from a plane at which a pixel counts as lying on the plane.
+    The tolerance is max(`min_height_m`, `noise_per_m` * depth^2).
     """
     return np.maximum(np.float32(config.min_height_m), np.float32(config.noise_per_m) * depth * depth)
 
@@ -130,8 +132,8 @@ def above_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -
 
 
 def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
-    """Return the mask (H, W) of outlines of objects: pixels above the plane with a neighbour that is not above the
-    plane.
+    """Return the mask (H, W) of the outlines of objects on a plane. An outline pixel lies above the plane, and a
+    neighbouring pixel does not.
 
     A median filter first removes small speckles above the plane.
     """
@@ -141,15 +143,15 @@ def foot_contour(plane: Plane, depth: DepthMap, camera: Camera, config: Support)
 
 
 def things_on(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
-    """Return the share of the measured points that stand on a plane (`Sample.share_standing_on`), from a grid of
-    pixels.
+    """Return the share of the measured points that stand on a plane, estimated from a grid of pixels
+    (`Sample.share_standing_on`).
     """
     sample = sample_frame(depth, camera)
     return sample.share_standing_on(plane, config) if len(sample.points) else 0.0
 
 
 def sample_frame(depth: DepthMap, camera: Camera) -> Sample:
-    """Return the measured pixels of a grid over a depth map (H, W) in metres."""
+    """Return a sample of the measured pixels on a regular grid over a depth map (H, W) in metres."""
     step = max(round((depth.size / SAMPLES) ** 0.5), 1)
     y, x = np.nonzero(depth[::step, ::step])
     return Sample.at(y * step, x * step, depth, camera)

@@ -18,31 +18,31 @@ Labels = npt.NDArray[np.int32]
 
 RAMP_STEP_M = 0.03
 RAMP_STEP_SHARE = 0.02
-"""Minimum depth difference at a depth step whose ramp is measured: max(`RAMP_STEP_M`, `RAMP_STEP_SHARE` * distance), in
-metres. A ramp is a depth step that is smeared over several pixels.
+"""Minimum depth difference of a depth step whose width is measured: max(`RAMP_STEP_M`, `RAMP_STEP_SHARE` * distance),
+in metres. A ramp is a depth step that is smeared over several pixels.
 """
 MEMORY = 0.5
-"""Weight from 0 to 1 of the previous mean colour of a tree, when a new pixel updates the mean. The trees of the
-spanning forest grow from seed pixels.
+"""Weight from 0 to 1 of the previous mean colour of a tree when a pixel is added to the tree. The colour of the added
+pixel has the remaining weight. The trees of the spanning forest grow from seed pixels.
 """
 CARRY = 0.9
-"""Share of an edge's weight that is added to the weight of the next edge of the tree. A blurred image edge is then as
-heavy as a sharp one.
+"""Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. Across a blurred
+image edge, the weights then add up to about the weight of a sharp image edge.
 """
 HALVED_BAND_PX = 3
-"""Width in pixels, on each side of a border, of the band whose pixels get new labels. Used for labels from the image at
-half resolution.
+"""Width in pixels, on each side of a border, of the band in which pixels get new labels. This width is used after a
+segmentation at half resolution.
 """
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Claimed:
-    """Labels of all pixels after the labels near borders were reassigned.
+    """Labels of all pixels, after pixels near borders got new labels.
 
     - labels: (H, W) int32, object at each pixel, 0 = background.
-    - source_of: (H * W,) int32, index y * W + x of the seed pixel that gave each pixel in `opened` its label, undefined
-      elsewhere.
-    - opened: mask (H, W) of the pixels that got their label from a seed.
+    - source_of: (H * W,) int32. For each pixel in `opened`, the index y * W + x of the seed pixel from which the label
+      comes. Values at other pixels are undefined.
+    - opened: mask (H, W) of the pixels that got their label from a seed pixel.
     """
 
     labels: Labels
@@ -51,12 +51,15 @@ class Claimed:
 
 
 def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
-    """Move the borders of objects to colour differences, within a band where depth is smeared or missing.
+    """Move the borders of objects to the nearby colour differences. Only pixels within a band along the borders get new
+    labels.
 
-    The innermost pixels of each object are not reassigned. Lengths in `config` must be scaled to the image size.
+    The band is wider where depth is smeared or missing. The innermost pixels of each object keep their labels. Lengths
+    in `config` must be scaled to the image size.
 
-    labels: (H, W), 0 = background, 1..N = objects. color: (H, W, 3) uint8 RGB. depth: measured depth (H, W) in metres,
-    0 where missing.
+    - labels: (H, W), 0 = background, 1..N = objects.
+    - color: (H, W, 3) uint8 RGB.
+    - depth: measured depth (H, W) in metres, 0 where missing.
     """
     width = band_width_px(labels, depth, config)
     near_hole = _widen(np.asarray(depth == 0), config.near_hole_px)
@@ -67,10 +70,11 @@ def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinem
 
 
 def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: float) -> int:
-    """Mark the background inside the convex hull of nearly convex objects for reassignment. Return the number of marked
-    pixels.
+    """Mark background pixels inside the convex hull of nearly convex objects, so that these pixels get new labels.
+    Return the number of newly marked pixels.
 
-    For example, the bottom of a bowl has nearly the same depth as the table and is therefore missing in the object.
+    For example, the bottom of a bowl has nearly the same depth as the table. The bottom may therefore be labelled as
+    background.
     """
     count = int(labels.max(initial=0)) + 1
     sums, boxes = np.zeros((count, 6)), np.zeros((count, 4), np.int32)
@@ -91,11 +95,12 @@ def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: floa
 
 
 def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refinement) -> Claimed:
-    """Move the borders of labels from the image at half resolution to colour differences and depth steps.
+    """Refine labels that were computed at half resolution: move the borders to colour differences and depth steps at
+    full resolution.
 
-    Only pixels within `HALVED_BAND_PX` pixels of a border are reassigned.
+    Only pixels within `HALVED_BAND_PX` pixels of a border get new labels.
 
-    - labels: (H, W), each label repeated in a block of 2x2 pixels.
+    - labels: (H, W) at full resolution. All pixels of a block of 2x2 pixels have the same label.
     - color: (H, W, 3) uint8 RGB.
     - depth: measured depth (H, W) in metres, 0 where missing.
     """
@@ -106,8 +111,8 @@ def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refine
 
 
 def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
-    """Return the width in pixels, on each side of a border, of the band whose pixels get new labels. The width depends
-    on the mean width of smeared depth steps along the borders.
+    """Return the width in pixels, on each side of a border, of the band in which pixels get new labels. The width
+    depends on the mean width of smeared depth steps along the borders.
     """
     sums = np.zeros(2, np.int64)
     bands.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
@@ -120,12 +125,16 @@ def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
 def open_band(
     labels: Labels, near_hole: npt.NDArray[np.uint8], width_px: int, hole_width_px: int, max_opened: float
 ) -> tuple[npt.NDArray[np.uint8], int]:
-    """Mark the pixels (H, W) uint8 near borders between labels for reassignment. Return the marks and the number of
-    marked pixels.
+    """Mark the pixels near borders between labels, so that these pixels get new labels. Return the marks (H, W) uint8
+    and the number of marked pixels.
 
-    near_hole: (H, W) uint8, nonzero near missing depth, where the width of the band is hole_width_px instead of
-    width_px. The pixels of an object form layers, counted from the object's border inwards. At most the share
-    `max_opened` of the layers is marked, outermost layers first. The background, label 0, may be marked entirely.
+    near_hole: (H, W) uint8, nonzero near missing depth. The band has a width of hole_width_px at these pixels, and of
+    width_px at other pixels.
+
+    Each object is divided into layers that are one pixel wide. Layer 1 is its border, and the next layers follow
+    inwards. If an object lies entirely inside the band, only the share `max_opened` of its layers is marked, outermost
+    layers first. If an object reaches beyond the band, all its pixels inside the band are marked. All pixels of the
+    background (label 0) inside the band are marked too.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     bands.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
@@ -142,8 +151,8 @@ def claim(
     depth: DepthMap,
     config: Refinement,
 ) -> Claimed:
-    """Give each marked pixel of `opened` the label of a seed pixel. Seeds are the unmarked pixels next to marked
-    pixels. A spanning tree grows from each seed, and the first tree that reaches a marked pixel determines the label.
+    """Give each marked pixel of `opened` the label of a seed pixel. Seed pixels are the unmarked pixels next to marked
+    pixels. A spanning tree grows from each seed pixel. A marked pixel gets the label of the first tree that reaches it.
 
     Marked pixels that no tree reaches keep their label.
     """

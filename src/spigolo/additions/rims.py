@@ -1,4 +1,6 @@
-"""Area of the support plane that a region surrounds, which separates rims from objects (`settings.Rim`)."""
+"""Area of the support plane that a region surrounds. The rule `settings.Rim` uses this area to separate the rims of
+bins and trays from objects.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from spigolo.settings.additions import Support
 def surrounded_support(region: Mask, plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:
     """Return the area of the support plane inside the convex hull of a region, divided by the area of the region.
 
-    - region: mask (H, W) of the region. Pixels of the region do not count as support plane.
+    - region: mask (H, W) of the region. Pixels of the region itself are not counted as support plane.
     - depth: depth map (H, W) in metres, 0 where missing.
     """
     outlines, _ = cv2.findContours(region.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

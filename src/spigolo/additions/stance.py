@@ -1,4 +1,6 @@
-"""Measurements that separate objects from walls: depth steps along the outline, slant, and cut by the image border."""
+"""Measurements that separate objects from walls: depth steps along the outline, slant, and the part of the outline on
+the image border.
+"""
 
 from __future__ import annotations
 
@@ -15,17 +17,17 @@ from spigolo.settings.rules import Ledge, Wall
 from spigolo.stages.regions import Regions
 
 TALL_SHARE = 0.05
-"""Minimum share of a region's measured pixels above `Wall.min_height_m`. Regions with a smaller share are not tested as
-walls.
+"""Minimum share of a region's measured pixels that are higher than `Wall.min_height_m` above the support plane. Regions
+with a smaller share are not tested for walls.
 """
 SLOPES_SHARE = 0.1
-"""Minimum share of a region's measured pixels with a surface normal. With a smaller share, the mean normal of the
-region is unknown.
+"""Minimum share of a region's measured pixels for which a surface normal can be computed. If fewer pixels have a
+normal, no mean normal of the region is computed.
 """
 REACH_INSIDE = 2.5
 """Distance from the outline at which a region's slope is measured, as a multiple of `Wall.reach_px`."""
 FLAT = Plane(np.zeros(3), 0.0)
-"""Placeholder for a missing support plane, above which all heights are 0."""
+"""Placeholder for a missing support plane. Heights above this placeholder are always 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,8 +37,8 @@ class Stance:
     cut: npt.NDArray[np.float64]
     """Share (R,) of each region's outline that lies on the image border."""
     hides: npt.NDArray[np.float64]
-    """Share (R,) of each region's outline beyond which the depth is larger by a step. Parts of the outline next to a
-    nearer object do not count.
+    """Share (R,) of each region's outline along which the depth outside is larger than the depth inside by a step.
+    Parts of the outline next to a nearer object are not counted.
     """
     ledge: npt.NDArray[np.float64]
     """Share (R,) of each region's outline along which the height above the support plane changes by a step."""
@@ -47,10 +49,10 @@ class Stance:
 def measure_stance(
     regions: Regions, depth: DepthMap, camera: Camera, plane: Plane | None, tall: Mask, rule: Wall, ledge: Ledge | None
 ) -> Stance:
-    """Measure the outline and the slant of every region, to separate objects from walls.
+    """Measure the depth steps along the outline, and the slant, of every region.
 
-    tall: mask (H, W) of the pixels that are high enough to belong to a wall. Regions with few tall pixels get NaN for
-    `cut`, `hides` and `lean_deg`. Without a support plane, `ledge` is NaN.
+    tall: mask (H, W) of the pixels that are high enough to belong to a wall. Regions with few of these pixels get NaN
+    for `cut`, `hides` and `lean_deg`. Without a support plane, `ledge` is NaN.
     """
     valid, high = regions.count_where(np.asarray(depth > 0)), regions.count_where(tall)
     asked = (high >= TALL_SHARE * valid) & (high > 0)

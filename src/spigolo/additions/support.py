@@ -1,8 +1,8 @@
 """Search for the support plane, on which objects stand (our addition, not in the paper).
 
 RANSAC proposes the largest planes in a sample of pixels, and least squares refines these planes. The rules in
-`settings.Support` then choose one plane. For example, the support plane must face up and hide the points below the
-plane.
+`settings.Support` then choose one plane. For example, the support plane must face up, and points below it must not be
+visible.
 """
 
 from __future__ import annotations
@@ -24,19 +24,23 @@ REFINEMENTS = 3
 STACKED_M = 0.1
 STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
-"""Minimum cosine of the angle between the normals of two planes that count as parallel. The maximum angle is 14
-degrees.
+"""Minimum cosine of the angle between the normals of two planes that count as parallel. The corresponding maximum angle
+is 14 degrees.
 
-A parallel plane must be at least `STACKED_M` above the largest plane. The parallel plane is fitted to points whose
-heights above the largest plane differ by at most `STACKED_SLACK_M`.
+A parallel plane above the largest plane is fitted to points with a height of more than `STACKED_M` above the largest
+plane. The heights of these points differ by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
-"""Maximum share of points below an opaque plane, among the points on or below the plane that the plane surrounds."""
+"""Maximum share of points below a plane that counts as opaque. The share refers to all points on or below the plane
+that the plane surrounds in the image.
+"""
 LOWER_SHARE = 0.5
-"""Minimum number of points on a lower plane, relative to the number of points on the plane that it replaces."""
+"""Minimum number of points on a lower plane that replaces the support plane, divided by the number of points on the
+replaced plane.
+"""
 SPARSE = 0.6
-"""Share of measured depth in a frame below which the test for opaque planes is stricter. In such a frame, a plane with
-more points below the plane than on the plane is not opaque.
+"""If the share of pixels with depth is smaller than this value, the test for opaque planes is stricter. A plane then
+does not count as opaque if more points lie below it than on it.
 """
 MOST_PLANES = 6
 SEED = 7
@@ -53,9 +57,11 @@ def find_support(
 ) -> Plane | None:
     """Find the support plane of a depth map.
 
-    depth: measured depth map (H, W) in metres. max_distance_m: maximum depth, used if `config.within_reach` is set.
-    roi: mask (H, W) of the region of interest, used if `config.near_roi` is set. Returns None if `camera` or `config`
-    is None, or if no plane fulfils the rules.
+    Returns None if `camera` or `config` is None, or if no plane fulfils the rules.
+
+    - depth: measured depth map (H, W) in metres.
+    - max_distance_m: maximum depth in metres, used if `config.within_reach` is set.
+    - roi: mask (H, W) of the region of interest, used if `config.near_roi` is set.
     """
     if camera is None or config is None:
         return None
@@ -70,8 +76,9 @@ def find_support(
 
 
 def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
-    """Return True if a plane faces up, so that objects can stand on the plane. share: share of the measured pixels on
-    the plane.
+    """Return True if a plane faces up, so that objects can stand on the plane.
+
+    share: share of the frame's measured pixels that lie on the plane.
     """
     x, y, _ = plane.normal
     if rule.up is not None:
@@ -83,7 +90,9 @@ def faces_up(plane: Plane, share: float, rule: Facing) -> bool:
 
 
 def _grown_box(mask: Mask, share: float) -> tuple[int, int, int, int]:
-    """Return the box around a mask (H, W), enlarged by a share of its height and width on each side."""
+    """Return the bounding box (y0, x0, y1, x1) of a mask (H, W). The box is enlarged on each side by a share of its
+    height and width.
+    """
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     ends = []
     for first, end, size in ((rows[0], rows[-1] + 1, mask.shape[0]), (columns[0], columns[-1] + 1, mask.shape[1])):
@@ -110,9 +119,11 @@ def _find_plane(depth: DepthMap, camera: Camera, config: Support) -> Plane | Non
 
 
 def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Support) -> Plane | None:
-    """Return the first plane that the rules accept, or a parallel plane above it. Return None if no plane faces up.
+    """Return the first plane that fulfils the rules, or a parallel plane above this plane. Return None if no plane
+    faces up.
 
-    planes: candidates, largest first. sparse: True if much of the frame's depth is missing.
+    - planes: planes to choose from, largest first.
+    - sparse: True if much of the frame's depth is missing.
     """
     facing = config.facing
     remaining = (p for p in planes if facing is None or faces_up(p, sample.share_on(p, config), facing))
@@ -129,7 +140,7 @@ def _choose(planes: Iterable[Plane], sample: Sample, sparse: bool, config: Suppo
 
 
 def _is_opaque(plane: Plane, sample: Sample, sparse: bool, config: Support) -> bool:
-    """Return True if a plane is opaque, so that almost no points below the plane are visible through the plane.
+    """Return True if a plane is opaque: almost no points below the plane are visible.
 
     A table is opaque, because it hides the floor. The plane through the front edges of a shelf is not opaque, because
     points behind the plane are visible.
@@ -145,8 +156,8 @@ def _below(plane: Plane, sample: Sample, config: Support) -> Mask:
 
 
 def _visible_below(plane: Plane, sample: Sample, config: Support) -> tuple[Mask, float]:
-    """Return a mask (N,) of the points below a plane that the plane surrounds, and their share of all points on or
-    below the plane that the plane surrounds.
+    """Return a mask (N,) of the points that lie below a plane and are surrounded by the plane in the image. Also return
+    the number of these points, divided by the number of all surrounded points on or below the plane.
     """
     on = sample.on(plane, config)
     surrounded = sample.surrounded(on)
@@ -156,10 +167,12 @@ def _visible_below(plane: Plane, sample: Sample, config: Support) -> tuple[Mask,
 
 
 def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Generator, config: Support) -> Plane:
-    """Return a plane parallel to the given plane and below it, as long as too many points are visible below the plane.
+    """Lower a plane in steps, as long as too many points are visible below the plane. Each lower plane is nearly
+    parallel to the plane before.
 
-    A plane through the upper side of a heap has many points below it, between the objects. The lower plane must have a
-    smaller share of points below it, and at least `LOWER_SHARE` as many points on it.
+    For example, if a plane lies on the upper side of a heap of objects, many points between the objects are visible
+    below it. A lower plane must have a smaller share of points below it. The number of points on a lower plane must be
+    at least `LOWER_SHARE` times the number of points on the plane before.
     """
     below, share = _visible_below(plane, sample, config)
     while share > max_below:
@@ -178,8 +191,8 @@ def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Gene
 
 
 def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sample: Sample, config: Support) -> Plane:
-    """Return the plane if at least the share `min_things` of the points stands on it. Otherwise return the first of the
-    other planes with this share, or the original plane if no other plane has this share.
+    """Return the first plane on which at least the share `min_things` of the points stands. The given plane is tested
+    first, and then the other planes. If no plane has this share, return the given plane.
     """
     if sample.share_standing_on(plane, config) >= min_things:
         return plane
@@ -211,8 +224,8 @@ def _stacked(floor: Plane, stacked_share: float, sample: Sample, config: Support
 
 
 def _largest_planes(sample: Sample, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Yield up to `MOST_PLANES` different planes, roughly the largest first. At least the share `min_share` of the
-    sample lies on each plane.
+    """Yield up to `MOST_PLANES` different planes, approximately in descending order of their size. At least the share
+    `min_share` of the sampled points lies on each plane.
     """
     tried: list[Plane] = []
     for hypothesis in _hypotheses(sample.points, rng, config):
@@ -233,7 +246,7 @@ def _is_alike(plane: Plane, other: Plane) -> bool:
 
 
 def _hypotheses(points: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Yield planes through three random points each. points: sample (N, 3). Planes with the most sample points come
+    """Yield planes, each through three random points of the sample `points` (N, 3). Planes with the most points come
     first.
     """
     a, b, c = points[rng.integers(len(points), size=(3, HYPOTHESES))]
@@ -251,8 +264,8 @@ def _hypotheses(points: Points, rng: np.random.Generator, config: Support) -> It
 
 
 def _refine(plane: Plane, sample: Sample, config: Support) -> Plane | None:
-    """Refine a plane by repeated least squares on the points within the tolerance. Return None for fewer than three
-    points.
+    """Refine a plane by repeated least squares on the points within the tolerance. Return None if fewer than three
+    points lie within the tolerance.
     """
     for _ in range(REFINEMENTS):
         inliers = sample.points[sample.on(plane, config)]
@@ -270,7 +283,7 @@ def _fit(points: Points) -> Plane:
 
 
 def _towards_camera(normal: Points, offset_m: float) -> Plane:
-    """Return the plane with its normal towards the camera, so that the offset is not negative. The camera is at the
-    origin.
+    """Return the plane with its normal towards the camera. The camera is at the origin, so the offset is then not
+    negative.
     """
     return Plane(normal, offset_m) if offset_m >= 0 else Plane(-normal, -offset_m)

@@ -1,1 +1,1 @@
-"""Output of the method: measured regions, reasons for rejection, and the segmentation result."""
+"""Output of the method: measurements of regions, reasons for the rejection of regions, and the segmentation result."""

@@ -15,7 +15,9 @@ from spigolo.frames.frame import Camera, DepthMap, Mask
 Vectors = npt.NDArray[np.float64]
 
 TRIM_PERCENT = 1.0
-"""Percentage of the points that are ignored at each end of each box axis, to remove flying pixels."""
+"""Percentage of the points that are ignored at each end of each axis of the box. These points are often flying pixels,
+whose depth lies between object and background.
+"""
 LEAST_POINTS = 10
 
 
@@ -35,9 +37,7 @@ class OrientedBox:
         return {name: getattr(self, name).tolist() for name in ("center_m", "size_m", "R_camera_box")}
 
     def contains(self, points_m: npt.NDArray[np.floating], margin_m: float = 0.0) -> Mask:
-        """Return the mask (N,) of the points (N, 3), in metres, that lie inside the box or at most `margin_m`
-        outside.
-        """
+        """Return a mask (N,) that is True for points (N, 3) inside the box or at most `margin_m` outside, in metres."""
         inside = np.abs((points_m - self.center_m) @ self.R_camera_box) <= self.size_m / 2 + margin_m
         return np.asarray(inside.all(axis=1))
 
@@ -51,12 +51,12 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
     """Fit an oriented box to the measured depth inside a mask.
 
     The box covers only the visible surface. Pixels at the outline of the mask and the outermost points along each axis
-    are ignored. Depth at the outline often mixes object and background (flying pixels).
+    are ignored. Depth at the outline often lies between the depths of object and background (flying pixels).
 
     - mask: mask (H, W) of the pixels of the object.
     - depth: depth map (H, W) in metres.
-    - up: unit vector (3,) parallel to one axis of the box, such as the normal of the support plane. If `up` is None,
-      one axis of the box is the direction in which the points vary least.
+    - up: unit vector (3,) that one axis of the box must be parallel to, such as the normal of the support plane. If
+      `up` is None, this axis is the direction in which the points have the smallest variance.
 
     Returns None if fewer than 10 pixels have depth.
     """
@@ -71,12 +71,14 @@ def fit_box(mask: Mask, depth: DepthMap, camera: Camera, up: Vectors | None = No
 
 
 def _flattest(points: Vectors) -> Vectors:
-    """Return the unit vector (3,) of the direction in which points (N, 3) vary least."""
+    """Return the unit vector (3,) of the direction in which points (N, 3) have the smallest variance."""
     return np.asarray(np.linalg.eigh(np.cov(points.T))[1][:, 0])
 
 
 def _tight_box(points: Vectors, axis: Vectors) -> OrientedBox:
-    """Return the smallest box around points (N, 3) with one given axis (3,)."""
+    """Return the smallest oriented box around points (N, 3). One axis of the box is parallel to the vector `axis`
+    (3,).
+    """
     middle = np.median(points, axis=0)
     across = np.linalg.svd(axis[None, :])[2][1:].T
     plane = (points - middle) @ across

@@ -23,7 +23,7 @@ from spigolo.stages.regions import Regions
 Labels = npt.NDArray[np.int32]
 
 SPREAD_OF_SQUARE = 12
-"""Squared length of a side of a rectangle, divided by the variance of the coordinates along that side."""
+"""Squared side length of a rectangle, divided by the variance of the coordinates of its points along this side."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
@@ -51,39 +51,40 @@ class RegionFacts:
     unfilled: float
     """Share of the region's pixels without depth after in-painting."""
     dark: float
-    """Share of the region's pixels that are dark: brightness max(R, G, B) in the three lowest of 32 bins."""
+    """Share of the region's pixels that are dark. A pixel is dark if its brightness max(R, G, B) is at most 23 of 255.
+    """
     above: float | None
     """Share of the region's measured pixels above the support plane. None if the frame has no support plane."""
     inside: float | None
-    """Share of the region's pixels inside the region of interest. If the region of interest is a box in metres, only
-    pixels with depth count. None if no region of interest is given.
+    """Share of the region's pixels inside the region of interest. If the region of interest is a box in metres, pixels
+    without depth are left out of this share. None if no region of interest is given.
     """
     contour: float
     """Mean boundary value along the region's border, from 0 to 1."""
     cut: float | None
     """Share of the region's outline that lies on the image border.
 
-    None if `Rules.wall` is off, intrinsics are missing, or the region is lower than `Wall.min_height_m`.
+    None in one of three cases: `Rules.wall` or `Additions.support` is off, intrinsics are missing, or the region is
+    lower than `Wall.min_height_m`.
     """
     hides: float | None
-    """Share of the region's outline beyond which the depth is larger by a step. Parts of the outline next to a nearer
-    object do not count.
+    """Share of the region's outline along which the depth outside is larger than the depth inside by a step. Parts of
+    the outline next to a nearer object are left out of this share.
 
-    None if `Rules.wall` is off, intrinsics are missing, the region is lower than `Wall.min_height_m`, or too little of
-    its outline has depth.
+    None in the same cases as `RegionFacts.cut`, and also if too little of the outline has depth.
     """
     ledge: float | None
-    """Share of the region's outline along which the height above the support plane changes by a step. None if
-    `Rules.wall` is off, if intrinsics or the support plane are missing, or if too little of the outline has depth.
+    """Share of the region's outline along which the height above the support plane changes by a step. None in one of
+    three cases: `Rules.wall` is off, intrinsics or the support plane are missing, or too little of the outline has
+    depth.
     """
     lean_deg: float | None
     """Angle between the region's mean surface normal and the line of sight, in degrees.
 
-    None if `Rules.wall` is off, intrinsics are missing, the region is lower than `Wall.min_height_m`, or too few of its
-    pixels have a surface normal.
+    None in the same cases as `RegionFacts.cut`, and also if too few pixels of the region have a surface normal.
     """
     regions: Labels
-    """Region numbers (H, W) of the whole frame."""
+    """Region number of each pixel of the frame, as an array (H, W)."""
     frame: Frame
     """Frame that contains the region."""
     plane: Plane | None
@@ -111,8 +112,8 @@ class RegionFacts:
     def size_m(self) -> tuple[float, float] | None:
         """Approximate length and width of the region in metres. None if depth or intrinsics are missing.
 
-        Length and width are the sides of a rectangle that faces the camera at the region's centroid. The rectangle has
-        the same `spread_px2` as the region.
+        Length and width are the side lengths of a rectangle that faces the camera, at the distance of the region. The
+        pixel coordinates of the rectangle have the same variances (`spread_px2`) as those of the region.
         """
         camera, center = self.frame.camera, self.centroid_m
         if camera is None or center is None:
@@ -127,12 +128,14 @@ class RegionFacts:
         return {name: list(fact) if isinstance(fact, tuple) else fact for name, fact in facts.items()}
 
     def points_m(self, trim_m: float | None = None) -> npt.NDArray[np.float32]:
-        """Return the region's measured points (N, 3) in metres in the camera's frame, in raster order.
+        """Return the region's measured points (N, 3) in metres, in the camera's frame. The points are ordered by image
+        row and then by column.
 
         In-painted depth is not included. Raises CameraError for a frame without intrinsics.
 
-        trim_m: maximum distance of a point outside the oriented box, in metres. Points farther outside are left out as
-        flying pixels, whose depth mixes object and background. If `trim_m` is None, all points are returned.
+        trim_m: maximum distance of a point from the oriented box, in metres. Points farther outside are not returned,
+        because they are probably flying pixels, whose depth lies between object and background. If `trim_m` is None,
+        all points are returned.
         """
         if self.frame.camera is None:
             raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
@@ -169,10 +172,10 @@ def measure_regions(
     """Return the measurements of every region, indexed by region number.
 
     - depth: in-painted depth map (H, W) in metres.
-    - contour: boundary map (H, W) of `contour_cue`.
+    - contour: map (H, W) of boundary values that `contour_cue` returns.
     - above: mask (H, W) of the measured pixels above the support plane.
-    - inside: mask (H, W) of the pixels inside the region of interest, and mask (H, W) of the pixels that count (see
-      `roi_mask`).
+    - inside: two masks (H, W), as returned by `roi_mask`: the pixels inside the region of interest, and the pixels
+      whose position is known.
     - stance: measurements of each region for the rules `Wall` and `Ledge`.
     - plane: support plane.
     """
@@ -202,20 +205,22 @@ def measure_regions(
 
 
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
-    """Measure regions again after their outlines have changed.
+    """Update the measurements of regions after their outlines have changed.
 
-    The measurements score, above, inside, contour, cut, hides, ledge and lean_deg are kept, because the region was
-    accepted or rejected by these measurements. All other measurements are updated.
+    The measurements score, above, inside, contour, cut, hides, ledge and lean_deg are not updated. Rules have already
+    accepted or rejected the region by these measurements. All other measurements are updated.
 
-    facts: earlier measurements, indexed by new region number. depth: in-painted depth map (H, W) in metres.
+    - facts: measurements before the change, indexed by new region number.
+    - depth: in-painted depth map (H, W) in metres.
     """
     places = _places(regions, depth, frame, _sum_points(regions, frame))
     return [replace(f, region=k, frame=frame, **place) for k, (f, place) in enumerate(zip(facts, places, strict=True))]
 
 
 def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
-    """Return the measurements of each region's mask as dicts, indexed by region number. points: (R, 4) from
-    `_sum_points`.
+    """Return the measurements that are computed from each region's mask, as one dict for each region.
+
+    points: result (R, 4) of `_sum_points`.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)
@@ -243,9 +248,10 @@ def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray
 
 
 def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], ...]:
-    """Return the variances lambda1 >= lambda2 (px^2) along the principal axes, and the eccentricity, of each region.
+    """Return three arrays (R,) for R regions: the variances lambda1 and lambda2 (px^2) along the principal axes, and
+    the eccentricity. lambda1 is the larger variance.
 
-    sums: number of pixels and sums of coordinates (R, 6), from `moments.sum_regions`.
+    sums: result (R, 6) of `moments.sum_regions`, the number of pixels and the sums of coordinates of each region.
     """
     n, y, x, yy, yx, xx = sums.T
     n = np.maximum(n, 1)
@@ -257,7 +263,8 @@ def principal_spread(sums: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.floa
 
 
 def _sum_points(regions: Regions, frame: Frame) -> npt.NDArray[np.float64]:
-    """Return the number of measured pixels and the sums of their X, Y and Z in metres for each region (R, 4).
+    """Return four values (R, 4) for each region: the number of its measured pixels, and the sums of their X, Y and Z in
+    metres.
 
     Without a camera, only the number of measured pixels is valid.
     """

@@ -25,10 +25,11 @@ Value = TypeVar("Value", bound=np.generic)
 
 @stage("outlines")
 def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
-    """Move the outlines of all objects to colour differences, within a band where depth is smeared or missing.
+    """Move the outlines of all objects to nearby colour differences. Only pixels within a band along the outlines
+    change. The band is wider where depth is smeared or missing.
 
-    A pixel that is removed from an object is added to a neighbouring region. Rejected regions that lose all pixels are
-    removed, and the other regions get new numbers.
+    A pixel that is removed from an object is added to a neighbouring region. Regions that lose all their pixels are
+    removed, and the other regions are numbered again.
     """
     if config.refinement is None or not result.objects:
         return result
@@ -40,7 +41,9 @@ def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
 def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None = None) -> Segmentation:
     """Convert the result of a frame at half resolution (`halve_frame`) to full resolution, with refined outlines.
 
-    frame: frame at full resolution. config: parameters of the segmentation. roi: region of interest in the full frame.
+    - frame: frame at full resolution.
+    - config: parameters of the segmentation.
+    - roi: region of interest at full resolution.
     """
     regions = Regions(_doubled(result.regions.labels, frame.shape), result.regions.count)
     scene = _enlarged_scene(result.scene, frame, config, roi)
@@ -53,7 +56,7 @@ def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None 
 def _enlarged_scene(scene: Scene, frame: Frame, config: Config, roi: Roi | None) -> Scene:
     """Convert the scene of a frame at half resolution to full resolution.
 
-    Missing depth is filled with the in-painted depth at half resolution.
+    Missing depth at full resolution is filled with the in-painted depth at half resolution.
     """
     sized = config.at_size(frame.shape)
     ours = sized.additions
@@ -82,9 +85,11 @@ def _doubled(values: npt.NDArray[Value], shape: tuple[int, int]) -> npt.NDArray[
 def _redrawn(
     result: Segmentation, scene: Scene, regions: Regions, before: npt.NDArray[np.int32], claimed: Claimed
 ) -> Segmentation:
-    """Return the segmentation result after pixels near borders were reassigned. Empty regions are removed.
+    """Return a segmentation result with the new labels of pixels near borders. Regions that have lost all their pixels
+    are removed.
 
-    before: labels (H, W) of the objects before the reassignment. claimed: labels after the reassignment.
+    - before: labels (H, W) before the refinement.
+    - claimed: labels after the refinement.
     """
     labels, areas = np.empty_like(regions.labels), np.zeros(regions.count, np.int64)
     kernel.follow_seeds(before, claimed.labels, claimed.source_of, regions.labels, labels, areas)

@@ -20,12 +20,12 @@ from spigolo.stages.regions import Regions
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Scene:
-    """Maps and rules of a frame that decide which regions are objects."""
+    """Maps of a frame and parameters of the rules, which together decide which regions are objects."""
 
     frame: Frame
     """Frame to which the regions belong."""
     depth: DepthMap
-    """Depth map (H, W) in metres, 0 where missing, with small gaps in-painted if in-painting is on."""
+    """Depth map (H, W) in metres, 0 where missing. Small gaps are filled if in-painting is on."""
     contour: npt.NDArray[np.float32]
     """Boundary map (H, W) with values from 0 to 1."""
     plane: Plane | None
@@ -43,8 +43,9 @@ class Scene:
     above: Mask | None = None
     """Mask (H, W) of the measured pixels above the support plane. None if the frame has no support plane."""
     inside: tuple[Mask, Mask] | None = None
-    """Two masks (H, W): the pixels inside the region of interest, and the pixels whose position can be tested. For a
-    region of interest in metres, only pixels with depth can be tested. None if no region of interest is given.
+    """Two masks (H, W): the pixels inside the region of interest, and the pixels whose position is known. If the region
+    of interest is a box in metres, only the positions of pixels with depth are known. None if no region of interest is
+    given.
     """
 
     @property
@@ -100,5 +101,5 @@ def find_above(frame: Frame, plane: Plane | None, additions: Additions | None) -
 
 
 def find_inside(frame: Frame, roi: Roi | None) -> tuple[Mask, Mask] | None:
-    """Return the field `Scene.inside` for a region of interest, or None if no region of interest is given."""
+    """Return the value of the field `Scene.inside`: two masks (H, W), or None if no region of interest is given."""
     return None if roi is None else roi_mask(roi, frame)

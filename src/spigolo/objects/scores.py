@@ -1,4 +1,6 @@
-"""Border strength and score of regions (our choice, docs/score.md)."""
+"""Mean boundary value along the border of each region, and score of each region. The paper defines no score
+(docs/score.md).
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,8 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Number of measured pixels of a region, divided by the image size, at which the depth term of the score reaches 63 %.
+"""Number of a region's measured pixels, divided by the number of image pixels, for which the factor 1 - exp(-measured /
+`SUPPORTED_SHARE`) of the score is 63 %.
 """
 
 
@@ -25,8 +28,8 @@ def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
     """Return a map (H, W) of boundary values from 0 to 1 that is computed from the edge weights of a graph.
 
-    Each pixel gets the larger weight of its right and its lower edge. The weights are divided by their 95th percentile
-    and clipped to 1.
+    The value of a pixel is the larger weight of two graph edges: to its right neighbour and to its lower neighbour. The
+    values are divided by their 95th percentile and clipped to 1.
     """
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)
@@ -36,8 +39,8 @@ def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
 
 
 def contour_strength(regions: Regions, contour: npt.NDArray[np.float32]) -> npt.NDArray[np.float64]:
-    """Return the mean value (R,) of the map `contour` (H, W) along the border of each region. Regions without
-    neighbours get 0.
+    """Return the mean value (R,) of the map `contour` (H, W) along the border of each region. The result is 0 for
+    regions without neighbours.
     """
     sums = np.zeros((regions.count, 2))
     moments.sum_contours(regions.labels, contour, sums)
@@ -49,12 +52,13 @@ def region_score(
 ) -> npt.NDArray[np.float64]:
     """Return the score (R,) of each region, from 0 to 1. A high score means that the region is probably a whole object.
 
-    The score is contour * (1 - exp(-measured / 0.98 %)) * above. The score is high for large regions above the support
-    plane with a strong border.
+    The score is contour * (1 - exp(-measured / 0.98 %)) * above. The score is high for a large region that lies above
+    the support plane and has high boundary values along its border.
 
     - contour: mean boundary value (R,) along each region's border.
-    - measured: number of each region's measured pixels (R,), as a share of the image.
-    - above: share (R,) of each region's pixels above the support plane. None if the frame has no support plane.
+    - measured: number (R,) of each region's measured pixels, divided by the number of image pixels.
+    - above: share (R,) of each region's measured pixels that lie above the support plane. None if the frame has no
+      support plane.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

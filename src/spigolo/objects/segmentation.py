@@ -24,7 +24,7 @@ from spigolo.stages.regions import Regions
 
 FACTS = tuple(f.name for f in dataclasses.fields(RegionFacts))
 CROP_MARGIN = 0.15
-"""Margin around an object in its PNG image, as a share of the size of its bounding box."""
+"""Margin around the bounding box of an object in the PNG image of the object, as a share of the size of the box."""
 _facts = attrgetter(*FACTS)
 
 
@@ -35,11 +35,15 @@ class ObjectMask(RegionFacts):
     label: int
     """Number of the object in the label image `Segmentation.labels`, from 1."""
     id: int | None = None
-    """Id that the object keeps from frame to frame, from 1. None unless `Segmenter(ids=True)` is used."""
+    """Id of the object, from 1. The same object has the same id in all frames. None unless `Segmenter(ids=True)` is
+    used.
+    """
 
     @property
     def number(self) -> int:
-        """Number of the object in images and messages: the id or, without ids, the label."""
+        """Number of the object in images and messages. The number is the id if objects have ids, and the label
+        otherwise.
+        """
         return self.label if self.id is None else self.id
 
     def _summary(self) -> str:
@@ -55,10 +59,10 @@ class ObjectMask(RegionFacts):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True, repr=False)
 class RejectedRegion(RegionFacts):
-    """Region that was rejected as an object, with the reason."""
+    """Region that a rule rejected, with the reason for the rejection."""
 
     reason: Reason
-    """First rule that the region violates."""
+    """Reason for the rejection: the first rule that the region violates."""
     why: str
     """Reason for the rejection as text, with the measured value and the limit."""
 
@@ -70,7 +74,8 @@ class RejectedRegion(RegionFacts):
 class Segmentation:
     """Segmentation result of a frame.
 
-    Iterating, indexing and len() use the objects, best score first. np.asarray() returns the label image.
+    A result behaves like a sequence of its objects, best score first: iteration, indexing and len() are supported.
+    np.asarray(result) returns the label image.
     """
 
     labels: Labels
@@ -78,9 +83,10 @@ class Segmentation:
     objects: tuple[ObjectMask, ...]
     """Objects in descending order of their scores."""
     rejected: tuple[RejectedRegion, ...]
-    """Rejected regions with the reasons for their rejection. All regions that are not objects are included."""
+    """Rejected regions with the reasons for their rejection. Every region is either an object or a rejected region."""
     left_out: tuple[str, ...]
-    """Names of results that were not computed because intrinsics are missing."""
+    """Names of results that were not computed, because the frame has no intrinsics. Empty if the frame has intrinsics.
+    """
     preset: str
     """Name of the preset."""
     digest: str
@@ -114,7 +120,8 @@ class Segmentation:
     def overlay(self) -> Color:
         """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered.
 
-        If objects have ids, numbers and tints depend on the ids and stay the same from frame to frame.
+        If objects have ids, the id of an object determines its number and tint. The number and tint of an object are
+        then the same in all frames.
         """
         masks = {o.number: o.mask for o in self}
         picture = draw_objects(self.frame.color, masks)
@@ -122,10 +129,11 @@ class Segmentation:
         return picture
 
     def to_dict(self) -> dict[str, Any]:
-        """Return objects and rejected regions, without pixels, as a dict that can be written as JSON.
+        """Return the measurements of objects and rejected regions as a dict that can be written as JSON. The dict
+        contains no masks.
 
-        Measurements have the names of the fields of `RegionFacts`. Points in space are in metres in the camera's frame.
-        Pixels are (y, x).
+        The keys of the measurements are the field names of `RegionFacts`. Points in space are in metres in the camera's
+        frame. Pixels are (y, x).
         """
         return {
             "preset": self.preset,
@@ -165,31 +173,31 @@ class Segmentation:
         return next(r for r in everything if r.region == region)
 
     def object_at(self, point: tuple[float, float]) -> ObjectMask:
-        """Return the region at a pixel (y, x) as an object, even if a rule rejected the region."""
+        """Return the region at a pixel (y, x) as an object. A rejected region is also returned as an object."""
         found = self.at(point)
         kept = found if isinstance(found, ObjectMask) else self.keep(found).at(point)
         assert isinstance(kept, ObjectMask)
         return kept
 
     def keep(self, region: RegionFacts) -> Segmentation:
-        """Return the result with a rejected region turned into an object. Raises SpigoloError for a region of another
+        """Return a new result in which a rejected region is an object. Raises SpigoloError for a region of another
         result.
         """
         self._check_own(region)
         return self._with(region, None)
 
     def drop(self, region: RegionFacts) -> Segmentation:
-        """Return the result with an object turned into a rejected region. Raises SpigoloError for an object of another
+        """Return a new result in which an object is a rejected region. Raises SpigoloError for an object of another
         result.
         """
         self._check_own(region)
         return self._with(region, (Reason.BY_HAND, "dropped by hand"))
 
     def merge(self, a: RegionFacts, b: RegionFacts) -> Segmentation:
-        """Return the result with two objects or rejected regions merged into one object.
+        """Return a new result in which two objects or rejected regions are merged into one object.
 
-        The merged object is measured again. Regions get new numbers, so that regions of the old result cannot be used
-        with the new result. Raises SpigoloError for regions of another result.
+        The merged object is measured again. The regions of the new result have new numbers. Therefore, the methods of
+        the new result do not accept regions of the old result. Raises SpigoloError for regions of another result.
         """
         self._check_own(a, b)
         if a.region == b.region:
@@ -225,7 +233,9 @@ class Segmentation:
         )
 
     def verdicts(self) -> list[Verdict | None]:
-        """Return the reason for rejection of each region, or None for an object, indexed by region number."""
+        """Return a list with one entry for each region, indexed by region number. The entry of a rejected region is the
+        reason for its rejection. The entry of an object is None.
+        """
         verdicts: list[Verdict | None] = [None] * self.regions.count
         for r in self.rejected:
             verdicts[r.region] = (r.reason, r.why)
@@ -237,8 +247,8 @@ def assemble(
 ) -> Segmentation:
     """Build the segmentation result from the measurements and the reasons for rejection of all regions.
 
-    facts: measurements, indexed by region number. verdicts: reason for rejection, or None for an object, indexed by
-    region number.
+    - facts: measurements of each region, indexed by region number.
+    - verdicts: reason for the rejection of each region, indexed by region number. The entry of an object is None.
     """
     accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
     objects = tuple(ObjectMask(label=k, id=getattr(f, "id", None), **_fields(f)) for k, f in enumerate(accepted, 1))

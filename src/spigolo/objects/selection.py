@@ -23,10 +23,10 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
-"""Depth range that contains the range of every RGB-D camera, in metres."""
+"""Minimum and maximum plausible median depth of a frame, in metres. No RGB-D camera measures outside this range."""
 CLOSE_M, FAR_M = 0.15, 3.0
-"""Range of plausible median depths, in metres. If no object is found, a median depth below `CLOSE_M`, or above both
-`FAR_M` and `max_distance_m`, gives a warning.
+"""Minimum and maximum median depth of a usual frame, in metres. If no object is found, a median depth below `CLOSE_M`
+gives a warning. A median depth above `FAR_M` gives a warning if it is also above `max_distance_m`.
 """
 SAMPLED = 8
 
@@ -42,10 +42,10 @@ def set_scene(
     sized: Config,
     roi: Roi | None = None,
 ) -> Scene:
-    """Collect the maps and parameters that the rules need to accept or reject the regions of a frame.
+    """Collect the maps and parameters by which the rules accept or reject the regions of a frame.
 
-    sized: `config` with lengths and areas scaled to the image size. roi: region of interest. Regions outside the region
-    of interest are rejected.
+    - sized: `config` with lengths and areas scaled to the image size.
+    - roi: region of interest. Regions outside the region of interest are rejected.
     """
     return Scene(
         frame=frame,
@@ -63,10 +63,10 @@ def set_scene(
 
 
 def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArray[np.float32]:
-    """Return the map (H, W) of boundary values, from which the border strength of regions is computed.
+    """Return the map (H, W) of boundary values that is averaged along the border of each region.
 
-    In a frame at half resolution, region borders and boundaries may lie one pixel apart. In such a frame, each pixel of
-    the map gets the maximum of the 3x3 pixels around it.
+    At half resolution, the border of a region and the boundary may lie one pixel apart. Each value of the map at half
+    resolution is therefore replaced by the maximum of its 3x3 neighbourhood.
     """
     contour = contour_cue(cues, graph)
     if additions is None or additions.resolution == "full":
@@ -75,7 +75,9 @@ def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArr
 
 
 def _for_holes(additions: Additions | None, contours: Contours | None) -> Additions | None:
-    """Return the additions. If hole outlines are contours in the frame, `min_contour_holes` replaces `min_contour`."""
+    """Return the parameters of the additions for a frame. If hole outlines are contours in this frame, `min_contour`
+    has the value of `min_contour_holes`.
+    """
     if additions is None or contours is None or not contours.in_holes or additions.rules.min_contour_holes is None:
         return additions
     rules = additions.rules.model_copy(update={"min_contour": additions.rules.min_contour_holes})
@@ -84,7 +86,9 @@ def _for_holes(additions: Additions | None, contours: Contours | None) -> Additi
 
 @stage("objects")
 def select_objects(regions: Regions, scene: Scene) -> Segmentation:
-    """Measure all regions, and return the segmentation result with accepted regions (objects) and rejected regions.
+    """Measure all regions, and accept or reject each region. Return the segmentation result: accepted regions are its
+    objects.
+
     regions: regions from any segmentation method.
     """
     warn_of_depth(scene.frame)
@@ -115,8 +119,8 @@ def warn_of_depth(frame: Frame) -> None:
 
 
 def warn_of_reach(scene: Scene) -> None:
-    """Warn if the median depth of a frame without objects is larger than `max_distance_m`, or smaller than most cameras
-    measure.
+    """Warn if a frame without objects has an unusual median depth: above `max_distance_m`, or below the minimum
+    distance of most cameras.
     """
     median, reach_m = _median_m(scene.frame), scene.rejection.max_distance_m
     if reach_m is not None and max(reach_m, FAR_M) < median <= FARTHEST_M:

@@ -11,13 +11,15 @@ from spigolo.objects.facts import Labels
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 KEPT_FRAMES = 15
-"""Number of frames for which the id of a missing object is kept."""
+"""Maximum number of successive frames in which an object may be missing without losing its id."""
 REACH_M = 0.05
-"""Distance between two detections at which the closeness exp(-distance / `REACH_M`) is 37 %, metres."""
+"""Scale of distances, in metres. The closeness of two detections is exp(-distance / `REACH_M`), from 0 to 1."""
 MIN_AFFINITY = 0.15
-"""Minimum affinity (mask overlap plus closeness) of two detections that are matched as the same object."""
+"""Minimum affinity of two detections that are matched as the same object. The affinity is the sum of mask overlap and
+closeness.
+"""
 MAX_SIZE_RATIO = 4.0
-"""Maximum ratio of the areas of two detections that are matched as the same object."""
+"""Maximum of the larger area divided by the smaller area of two detections that are matched as the same object."""
 
 Matrix = npt.NDArray[np.float64]
 
@@ -37,7 +39,7 @@ class Track:
 
 
 class Tracker:
-    """Tracker that gives an object the same id in all frames."""
+    """Tracker that recognises objects in successive frames and gives each object the same id in all frames."""
 
     def __init__(self) -> None:
         self._tracks: list[Track] = []
@@ -58,8 +60,8 @@ class Tracker:
         return self._next - 1
 
     def _affinity(self, result: Segmentation) -> Matrix:
-        """Return the matrix (objects, tracks) of affinities: mask overlap plus closeness in space. The affinity is 0
-        for pairs that cannot match.
+        """Return a matrix of affinities: mask overlap plus closeness in space. Each row is an object of this frame, and
+        each column is a tracked object. The affinity is 0 for pairs that must not be matched.
         """
         assert self._image is not None
         overlap = _overlaps(result, self._image, [t.area_px for t in self._tracks])
@@ -72,8 +74,8 @@ class Tracker:
         return np.where((ratio <= MAX_SIZE_RATIO) & (both >= MIN_AFFINITY), both, 0)
 
     def _drift(self, result: Segmentation, overlap: Matrix) -> npt.NDArray[np.float64]:
-        """Return the median shift (3,), in metres, of objects that overlap with tracked objects, as an estimate of
-        camera motion.
+        """Return the median shift (3,) of all objects that overlap with tracked objects, in metres. The shift is an
+        estimate of the motion of the camera.
         """
         shifts = [
             np.subtract(o.centroid_m, center)
@@ -85,7 +87,9 @@ class Tracker:
         return np.median(shifts, axis=0) if shifts else np.zeros(3)
 
     def _remember(self, result: Segmentation, ids: list[int], found: dict[int, int]) -> None:
-        """Store the objects of this frame, and tracked objects that were missing for at most `KEPT_FRAMES` frames."""
+        """Store the objects of this frame, and the tracked objects that have been missing for at most `KEPT_FRAMES`
+        frames.
+        """
         lost = [(k, t) for k, t in enumerate(self._tracks) if k not in found and t.unseen < KEPT_FRAMES]
         image = np.zeros(result.labels.shape, np.int32)
         number_of = np.zeros(len(self._tracks) + 1, np.int32)
@@ -102,9 +106,10 @@ class Tracker:
 
 
 def match(affinity: Matrix) -> dict[int, int]:
-    """Match the rows of an affinity matrix with its columns, one to one, largest affinity first.
+    """Match rows of an affinity matrix with columns. Each row and each column is matched at most once, and pairs with
+    the largest affinity are matched first.
 
-    Pairs of affinity 0 are not matched. Returns a dict that contains the matched column of each matched row.
+    Pairs of affinity 0 are not matched. Returns a dict from the index of each matched row to the index of its column.
     """
     pairs: dict[int, int] = {}
     taken: set[int] = set()
@@ -119,8 +124,8 @@ def match(affinity: Matrix) -> dict[int, int]:
 
 
 def _overlaps(result: Segmentation, image: Labels, areas: list[int]) -> Matrix:
-    """Return the matrix (objects, tracks) of intersection over union between the masks of objects and tracked
-    objects.
+    """Return a matrix of the intersection over union of masks. Each row is an object of this frame, and each column is
+    a tracked object.
     """
     rows, columns = len(result) + 1, len(areas) + 1
     joint = np.bincount((result.labels * columns + image).ravel(), minlength=rows * columns).reshape(rows, columns)

@@ -1,4 +1,4 @@
-"""Rules that reject regions as objects, and their reasons (section III-F)."""
+"""Rules that decide whether a region is an object, and reasons for rejecting a region (paper, section III-F)."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ class Reason(str, Enum):
     SUPPORT = "support"
     """The region lies on the support plane (`Support.min_above`)."""
     WALL = "wall"
-    """Depth increases by a step along too little of the region's outline, the image border cuts off a long region
-    (`Wall`), or the region surrounds the support plane (`Rim`).
+    """The region is part of a wall or a rim in one of three cases. Depth increases by a step along too little of the
+    region's outline (`Wall`). The image border cuts off a long region (`Wall`). The region surrounds the support plane
+    (`Rim`).
     """
     WEAK_CONTOUR = "weak contour"
-    """The border of the region has no clear boundary (`Rules.min_contour`)."""
+    """The mean boundary value along the region's border is too small (`Rules.min_contour`)."""
     OUT_OF_REACH = "out of reach"
     """The centroid of the region is too far from the camera (`Rejection.max_distance_m`)."""
     TOO_SMALL = "too small"
@@ -36,13 +37,13 @@ class Reason(str, Enum):
     TOO_WIDE = "too wide"
     """The region is too wide (`Rules.max_width_m`, `Rejection.max_lambda2_px2`)."""
     TOO_THIN = "too thin"
-    """The region is almost a line (`Rejection.max_eccentricity`)."""
+    """The region is too elongated (`Rejection.max_eccentricity`)."""
     MISSING_DEPTH = "missing depth"
-    """Most of the region has no depth (`Rejection.max_missing`)."""
+    """Depth is missing in too large a share of the region (`Rejection.max_missing`)."""
     DARK = "dark"
-    """Most of the region is very dark (`Rejection.max_dark`)."""
+    """Too large a share of the region is very dark (`Rejection.max_dark`)."""
     BY_HAND = "dropped by hand"
-    """The object was dropped (`Segmentation.drop`)."""
+    """The user dropped the object (`Segmentation.drop`)."""
 
 
 REACH = "the region's centroid is at {:.2f} m (maximum {:.2f} m)"
@@ -53,14 +54,15 @@ Verdict = tuple[Reason, str]
 
 
 def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
-    """Return the first rule that a region violates, with an explanation, or None if the region violates no rule.
+    """Return the reason for rejecting a region, with an explanation, or None if the region violates no rule. The reason
+    is the first rule that the region violates.
 
-    Lengths and areas in the limits must be scaled to the image size.
+    The limits in pixels must be scaled to the image size.
 
     - facts: measurements of the region.
     - paper: limits of the paper's rules (section III-F).
     - ours: limits of our rules.
-    - support: parameters of the support plane, with the minimum share of a region above the plane.
+    - support: parameters of the support plane. The field `min_above` is the minimum share of a region above the plane.
     """
     return (
         _judge_place(facts, support)
@@ -97,8 +99,8 @@ def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
 def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     """Return the reason why a region is a wall, or None if the region is not a wall.
 
-    A region is a wall if depth increases by a step along too little of its outline. A long region that the image border
-    cuts off is a wall too.
+    A region counts as a wall if depth increases by a step along too little of its outline. A long region that the image
+    border cuts off counts as a wall too.
     """
     lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)
@@ -116,7 +118,9 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
 
 
 def _percent(value: float, limit: float) -> tuple[str, str]:
-    """Return a share and its limit in per cent, with a decimal place if both would read the same without it."""
+    """Return a share and its limit as text in per cent. The texts have one decimal place if they are equal without
+    it.
+    """
     form = "{:.1%}" if f"{value:.0%}" == f"{limit:.0%}" else "{:.0%}"
     return form.format(value), form.format(limit)
 
@@ -128,8 +132,8 @@ def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
 def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
     """Check the size and the eccentricity of a region.
 
-    The limits in metres apply if intrinsics are known. The limits in pixels apply too, except if `ours.metric` is set
-    and intrinsics are known.
+    If intrinsics are known, the limits in metres apply. The limits in pixels apply too, unless `ours.metric` is set.
+    Without intrinsics, only the limits in pixels apply.
     """
     large, small = facts.spread_px2
     length, width = facts.size_m or (None, None)
@@ -146,7 +150,7 @@ def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict |
 
 
 def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
-    """Check that not too many pixels of a region lack depth or are dark."""
+    """Check that the shares of missing depth and of dark pixels in a region are not too large."""
     missing = _above(Reason.MISSING_DEPTH, facts.unfilled, rules.max_missing, MISSING)
     if missing is None and rules.max_dark is not None and facts.dark >= rules.max_dark:
         share = f"{facts.dark:.0%} of the region is in the three darkest of 32 brightness bins"
@@ -155,7 +159,9 @@ def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
 
 
 def _judge_rim(facts: RegionFacts, rule: Rim | None, support: Support | None) -> Verdict | None:
-    """Check that a long region does not surround the support plane (our rule). This check reads pixels and is last."""
+    """Check that a long region does not surround the support plane (our rule). This check is done last, because it
+    reads pixels and is slow.
+    """
     plane, camera, size_m = facts.plane, facts.frame.camera, facts.size_m
     if rule is None or support is None or plane is None or camera is None or size_m is None:
         return None

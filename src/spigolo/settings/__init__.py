@@ -1,5 +1,5 @@
-"""Parameters of the method. Each stage has one frozen model, which states the unit, range and origin of each
-parameter.
+"""Parameters of the method. Each stage of the method has one model class with its parameters. Each parameter has a
+documented unit, range and origin.
 """
 
 from __future__ import annotations

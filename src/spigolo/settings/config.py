@@ -28,23 +28,23 @@ class Config(Parameters):
     """All parameters of the method. Instances are frozen, and `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. `replace` keeps the name, but `digest` changes with the values."""
+    """Name of the preset. `replace` does not change the name, but `digest` changes whenever a value changes."""
     depth: DepthConfig = DepthConfig()
-    """Preparation and comparison of depth (eqs. 5-9)."""
+    """Smoothing, in-painting and comparison of depth (equations 5-9)."""
     color: ColorConfig = ColorConfig()
-    """Colour difference (eq. 4)."""
+    """Colour difference between neighbouring pixels (equation 4)."""
     saliency: SaliencyConfig = SaliencyConfig()
-    """Saliency map (eq. 10), which only some cost functions use."""
+    """Saliency map (equation 10). Only some cost functions use this map."""
     edges: EdgesConfig = EdgesConfig()
-    """Object boundaries (eqs. 12-20), which only some cost functions use."""
+    """Boundaries of objects (equations 12-20). Only some cost functions use these boundaries."""
     cost: Cost = BoundaryCost()
-    """Weight of a graph edge (eqs. 22, 23)."""
+    """Cost function, which computes the weight of a graph edge (equations 22 and 23)."""
     partition: Partition = Partition()
-    """Merging of pixels into regions (eqs. 2, 3)."""
+    """Merging of pixels into regions (equations 2 and 3)."""
     rejection: Rejection = Rejection()
-    """Rejection of regions (section III-F)."""
+    """Rules that reject regions (paper, section III-F)."""
     additions: Additions | None = None
-    """Our additions to the paper. If None, the method is the paper's."""
+    """Our additions to the paper. If None, only the method of the paper is used."""
 
     @model_validator(mode="after")
     def _gamma_of_each_cost(self) -> Config:
@@ -63,7 +63,7 @@ class Config(Parameters):
     def to_toml(self, base: str | None = None) -> str:
         """Return the parameter values as TOML text that `from_toml` reads.
 
-        base: name of a preset. With `base`, the text has a line `base` and only the values that differ from that
+        base: name of a preset. With `base`, the text contains the line `base` and only the values that differ from this
         preset.
         """
         import tomli_w
@@ -79,8 +79,9 @@ class Config(Parameters):
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
         """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys.
 
-        base: the configuration that the text changes. A line `base = "TABLE"` in the text takes precedence and names a
-        preset. Without a base, missing keys get their default values.
+        base: configuration whose values the text changes. If the text contains a line such as `base = "TABLE"`, this
+        preset is used instead of the argument `base`. Without a base, keys that are missing in the text get their
+        default values.
         """
         values = parse_toml(text)
         named = values.pop("base", None)
@@ -89,8 +90,8 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from the values in `old`, as nested dicts. The string "none" stands for
-    None.
+    """Return the values of `new` that differ from the values in `old`, as nested dicts. The value None is written as
+    the string "none".
     """
     changes: dict[str, Any] = {}
     for key, value in new.items():
@@ -108,7 +109,7 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 def _written(stage: Settings) -> dict[str, Any]:
     """Return the values of a stage, indexed by field name. TOML has no null, so None becomes the string "none". A field
-    is left out if both its value and its default are None.
+    is not written if both its value and its default are None.
     """
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():
@@ -121,12 +122,14 @@ def _written(stage: Settings) -> dict[str, Any]:
 
 
 BASES: dict[str, Config] = {}
-"""Presets, indexed by name, which the line `base` of a preset file can name. The module `presets` fills this dict."""
+"""Presets, indexed by name. The line `base` of a preset file must contain one of these names. The module `presets`
+fills this dict.
+"""
 
 
 def base_preset(name: object) -> Config:
-    """Return the preset that the line `base` of a preset file names. Raises ConfigError with the valid names for an
-    unknown name.
+    """Return the preset with the name in the line `base` of a preset file. For an unknown name, raises ConfigError with
+    a list of the valid names.
     """
     importlib.import_module("spigolo.settings.presets")  # `presets` imports this module and fills BASES
     if str(name).upper() not in BASES:
@@ -135,6 +138,6 @@ def base_preset(name: object) -> Config:
 
 
 def check_config(value: object) -> None:
-    """Raise ConfigError if a value is not a configuration, for example a preset's name."""
+    """Raise ConfigError if a value is not a `Config`, for example if it is the name of a preset."""
     if not isinstance(value, Config):
         raise ConfigError(f"expected a Config such as spigolo.TABLE or spigolo.preset(NAME), got {value!r}")

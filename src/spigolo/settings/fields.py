@@ -11,13 +11,13 @@ from spigolo.settings.config import Config
 
 
 def field_names(config: Config) -> dict[str, str]:
-    """Return the dotted name and the help text of every field that a preset can have."""
+    """Return a dict of the help texts of all fields that a preset can have, indexed by dotted name."""
     return dict(_walk(config, ""))
 
 
 def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
-    """Yield the dotted name and help text of each field of a model or model class. The fields of stages that are None
-    are included.
+    """Yield the dotted name and help text of each field of a model or model class. Fields of stages that are switched
+    off (None) are included.
     """
     kind: type[BaseModel] = model if isinstance(model, type) else type(model)
     for name, field in kind.model_fields.items():
@@ -34,8 +34,8 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def value_at(config: Config, field: str) -> Any:
-    """Return the value of the field with a dotted name. Return None if the stage of the field is off, or if the field
-    belongs to another cost function.
+    """Return the value of the field with a dotted name. Return None if the stage of the field is off. Also return None
+    if the field belongs to a cost function that is not used.
     """
     value: Any = config
     for part in field.split("."):

@@ -1,5 +1,5 @@
-"""Base classes of all parameter models. Models are frozen and validated. An invalid value raises an error with a
-one-line message.
+"""Base classes for classes of parameters. Instances cannot be changed, and their values are validated. An invalid value
+raises an error with a one-line message.
 """
 
 from __future__ import annotations
@@ -24,21 +24,23 @@ else:
     import tomli as tomllib
 
 VGA_PX = 640 * 480
-"""Number of pixels of the 640x480 image to which all lengths and areas in pixels refer."""
+"""Number of pixels of a 640x480 image. All lengths and areas in pixels are given for this image size."""
 
 
 @dataclass(frozen=True, slots=True)
 class Grows:
-    """Marker of a length in pixels of a 640x480 image. odd: True to keep the length odd. always: True to scale the
-    length even if `Additions.lengths_grow` is off.
+    """Marker of a field that is a length in pixels for a 640x480 image.
+
+    - odd: True if the length must stay an odd number.
+    - always: True to scale the length even if `Additions.lengths_grow` is off.
     """
 
     odd: bool = False
     always: bool = False
 
     def times(self, length: float, factor: float) -> float:
-        """Return the length in an image whose sides are `factor` times longer. An integer is rounded to at least 1, and
-        0 stays 0.
+        """Return the length multiplied by `factor`. An integer length is rounded to an integer of at least 1, but 0
+        stays 0.
         """
         if isinstance(length, float):
             return length * factor
@@ -51,7 +53,7 @@ class Grows:
 
 @dataclass(frozen=True, slots=True)
 class GrowsAsArea:
-    """Marker of an area in square pixels of a 640x480 image."""
+    """Marker of a field that is an area in square pixels for a 640x480 image."""
 
 
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -67,8 +69,8 @@ S = TypeVar("S", bound="Settings")
 
 
 class Settings(BaseModel):
-    """Parameters of one stage. Instances are frozen, and `replace` returns a changed copy. Raises ConfigError for an
-    invalid value.
+    """Parameters of one stage. Instances cannot be changed, but `replace` returns a changed copy. Raises ConfigError
+    for an invalid value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
@@ -82,8 +84,8 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
-        """Convert the string "none" to None for fields that may be None. Preset files and flags cannot express None
-        otherwise.
+        """Convert the string "none" to None for fields that may be None. Preset files and command-line flags have no
+        other form of None.
         """
         if not isinstance(values, Mapping):
             return values
@@ -96,8 +98,8 @@ class Settings(BaseModel):
     def replace(self: S, **changes: Any) -> S:
         """Return a validated copy with changed values.
 
-        Field names may be dotted: `replace(**{"partition.gamma": 0.004})`. A dict as value changes only the fields that
-        the dict contains: `replace(partition={"gamma": 0.004})`.
+        Field names may be dotted, for example `replace(**{"partition.gamma": 0.004})`. The value of a stage may be a
+        dict, for example `replace(partition={"gamma": 0.004})`. Fields that are not in the dict keep their values.
         """
         values = self.model_dump()
         for key, value in changes.items():
@@ -110,7 +112,7 @@ class Settings(BaseModel):
         because a second call scales the lengths and areas again.
 
         Areas grow in proportion to the number of pixels. Lengths marked with `Grows.always` grow in proportion to the
-        square root of this number. Other lengths grow in this way only if `lengths` is True.
+        square root of the number of pixels. Other lengths grow with this square root only if `lengths` is True.
         """
         area = shape[0] * shape[1] / VGA_PX
         return self if area == 1 else self._grown(area, lengths)
@@ -135,13 +137,13 @@ class Parameters(Settings):
 
     @property
     def digest(self) -> str:
-        """Return eight hexadecimal digits that change with every value except the name."""
+        """Return a hash of all values except the name, as eight hexadecimal digits."""
         values = json.dumps(self.model_dump(mode="json", exclude={"name"}), sort_keys=True)
         return hashlib.sha256(values.encode()).hexdigest()[:8]
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text. Raises ConfigError with the line number of a syntax error."""
+    """Parse a TOML text into nested dicts. Raises ConfigError with the line number of a syntax error."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -159,8 +161,8 @@ def _nest(dotted: str, value: Any) -> Any:
 
 
 def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Merge `changes` into `values` in place, including nested dicts. If the `kind` of a cost function changes, the
-    whole dict of the cost function is replaced.
+    """Write the values of `changes` into the dict `values`, including nested dicts. If the `kind` of a cost function
+    changes, the whole dict of the cost function is replaced.
     """
     for key, new in changes.items():
         old = values.get(key)
@@ -191,7 +193,7 @@ def _sentence(error: ValidationError, model: type[BaseModel]) -> str:
 
 
 def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
-    """Yield the models in a type annotation, including the members of unions."""
+    """Yield the parameter classes in a type annotation, including the members of unions."""
     for part in (annotation, *getattr(annotation, "__args__", ())):
         if isinstance(part, type) and issubclass(part, BaseModel):
             yield part
@@ -200,13 +202,13 @@ def _parts(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _kinds(model: type[BaseModel]) -> set[str]:
-    """Return the values of the field `kind` in a model and in its nested models."""
+    """Return the default values of the field `kind` in a parameter class and in its nested classes."""
     kinds = {str(model.model_fields["kind"].default)} if "kind" in model.model_fields else set()
     return kinds.union(*(_kinds(part) for f in model.model_fields.values() for part in _parts(f.annotation)))
 
 
 def _paths(model: type[BaseModel]) -> Iterator[str]:
-    """Yield the dotted names of all fields of a model, including the fields of nested models."""
+    """Yield the dotted names of all fields of a parameter class, including the fields of nested classes."""
     for name, field in model.model_fields.items():
         yield name
         for part in _parts(field.annotation):

@@ -1,8 +1,9 @@
 """Presets: SHELF, TABLE and CLUTTER of the paper, and OBJECTS for all other data.
 
 SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that the paper does not
-print come from the code that its authors published. OBJECTS contains our additions and is fitted to real frames of
-several sensors. OBJECTS is the newest of the versions OBJECTS_1, OBJECTS_2 and so on, which never change.
+print come from the code that its authors published, or are our choice. OBJECTS contains our additions and is fitted to
+real frames of several sensors. OBJECTS is the newest of the versions OBJECTS_1, OBJECTS_2 and so on. The values of a
+numbered version never change.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ SHELF = Config(
     partition=Partition(gamma=5.0),
     rejection=_RELEASE.replace(max_missing=0.3, max_dark=0.3),
 )
-"""Preset for the data set Rutgers APC: shelves, low light, large shadows (paper, section IV-A)."""
+"""Preset for the data set Rutgers APC, which shows shelves in low light with large shadows (paper, section IV-A)."""
 
 TABLE = Config(
     name="TABLE",
@@ -43,7 +44,7 @@ TABLE = Config(
     partition=Partition(gamma=0.0016),
     rejection=_RELEASE,
 )
-"""Preset for the data set RGB-D Scenes: table-tops with nearly full depth (paper, section IV-B)."""
+"""Preset for the data set RGB-D Scenes, which shows table-tops with little missing depth (paper, section IV-B)."""
 
 CLUTTER = Config(
     name="CLUTTER",
@@ -52,7 +53,7 @@ CLUTTER = Config(
     partition=Partition(gamma=0.001),
     rejection=_RELEASE,
 )
-"""Preset for several instances of an object in clutter (paper, section IV-C)."""
+"""Preset for clutter with several objects of the same kind (paper, section IV-C)."""
 
 OBJECTS_1 = Config(
     name="OBJECTS_1",
@@ -103,8 +104,8 @@ OBJECTS_2 = OBJECTS_1.replace(
         "lengths_grow": True,
     },
 )
-"""Second version of OBJECTS. Additions to OBJECTS_1: joining of parts, rules against walls, size limits in metres, and
-outlines refined by colour.
+"""Second version of OBJECTS. Compared to OBJECTS_1, it also joins the parts of an object, rejects walls, limits sizes
+in metres, and refines outlines by colour.
 """
 
 OBJECTS = OBJECTS_2
@@ -130,14 +131,14 @@ SUMMARIES = {
 
 
 WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
-"""Names of the TOML tables that a file with a whole preset must contain."""
+"""Names of the TOML tables that a preset file without a line `base` must contain."""
 
 
 def preset(name: str | Path) -> Config:
-    """Return the preset with a name, in upper or lower case, or the preset in a TOML file.
+    """Return a preset by its name, in upper or lower case, or read a preset from a TOML file.
 
-    A line `base = "TABLE"` in the file starts from that preset. A file with a line `base` contains only the fields that
-    differ from the preset, and "none" switches a rule off. A file without a line `base` contains all fields, as written
+    A file may contain a line such as `base = "TABLE"`. A file with this line contains only the values that differ from
+    the named preset. The value "none" switches a rule off. A file without a line `base` contains all fields, as written
     by `to_toml`. Raises ConfigError for an unknown name or key.
     """
     if str(name).upper() in PRESETS:

@@ -14,11 +14,11 @@ from spigolo.frames.frame import Color
 from spigolo.objects.drawing import FONT, INK
 
 WIDTH, HEIGHT, FINER = 1120, 720, 3
-"""Width and height of the chart in pixels, and the factor by which the chart is first drawn larger. Downsampling then
-gives smooth lines.
+"""Width and height of the chart in pixels, and a scale factor. The chart is drawn larger by this factor and then
+reduced, so that lines are smooth.
 """
 LEFT, RIGHT, TOP, BOTTOM = 90, 300, 80, 110
-"""Margins of the chart in pixels. The right margin has room for the names of the curves."""
+"""Margins of the chart in pixels. The names of the curves are written in the right margin."""
 COLORS = ((31, 98, 184), (214, 92, 20), (110, 110, 110), (30, 140, 90), (150, 60, 150), (190, 150, 0))
 GRID, GUIDE, PALE = (229, 229, 229), (170, 170, 170), (95, 95, 95)
 LINE_PX = 24
@@ -31,7 +31,9 @@ Point = tuple[float, float]
 class Curve:
     """Curve in a chart.
 
-    name: one or two lines of text. x: positive values in ascending order. y: positive value for each x.
+    - name: one or two lines of text.
+    - x: positive values in ascending order.
+    - y: positive value for each x.
     """
 
     name: str
@@ -41,7 +43,9 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """Logarithmic axis of a chart, with values from `low` to `high` between the pixels `start` and `end`."""
+    """Logarithmic axis of a chart. The axis begins at the value `low` and the pixel position `start`, and ends at the
+    value `high` and the pixel position `end`.
+    """
 
     low: float
     high: float
@@ -64,7 +68,8 @@ class Axis:
 def log_log(curves: Sequence[Curve], title: str, x_label: str, y_label: str, note: str = "") -> Color:
     """Draw a chart (H, W, 3) with two logarithmic axes.
 
-    A dashed line of slope 1 through the first point of the first curve shows growth in proportion to x.
+    A dashed line with slope 1 passes through the first point of the first curve. On this dashed line, y is proportional
+    to x.
     """
     x = _axis([v for c in curves for v in c.x], LEFT, WIDTH - RIGHT)
     y = _axis([v for c in curves for v in c.y], HEIGHT - BOTTOM, TOP)
@@ -101,7 +106,7 @@ def _draw_grid(picture: Color, x: Axis, y: Axis) -> None:
 
 
 def _draw_guide(picture: Color, curve: Curve, x: Axis, y: Axis) -> None:
-    """Draw a dashed line of slope 1 through the first point of a curve, across the whole chart."""
+    """Draw a dashed line with slope 1 through the first point of a curve. The line crosses the whole chart."""
     factor = curve.y[0] / curve.x[0]
     low, high = max(x.low, y.low / factor), min(x.high, y.high / factor)
     ends = np.array([(x(low), y(low * factor)), (x(high), y(high * factor))])
@@ -121,7 +126,7 @@ def _draw_curve(picture: Color, points: list[Point], tint: Tint) -> None:
 
 
 def _draw_names(picture: Color, curves: Sequence[Curve], tints: Sequence[Tint], y: Axis) -> None:
-    """Write the name of each curve next to the last point of the curve, without overlap between names."""
+    """Write the name of each curve next to its last point. Names do not overlap."""
     free = float(TOP)
     for curve, tint in sorted(zip(curves, tints, strict=True), key=lambda pair: y(pair[0].y[-1])):
         lines = curve.name.split("\n")
@@ -137,7 +142,10 @@ def _line(picture: Color, a: Point, b: Point, tint: Tint, width: float = 1.0) ->
 
 
 def _text(picture: Color, text: str, at: Point, size: float, tint: Tint, align: float = 0.0, weight: int = 1) -> None:
-    """Write a text at the position `at` in pixels. align: 0 to begin at the position, 1 to end there, 0.5 to centre."""
+    """Write a text at the position `at` in pixels.
+
+    align: 0 to begin the text at this position, 0.5 to centre it, and 1 to end it there.
+    """
     thickness = round((0.6 + 0.5 * weight) * FINER)
     (width, _), _ = cv2.getTextSize(text, FONT, size * FINER, thickness)
     corner = round(at[0] * FINER - align * width), round(at[1] * FINER)

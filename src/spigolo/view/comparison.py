@@ -10,11 +10,11 @@ from spigolo.view.overlay import region_picture, tile
 
 
 def comparison(frame: Frame, answers: Mapping[str, tuple[Segmentation, float]], ours: str) -> Color:
-    """Draw a colour image, the regions of each method, and the objects of one method. Titles state the number of
-    objects and the time of each method.
+    """Draw three kinds of images side by side: the colour image, the regions of each method, and the objects of one
+    method. Titles state the number of objects and the time of each method.
 
-    answers: segmentation result and time in seconds of each method, indexed by method name. ours: name of the method
-    whose objects are drawn.
+    - answers: segmentation result and time in seconds of each method, indexed by method name.
+    - ours: name of the method whose objects are drawn.
     """
     pictures = {"colour": frame.color}
     for name, (answer, seconds) in answers.items():

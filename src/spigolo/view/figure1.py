@@ -1,4 +1,4 @@
-"""The paper's Figure 1, which shows the result of each stage for one frame in seven panels."""
+"""The paper's Figure 1, whose seven panels show the results of the stages for one frame."""
 
 from __future__ import annotations
 
@@ -38,7 +38,8 @@ def figure1(trace: Trace) -> Color:
 
 
 def weight_picture(weights: npt.NDArray[np.float32]) -> Color:
-    """Draw the largest edge weight of each pixel in colours from blue (0) to red, on a square-root scale.
+    """Draw the largest weight of the graph edges at each pixel. Colours from blue (0) to red show the square root of
+    the weight.
 
     weights: edge weights (P, H, W) of the graph.
     """
@@ -60,7 +61,9 @@ def cut_out(labels: npt.NDArray[np.int32], color: Color) -> Color:
 
 
 def stages(trace: Trace) -> dict[str, Array]:
-    """Return the arrays of all stages, indexed by name, which `spigolo trace --stages` writes to files."""
+    """Return the result arrays of all stages, indexed by name. The command `spigolo trace --stages` writes these arrays
+    to files.
+    """
     cues = trace.cues
     halved = cues.depth.shape != trace.frame.shape
     frame = halve_frame(trace.frame) if halved else trace.frame

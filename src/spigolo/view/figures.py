@@ -1,4 +1,4 @@
-"""The paper's Figures 2 to 5, drawn from frames of the user."""
+"""The paper's Figures 2 to 5, drawn for frames of the user."""
 
 from __future__ import annotations
 
@@ -21,23 +21,23 @@ from spigolo.stages.saliency import fine_grained_saliency, power_law
 from spigolo.view.overlay import depth_picture, tile
 
 Window = tuple[int, int, int, int]
-"""Window (y0, x0, y1, x1) of an image in pixels, y1 and x1 exclusive."""
+"""Rectangular part (y0, x0, y1, x1) of an image in pixels, y1 and x1 exclusive."""
 
 MISSING_BLUE = (0, 0, 110)
 DETAIL_SHARE = 5
-"""Width and height of the image, divided by the width and height of an enlarged detail."""
+"""Width of the image divided by the width of a detail that is drawn enlarged. The heights have the same ratio."""
 TURN_DEG = 55.0
-"""Angle between the viewing directions of the camera and of the side view of a point cloud, in degrees."""
+"""Angle between the viewing direction of the camera and that of the side view of a point cloud, in degrees."""
 CURVED = 2
 """Number of enlarged objects in Figure 4."""
 
 
 def figure2(frame: Frame, config: Config = TABLE) -> Color:
-    """Draw the effect of two smoothing methods next to missing depth: equation 5 on the left, and equation 8 on the
+    """Draw the results of two smoothing methods next to missing depth: equation 5 on the left, and equation 8 on the
     right.
 
-    The rows show the depth map, a point cloud from the side, and the detail where both depth maps differ most. Equation
-    5 counts missing depth as 0, and equation 8 ignores missing depth.
+    The rows show the smoothed depth map, its point cloud from the side, and an enlarged detail. At this detail, the
+    depth maps of both methods differ most. Equation 5 counts missing depth as 0, and equation 8 ignores missing depth.
     """
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")
@@ -56,7 +56,7 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
 
 
 def figure3(frame: Frame, config: Config = SHELF) -> Color:
-    """Draw the colour image, and the saliency map before and after the power law (equation 10)."""
+    """Draw the colour image, the saliency map, and the saliency map after it is raised to a power (equation 10)."""
     config = config.at_size(frame.shape)
     saliency = fine_grained_saliency(frame.color, config.saliency)
     pictures = {
@@ -70,11 +70,11 @@ def figure3(frame: Frame, config: Config = SHELF) -> Color:
 
 
 def figure4(frame: Frame, config: Config = TABLE) -> Color:
-    """Draw the boundaries of objects with and without internal boundaries (convex edges inside objects), and enlarged
-    Canny edges and boundaries of two objects.
+    """Draw boundaries with and without internal boundaries, which are convex edges inside objects. Also draw the Canny
+    edges and the boundaries of two objects, enlarged.
 
-    The two objects have the most Canny edges that are not boundaries, for example at printed patterns and curved
-    surfaces.
+    The two objects have the largest shares of Canny pixels that are not boundaries. Canny pixels that are not
+    boundaries are common on printed patterns and curved surfaces.
     """
     config = config.at_size(frame.shape)
     with_internal = config.edges.replace(sign_rule="none")
@@ -104,7 +104,7 @@ def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
 
 
 def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> Color:
-    """Draw the points of a window of a depth map as seen from the side, on a white background."""
+    """Draw the points of a rectangular part of a depth map as seen from the side, on a white background."""
     y0, x0, y1, x1 = window
     inside = np.zeros(depth.shape, bool)
     inside[y0:y1, x0:x1] = True
@@ -132,7 +132,7 @@ def side_view(depth: DepthMap, color: Color, camera: Camera, window: Window) -> 
 
 
 def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Window:
-    """Return the window of a map (H, W) with the largest mean value."""
+    """Return the position of the detail with the largest mean value in a map (H, W)."""
     height, width = max(shape[0] // DETAIL_SHARE, 1), max(shape[1] // DETAIL_SHARE, 1)
     means = cv2.blur(np.minimum(difference, 0.05), (width, height))
     y, x = np.unravel_index(int(means.argmax()), means.shape)
@@ -141,16 +141,14 @@ def _detail(difference: npt.NDArray[np.float32], shape: tuple[int, int]) -> Wind
 
 
 def _around(window: Window, factor: float, shape: tuple[int, int]) -> Window:
-    """Return a window enlarged by a factor about its centre, and clipped to an image of size (H, W)."""
+    """Enlarge a rectangle by a factor about its centre, and clip it to an image of size (H, W)."""
     y0, x0, y1, x1 = window
     grow_y, grow_x = round((factor - 1) * (y1 - y0) / 2), round((factor - 1) * (x1 - x0) / 2)
     return max(y0 - grow_y, 0), max(x0 - grow_x, 0), min(y1 + grow_y, shape[0]), min(x1 + grow_x, shape[1])
 
 
 def _busiest(result: Segmentation, edges: EdgeMaps) -> list[Window]:
-    """Return the windows around the objects with the most Canny edges that are not boundaries, per pixel of the
-    object.
-    """
+    """Return rectangles around the objects with the largest shares of Canny pixels that are not boundaries."""
     removed = edges.canny & ~edges.final
     ranked = sorted(result, key=lambda o: np.count_nonzero(removed & o.mask) / o.area_px, reverse=True)
     return [_around(o.box_px, 1.3, removed.shape) for o in ranked[:CURVED]]
@@ -162,7 +160,9 @@ def _cut(image: npt.NDArray[Any], window: Window) -> npt.NDArray[Any]:
 
 
 def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
-    """Scale an image to the largest size that fits into (H, W), and fill the rest with white."""
+    """Scale an image to the largest size that fits into (H, W) with the same aspect ratio, and fill the rest with
+    white.
+    """
     scale = min(shape[0] / picture.shape[0], shape[1] / picture.shape[1])
     height, width = max(int(scale * picture.shape[0]), 1), max(int(scale * picture.shape[1]), 1)
     out = np.full((*shape, 3), 255, np.uint8)
@@ -172,8 +172,8 @@ def _enlarge(picture: Color, shape: tuple[int, int]) -> Color:
 
 
 def _within(depth: DepthMap, like: DepthMap) -> DepthMap:
-    """Clip a depth map to the range of another depth map, so that both have the same colour scale. Missing depth stays
-    0.
+    """Limit the values of a depth map to the range of another depth map, so that both are drawn with the same colour
+    scale. Missing depth stays 0.
     """
     if not like.any():
         return depth

@@ -1,4 +1,4 @@
-"""Images of objects over the colour image, of depth maps, of boundaries and of regions."""
+"""Images that show objects over the colour image, depth maps, boundaries or regions."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ BOX_EDGES = ((0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4,
 
 
 def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> Color:
-    """Return a copy of an image with the edges of the oriented boxes of all objects. Without intrinsics, no boxes are
-    drawn.
+    """Return a copy of an image in which the edges of the oriented boxes of all objects are drawn. Without intrinsics,
+    no boxes are drawn.
     """
     drawn = picture.copy()
     if camera is None:
@@ -40,7 +40,7 @@ def draw_boxes(picture: Color, result: Segmentation, camera: Camera | None) -> C
 def depth_picture(depth: DepthMap) -> Color:
     """Return a depth map (H, W) as a colour image: near pixels are red, far pixels blue, and missing pixels black.
 
-    The colour scale is linear in 1 / depth between the 1st and the 99th percentile.
+    The colour scale is linear in 1 / depth, from the 1st to the 99th percentile of 1 / depth.
     """
     valid = depth > 0
     if not valid.any():
@@ -54,7 +54,8 @@ def depth_picture(depth: DepthMap) -> Color:
 
 
 def boundary_picture(trace: Trace) -> Color:
-    """Draw the boundaries of objects over the Canny edges, or the saliency map if the cost function reads saliency.
+    """Draw boundaries over the Canny edges. If the cost function uses saliency instead of boundaries, draw the saliency
+    map.
 
     Contours from the depth map are white. Canny edges that are depth or contact boundaries are orange. The remaining
     Canny edges are grey.

@@ -16,14 +16,16 @@ from spigolo.objects.segmentation import ObjectMask, Segmentation
 
 PIP = 'pip install "spigolo[view]"'
 CLASSES = 256
-"""Number of classes in the recording: one class for the background, and one for each colour of objects."""
+"""Number of classes in the recording: one class for the background, and 255 classes for objects, each with its own
+colour.
+"""
 CAMERA = "world/camera"
 Quaternion = npt.NDArray[np.float64]
 
 
 class Recording:
-    """Context manager that writes segmentation results to a .rrd file, or sends them to a new viewer if `path` is
-    None.
+    """Context manager that records segmentation results in a .rrd file. If `path` is None, the results are sent to a
+    new viewer instead.
     """
 
     def __init__(self, name: str, path: Path | None) -> None:
@@ -46,8 +48,8 @@ class Recording:
         self._log("/", self._rr.AnnotationContext([nothing, *named]), static=True)
 
     def add(self, result: Segmentation) -> None:
-        """Add a frame and its objects to the recording. Objects are named by their ids or, without ids, by their
-        labels.
+        """Add a frame and its objects to the recording. The name of an object contains its id or, if objects have no
+        ids, its label.
         """
         rr, frame = self._rr, result.frame
         self._stream.set_time("frame", sequence=self._frames)
@@ -111,12 +113,12 @@ def quaternion(R: npt.NDArray[np.float64]) -> Quaternion:
 
 
 def _class_of(number: int) -> int:
-    """Return the class 1..255 of an object number. Class 0 is the background."""
+    """Return the class, from 1 to 255, for the number of an object. Class 0 is the background."""
     return (number - 1) % (CLASSES - 1) + 1
 
 
 def _classes(result: Segmentation) -> npt.NDArray[np.uint8]:
-    """Return an image (H, W) with the class of the object at each pixel, 0 for background."""
+    """Return an image (H, W) of classes: the class of the object at each pixel, or 0 for background."""
     numbers = np.zeros(len(result) + 1, np.uint8)
     for o in result:
         numbers[o.label] = _class_of(o.number)

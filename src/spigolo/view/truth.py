@@ -18,10 +18,12 @@ HATCH_STEP_PX = 12
 def truth_picture(
     color: Color, labels: npt.NDArray[np.integer[Any]], found: Collection[int], ignore: Mask | None = None
 ) -> Color:
-    """Draw the outlines of labelled objects over a colour image (H, W, 3), green for found and red for missed objects.
+    """Draw the outlines of the objects in the ground truth over a colour image (H, W, 3). Outlines of found objects are
+    green, and outlines of missed objects are red.
 
-    labels: label image (H, W), 0 = background. found: labels of the found objects. ignore: mask (H, W) of pixels that
-    are not evaluated, drawn hatched.
+    - labels: label image (H, W) of the ground truth, 0 = background.
+    - found: labels of the found objects.
+    - ignore: mask (H, W) of pixels that are not evaluated. Pixels that are not evaluated are drawn hatched.
     """
     picture = color.copy()
     if ignore is not None:

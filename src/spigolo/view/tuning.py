@@ -33,7 +33,7 @@ WIDTH_PX = 360
 PHONE = """<style>@media (max-width: 600px) {
 .mantine-Paper-root[style*="position: fixed"][style*="bottom: 0px"], .mantine-Paper-root div[style*="width: 20em"]
 { width: 100% !important; } }</style>"""
-"""Style sheet that makes the controls as wide as the screen of a phone."""
+"""Style sheet for phones, with which the controls have the width of the screen."""
 BRAND = (46, 134, 222)
 
 
@@ -49,13 +49,13 @@ def tune(
 ) -> TuningPage:
     """Open a web page to tune the parameters of the segmentation interactively.
 
-    - frames: a frame, a list of frames, a source, or an iterator of frames.
-    - config: configuration to start from.
+    - frames: a frame, a list of frames, a source of frames, or an iterator of frames.
+    - config: configuration whose values the page shows first.
     - port: port of the web server.
     - host: network address of the web server. By default, the page can be opened only on this machine.
-    - open_browser: open the page in a browser.
-    - folder: folder for saved presets.
-    - block: wait until the page is closed or Ctrl-C is pressed.
+    - open_browser: True to open the page in a browser.
+    - folder: folder in which the page saves presets.
+    - block: True to wait until the page is closed or Ctrl-C is pressed.
 
     Raises SpigoloError if the package viser is missing (`pip install "spigolo[tune]"`).
     """
@@ -78,7 +78,7 @@ class TuningPage:
         self.url = f"http://{host}:{self.server.get_port()}"
         """URL of the page."""
         self.drawn = 0
-        """Number of times that a result was drawn."""
+        """Number of times that a segmentation result was drawn on the page."""
         self._folder, self._saved = folder, set[Path]()
         self._stage, self._merging = scene.STAGES[0], False
         self._place: viser.GuiSliderHandle[int] | None = None
@@ -112,7 +112,7 @@ class TuningPage:
     def select(self, pixel: Pixel | None) -> None:
         """Select the object or rejected region at a pixel (y, x).
 
-        After the action "merge", the new selection is merged with the previous selection.
+        If the user chose the action "merge" before, the new selection is merged with the previous selection.
         """
         if self._merging and pixel is not None and self.session.selected is not None:
             self.session.correct("merge", self.session.selected, pixel)
@@ -212,7 +212,7 @@ class TuningPage:
             self.worker.ask()
 
     def _show_place(self) -> None:
-        """Set the slider to the number of the current frame."""
+        """Move the slider for frames to the number of the current frame."""
         if self._place is not None:
             self._place.value = self.session.reel.position + 1
 
@@ -233,8 +233,8 @@ class TuningPage:
         self._saved.add(path)
 
     def _run(self) -> bool:
-        """Segment the current frame and draw the result, on the segmentation thread. Return True to continue with the
-        next frame.
+        """Segment the current frame and draw the result. `_run` is called on the segmentation thread, and returns True
+        if it must be called again.
         """
         try:
             if self._playing.value and self.session.answer is not None:

@@ -16,16 +16,18 @@ if TYPE_CHECKING:
 class Controls:
     """Controls of all parameters on a tuning page.
 
-    - gui: the page.
+    - gui: interface of the page.
     - values: values of all parameters.
-    - changed: function that is called with the key and the new value of a changed control. The function receives None
-    if a rule is switched off, and True or False if a stage is switched on or off.
+    - changed: function that is called with the key and the new value of a changed control. The new value is None if a
+      rule was switched off, and True or False if a stage was switched on or off.
     """
 
     def __init__(self, gui: viser.GuiApi, values: Values, changed: Callable[[str, Any], None]) -> None:
         self._gui, self._values, self._changed = gui, values, changed
         self.handles: dict[str, list[Any]] = defaultdict(list)
-        """Controls of each parameter, and of each choice between alternative models, indexed by key."""
+        """Controls of all parameters, indexed by key. The dict also contains the dropdowns that select one of several
+        alternative classes, such as the cost function.
+        """
         self.switches: dict[str, list[Any]] = defaultdict(list)
         """Checkboxes that switch optional parameters and stages on or off, indexed by key."""
         self._folders: dict[str, Any] = {}
@@ -50,7 +52,7 @@ class Controls:
         self.follow()
 
     def follow(self, moved: Any = None) -> None:
-        """Show which stages are on, and copy values between two controls of the same parameter.
+        """Show which stages are switched on. If a parameter has two controls, set both to the same value.
 
         moved: control that the user is moving, which is not changed.
         """
@@ -155,13 +157,13 @@ def _within(value: float, span: Range) -> float:
 
 
 def _assign(handle: Any, name: str, value: Any) -> None:
-    """Set a property of a control if the value differs, so that only changes are sent to the browser."""
+    """Set a property of a control, unless it already has the value. Only changes are then sent to the browser."""
     if getattr(handle, name) != value:
         setattr(handle, name, value)
 
 
 def _text(value: Any) -> Any:
-    """Convert the value of a parameter to the value of its control: a list or a choice becomes text."""
+    """Convert the value of a parameter to the value of its control. Lists and choices are converted to text."""
     if isinstance(value, tuple | list):
         return ", ".join(f"{v:g}" for v in value)
     return value if isinstance(value, bool) else str(value)

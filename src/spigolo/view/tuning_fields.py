@@ -32,11 +32,11 @@ MAIN = {
     "additions.rules.max_width_m": "max. width (m)",
     "rejection.max_distance_m": "max. distance (m)",
 }
-"""Names of the most important parameters, in the order of the page, and their labels on the page."""
+"""Labels of the most important parameters, indexed by dotted name, in the order in which the page shows them."""
 
 UNSET = {"depth.depth_range": 1.0, "partition.gamma_shadows": SHELF.partition.gamma}
-"""Initial values of parameters that are None in every preset: 1 m, and the gamma of the preset for frames with
-shadows.
+"""Initial values of two parameters that are None in all presets: 1 m for `depth_range`, and the gamma of the preset
+SHELF for `gamma_shadows`.
 """
 
 
@@ -54,12 +54,14 @@ class Range:
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """Description of the control of one parameter: a number, switch, choice or list."""
+    """Description of the control of one parameter, which is a number, switch, choice or list."""
 
     path: str
     """Dotted name of the parameter, as in `Config.replace`."""
     key: str
-    """Unique name of the control. Parameters of alternative models can have equal paths, but have different keys."""
+    """Unique name of the control. Parameters of alternative classes, such as the cost functions, can have the same
+    path. The keys of two controls are always different.
+    """
     label: str
     """Name and unit of the parameter on the page."""
     help: str
@@ -67,22 +69,22 @@ class Leaf:
     kind: Literal["number", "integer", "switch", "choice", "list"]
     """Type of the control."""
     optional: bool
-    """True if the parameter may be None, which switches a rule off."""
+    """True if the parameter may be None. None switches off the rule of the parameter."""
     limits: tuple[float | None, float | None]
     """Minimum and maximum of the parameter. None means no limit."""
     choices: tuple[str | int, ...]
-    """Allowed values of a parameter of the kind "choice"."""
+    """Allowed values of the parameter if its kind is "choice"."""
     above: bool
     """True if the parameter must be larger than its minimum."""
     odd: bool
     """True if the parameter must be an odd number."""
     default: Any
-    """Default value of the parameter in its model. None if the model has no default value."""
+    """Default value of the parameter in its class. None if the class has no default value."""
 
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """Description of the controls of one stage, which is a model with several parameters."""
+    """Description of the controls of one stage. A stage is a class with several parameters."""
 
     path: str
     """Dotted name of the stage in the configuration, or "" for the configuration itself."""
@@ -93,16 +95,18 @@ class Stage:
     help: str
     """Help text of the stage."""
     optional: bool
-    """True if the stage may be None, which switches an addition off."""
+    """True if the stage may be None. None switches the stage off."""
     model: type[BaseModel]
-    """Class of the model."""
+    """Class that contains the parameters of the stage."""
     parts: tuple[Leaf | Stage | Variants, ...]
-    """Descriptions of the parameters and stages inside the stage."""
+    """Descriptions of all parameters of the stage, and of the stages inside it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Variants:
-    """Description of the controls of a stage with several alternative models, such as the cost function."""
+    """Description of the controls of a stage for which the user selects one of several classes, such as the cost
+    function.
+    """
 
     path: str
     """Dotted name of the stage in the configuration."""
@@ -113,19 +117,21 @@ class Variants:
     help: str
     """Help text of the stage."""
     stages: dict[str, Stage]
-    """Alternative models, indexed by the value of their field `kind`."""
+    """Descriptions of the alternative classes, indexed by the value of their field `kind`."""
 
 
 Part = Leaf | Stage | Variants
 
 
 def controls_of(model: type[BaseModel] = Config) -> Stage:
-    """Return the description of the controls of a model, by default of the whole configuration."""
+    """Return the description of the controls of a parameter class, by default of `Config`."""
     return Stage("", "", "", "", False, model, tuple(_parts(model, "", "")))
 
 
 def leaves(part: Part) -> Iterator[Leaf]:
-    """Yield the descriptions of all parameters inside a part (a parameter, a stage or alternative models)."""
+    """Yield the descriptions of all parameters inside a part. A part is a parameter, a stage, or a stage with
+    alternative classes.
+    """
     if isinstance(part, Leaf):
         yield part
         return
@@ -134,7 +140,7 @@ def leaves(part: Part) -> Iterator[Leaf]:
 
 
 def walk(part: Part) -> Iterator[Part]:
-    """Yield a part (a parameter, a stage or alternative models), and all parts inside this part."""
+    """Yield a part and all parts inside it. A part is a parameter, a stage, or a stage with alternative classes."""
     yield part
     if not isinstance(part, Leaf):
         for inner in part.stages.values() if isinstance(part, Variants) else part.parts:
@@ -142,7 +148,9 @@ def walk(part: Part) -> Iterator[Part]:
 
 
 def value_at(values: Any, path: str) -> Any:
-    """Return the value with a dotted name in nested dicts or models, or None inside a stage that is switched off."""
+    """Return the value with a dotted name in nested dicts or classes. Return None if the value belongs to a stage that
+    is switched off.
+    """
     for name in path.split(".") if path else ():
         values = values.get(name) if isinstance(values, Mapping) else getattr(values, name, None)
     return values
@@ -151,9 +159,10 @@ def value_at(values: Any, path: str) -> Any:
 def range_of(leaf: Leaf, value: float) -> Range:
     """Return the range of a slider, within the limits of the parameter.
 
-    The maximum of a number with an upper limit of at most 180 is this limit. The maximum of any other parameter is four
-    times the largest value, rounded up to 1, 2 or 5 times a power of ten. This maximum never exceeds the limit. The
-    largest value is the maximum of `value` and of the preset values up to 10 * `value`.
+    If the parameter is a floating-point number with an upper limit of at most 180, the slider ends at this limit. Other
+    sliders end at four times a typical value, rounded up to 1, 2 or 5 times a power of ten. No slider exceeds the upper
+    limit of its parameter. The typical value is the largest of `value` and those values in presets that are at most 10
+    * `value`.
 
     value: current value of the parameter.
     """
@@ -174,7 +183,8 @@ def range_of(leaf: Leaf, value: float) -> Range:
 def first_value(leaf: Leaf) -> Any:
     """Return an initial value for a parameter that is None in the current configuration.
 
-    The value comes from the preset OBJECTS, from another preset, from the default of the model, or from `UNSET`.
+    The value comes from the first of these that has one: the preset OBJECTS, another preset, the default value,
+    `UNSET`.
     """
     if leaf.key == leaf.path:
         for config in (OBJECTS, *PRESETS.values()):
@@ -237,7 +247,7 @@ def _leaf(field: FieldInfo, path: str, key: str, text: str) -> Leaf:
 
 
 def _bare(annotation: Any, marks: list[Any]) -> tuple[Any, bool, list[Any]]:
-    """Split a type annotation: the type without None and metadata, True if None is allowed, and the metadata."""
+    """Split a type annotation. Return the type without None and metadata, True if None is allowed, and the metadata."""
     optional = False
     while get_origin(annotation) in (Annotated, Union, types.UnionType):
         if get_origin(annotation) is Annotated:
@@ -250,7 +260,9 @@ def _bare(annotation: Any, marks: list[Any]) -> tuple[Any, bool, list[Any]]:
 
 
 def _limits(marks: list[Any]) -> tuple[float | None, float | None, bool]:
-    """Return the minimum and the maximum of a parameter, and True if the minimum itself is not allowed."""
+    """Return the minimum and the maximum of a parameter. Also return True if the parameter must be larger than the
+    minimum.
+    """
     found = [inner for mark in marks for inner in (mark, *getattr(mark, "metadata", ()))]
     value = {name: next((v for m in found if (v := getattr(m, name, None)) is not None), None) for name in LIMITS}
     low = value["gt"] if value["ge"] is None else value["ge"]
@@ -293,7 +305,9 @@ def _round_down(value: float) -> float:
 
 
 def _finest(value: float, step: float) -> float:
-    """Divide the step of a slider by up to 100, so that the value of the parameter is a multiple of the step."""
+    """Return a smaller step for a slider, so that the value of the parameter is a multiple of the step. The step is
+    divided by at most 100.
+    """
     for divisor in (1, 2, 5, 10, 20, 50, 100):
         count = value / step * divisor
         if abs(count - round(count)) < 1e-6:

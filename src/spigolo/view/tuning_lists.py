@@ -1,4 +1,4 @@
-"""Lists of objects and rejected regions on the tuning page, with one button for each object and region."""
+"""Lists of objects and rejected regions on the tuning page. Each object or region is a button."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ if TYPE_CHECKING:
     import viser
 
 MOST_OBJECTS, MOST_REJECTED = 40, 30
-"""Maximum numbers of objects (best score first) and rejected regions (largest first) in the lists."""
+"""Maximum number of objects in the list of objects, and of regions in the list of rejected regions. Objects are listed
+by descending score, and regions by descending area.
+"""
 GREY, RED, YELLOW = (73, 80, 87), (235, 64, 52), (200, 160, 0)
 
 
 class Lists:
-    """Lists of buttons, each of which selects an object or a rejected region.
+    """Lists of buttons. A click on a button selects an object or a rejected region.
 
-    gui: the page. select: function that is called with a pixel (y, x) of the selected object or region.
+    - gui: interface of the page.
+    - select: function that is called with a pixel (y, x) of the selected object or region.
     """
 
     def __init__(self, gui: viser.GuiApi, select: Callable[[Pixel | None], None]) -> None:
@@ -41,7 +44,8 @@ class Lists:
     ) -> None:
         """Show the objects and rejected regions of a result in the lists.
 
-        boxes: oriented box of each object. chosen: selected object or region, which is highlighted.
+        - boxes: oriented box of each object.
+        - chosen: selected object or region, which is highlighted.
         """
         tints = palette(len(result))
         refused = sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]

@@ -1,5 +1,5 @@
-"""Images and 3-D scene of the tuning page. The scene shows one of the images, called the picture, above the point cloud
-of the frame.
+"""Images and 3-D scene of the tuning page. The scene shows the point cloud of the frame, and above it one selected
+image. This image is called the picture.
 """
 
 from __future__ import annotations
@@ -30,21 +30,23 @@ from spigolo.view.tuning_session import Answer, Pixel
 Vectors = npt.NDArray[np.float64]
 
 STAGES = ("objects", "objects and boxes", "rejected regions", "boundary map", "weights", "regions", "depth", "colour")
-"""Names of the images that the page can show as the picture."""
+"""Names of the images from which the user selects one. The 3-D scene shows the selected image, called the picture."""
 CHOSEN, REFUSED = (255, 214, 10), (235, 64, 52)
-"""RGB colours of the selected object or region, and of rejected regions."""
+"""RGB colours of the selected object or region (yellow), and of rejected regions (red)."""
 FAR = 1.6
 """Maximum depth of points in the cloud, as a multiple of the median depth of the frame."""
 MOST_POINTS = 80_000
 """Approximate maximum number of points in the cloud."""
 GAP = 0.08
-"""Distance between picture and cloud, as a share of the height of the picture."""
+"""Vertical distance between the picture and the point cloud, as a share of the height of the picture."""
 PORTRAIT = 0.9
-"""Maximum ratio of width to height of a browser window in portrait format, as on a phone."""
+"""Maximum width divided by height of a browser window that counts as a phone in portrait format."""
 FOV = 0.7
-"""Vertical field of view of the camera of the 3-D scene, rad."""
+"""Vertical field of view of the camera of the 3-D scene, in radians."""
 CLICK = 0.012
-"""Maximum angle between a click and a point of the cloud that the click selects, rad."""
+"""Maximum angle between the ray of a click and a point of the cloud, in radians. A click does not select points at a
+larger angle.
+"""
 
 
 def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
@@ -82,7 +84,7 @@ def _objects(result: Segmentation) -> Color:
 
 
 def _rejected(result: Segmentation) -> Color:
-    """Draw each rejected region in its own colour, over the original colours of objects."""
+    """Draw each rejected region in its own colour. Objects have their original colours."""
     drawn = draw_objects(result.frame.color, {k: r.mask for k, r in enumerate(result.rejected, start=1)})
     on = result.labels > 0
     drawn[on] = result.frame.color[on]
@@ -90,8 +92,8 @@ def _rejected(result: Segmentation) -> Color:
 
 
 def _outline(drawn: Color, region: RegionFacts, color: tuple[int, int, int]) -> None:
-    """Draw the outline of an object or region into an image, which is changed in place. Fill a rejected region with
-    red.
+    """Draw the outline of an object or rejected region into an image, which is changed in place. A rejected region is
+    also tinted red.
     """
     mask, width = region.mask, max(2, round(drawn.shape[0] / 160))
     if not isinstance(region, ObjectMask):
@@ -115,7 +117,7 @@ class Stand:
     middle: Vectors
     """Centre (3,) of the point cloud, in metres."""
     points: npt.NDArray[np.float32]
-    """Points (N, 3) of the cloud, m, from a subset of all pixels."""
+    """Points (N, 3) of the cloud, in metres. The cloud contains only some of the pixels."""
     rows: npt.NDArray[np.intp]
     """Image row (N,) of each point."""
     columns: npt.NDArray[np.intp]
@@ -124,8 +126,8 @@ class Stand:
     """Size (H, W) of the image in pixels."""
 
     def pixel_at(self, origin: Vectors, direction: Vectors) -> Pixel | None:
-        """Return the pixel (y, x) that a ray hits in the picture or in the point cloud, or None if the ray hits
-        neither.
+        """Return the pixel (y, x) at which a ray meets the picture or the point cloud. Return None if the ray meets
+        neither of them.
         """
         along = (self.board[2] - origin[2]) / direction[2] if direction[2] else -1.0
         x, y = (origin + along * direction - self.board)[:2] / self.size + 0.5
@@ -144,11 +146,12 @@ class Stand:
         return int(self.rows[k]), int(self.columns[k])
 
     def look(self, view: str, aspect: float) -> tuple[Vectors, Vectors]:
-        """Return the position (3,) and the target point (3,) of the camera of the 3-D scene, in metres.
+        """Return the position (3,) of the camera of the 3-D scene, and the point (3,) at which the camera looks, in
+        metres.
 
-        - view: "picture", "cloud" or "both", the part of the scene that fills the window.
-        - aspect: width divided by height of the window. On a phone (aspect at most 0.9), the picture is shown above the
-          controls.
+        - view: part of the scene that fills the browser window: "picture", "cloud" or "both".
+        - aspect: width divided by height of the browser window. On a phone (aspect at most 0.9), the picture is shown
+          above the controls.
         """
         (width, height), wanted = self.size, view if len(self.points) else "picture"
         lift = np.zeros(3)
@@ -166,8 +169,9 @@ class Stand:
 
 
 def distance(width: float, height: float, aspect: float) -> float:
-    """Return the distance from the camera, in metres, at which a rectangle of width x height metres fills a window.
-    aspect: width / height of the window.
+    """Return the distance from the camera at which a rectangle fills the browser window. All lengths are in metres.
+
+    aspect: width divided by height of the browser window.
     """
     return float(1.04 * max(height, width / aspect) / 2 / np.tan(FOV / 2))
 
@@ -200,8 +204,8 @@ def _some(frame: Frame) -> Mask:
 
 
 def cloud_colors(answer: Answer, stand: Stand, chosen: RegionFacts | None) -> npt.NDArray[np.uint8]:
-    """Return the colours (N, 3) uint8 of the points of the cloud: tinted for objects, highlighted for the selection,
-    dimmed for the rest.
+    """Return the colours (N, 3) uint8 of the points of the cloud. Points of objects are tinted, points of the selection
+    are highlighted, and other points are darkened.
     """
     labels = answer.result.labels[stand.rows, stand.columns]
     color = answer.run.frame.color[stand.rows, stand.columns].astype(np.float32)
@@ -214,8 +218,8 @@ def cloud_colors(answer: Answer, stand: Stand, chosen: RegionFacts | None) -> np
 
 
 def box_lines(boxes: Sequence[OrientedBox | None]) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.uint8]]:
-    """Return the edges of the oriented boxes of all objects, as end points (N, 2, 3) in metres and colours (N, 2,
-    3).
+    """Return the end points (N, 2, 3) in metres, and the colours (N, 2, 3), of all edges of the oriented boxes of all
+    objects.
     """
     ends, colors = [], []
     for box, tint in zip(boxes, palette(len(boxes)), strict=True):

@@ -1,4 +1,6 @@
-"""State of a tuning session, independent of the page: frames, parameter values, corrections by hand, and the result."""
+"""State of a tuning session: frames, parameter values, corrections by hand, and the latest result. This module does not
+depend on the page.
+"""
 
 from __future__ import annotations
 
@@ -28,12 +30,12 @@ from spigolo.view.tuning_values import SHOWN, Values, nearest_preset
 
 Pixel = tuple[int, int]
 REMEMBERED = 30
-"""Number of past frames of a stream that are kept, so that the user can go back."""
+"""Number of past frames of a stream that are kept in memory, so that the user can go back to them."""
 
 
 @runtime_checkable
 class Numbered(Protocol):
-    """Sequence of frames with a known length: a list, or a source with a known number of frames."""
+    """Sequence of frames of known length, such as a list of frames."""
 
     def __len__(self) -> int: ...
 
@@ -41,9 +43,9 @@ class Numbered(Protocol):
 
 
 class Reel:
-    """Cursor over a sequence or a stream of frames, which the user moves forwards and backwards.
+    """Position in a sequence or a stream of frames. The user moves forwards and backwards between frames.
 
-    A frame of a sequence is read when the cursor reaches the frame. The last 30 frames of a stream are kept.
+    A frame of a sequence is read when it becomes the current frame. The last 30 frames of a stream are kept in memory.
     """
 
     def __init__(self, frames: Iterable[Frame] | Numbered) -> None:
@@ -62,7 +64,7 @@ class Reel:
 
     @property
     def count(self) -> int | None:
-        """Number of frames, or None for a stream."""
+        """Number of frames, or None for a stream, which has no known length."""
         return None if self._sequence is None else len(self._sequence)
 
     def current(self) -> Frame:
@@ -78,8 +80,8 @@ class Reel:
         return self._move_back() if step < 0 else self._move_on()
 
     def go(self, position: int) -> bool:
-        """Go to a frame by its number, counted from 0. Return True if the current frame has changed. A stream never
-        changes its frame.
+        """Go to a frame by its number, counted from 0. Return True if the current frame has changed. In a stream, the
+        current frame does not change, and the result is False.
         """
         if self._sequence is None:
             return False
@@ -118,16 +120,17 @@ class Reel:
 class Correction:
     """Correction of a segmentation result by hand.
 
-    Regions are identified by a pixel, so that the correction can be repeated after a change of parameters.
+    A corrected region is identified by one of its pixels. The correction can therefore be repeated after a change of
+    parameters.
     """
 
     action: Literal["keep", "drop", "merge"]
-    """Name of the method of `Segmentation` that makes the correction."""
+    """Kind of the correction, which is also the name of a method of `Segmentation`."""
     pixels: tuple[Pixel, ...]
     """One pixel (y, x) of each region that is corrected."""
 
     def on(self, result: Segmentation) -> Segmentation:
-        """Return the corrected segmentation result."""
+        """Apply the correction to a segmentation result, and return the corrected result."""
         regions = [result.at(pixel) for pixel in self.pixels]
         if self.action == "merge":
             return result.merge(*regions)
@@ -147,9 +150,9 @@ class Answer:
     wall_s: float
     """Wall time of the segmentation, in seconds."""
     stages_s: dict[str, float]
-    """Wall time of each stage, s, indexed by the name of the stage, longest first."""
+    """Wall time of each stage in seconds, indexed by the name of the stage. The longest time comes first."""
     notes: tuple[str, ...]
-    """Texts of the warnings during the segmentation."""
+    """Texts of the warnings that were given during the segmentation."""
 
 
 class Session:
@@ -157,7 +160,8 @@ class Session:
 
     The methods may be called from several threads.
 
-    frames: a frame or any iterable of frames. config: configuration to start from.
+    - frames: a frame or any iterable of frames.
+    - config: configuration with the initial values of the parameters.
     """
 
     def __init__(self, frames: Frame | Iterable[Frame] | Numbered, config: Config = OBJECTS) -> None:
@@ -203,8 +207,8 @@ class Session:
             return self.answer
 
     def at(self, pixel: Pixel | None) -> ObjectMask | RejectedRegion | None:
-        """Return the object or rejected region at a pixel (y, x), or None outside the image and before the first
-        result.
+        """Return the object or rejected region at a pixel (y, x). Return None if the pixel lies outside the image, or
+        if no result exists yet.
         """
         with self._lock:
             if self.answer is None or pixel is None:
@@ -216,14 +220,15 @@ class Session:
     def correct(self, action: Literal["keep", "drop", "merge"], *pixels: Pixel) -> None:
         """Keep, drop or merge the objects or regions at pixels (y, x).
 
-        The correction is repeated after each change of parameters, until the frame changes.
+        The correction is applied again after each change of parameters. When another frame becomes the current frame,
+        all corrections are deleted.
         """
         with self._lock:
             self.corrections.append(Correction(action, pixels))
             self._correct_again()
 
     def undo(self, everything: bool = False) -> None:
-        """Undo the last correction by hand, or all corrections."""
+        """Undo the last correction by hand. With `everything=True`, undo all corrections."""
         with self._lock:
             self.corrections = [] if everything else self.corrections[:-1]
             self._correct_again()
@@ -249,7 +254,9 @@ class Session:
         return moved
 
     def toml(self) -> str:
-        """Return the parameter values as TOML text: the name of a preset, and all differences from the preset."""
+        """Return the parameter values as TOML text. The text contains the name of a preset and all values that differ
+        from this preset.
+        """
         config = self.values.config()
         return config.to_toml(self.presets[self.preset].name if self.preset in SHOWN else nearest_preset(config))
 

@@ -1,5 +1,5 @@
-"""3-D scene of the tuning page: the picture of a frame, its point cloud with boxes, and the camera of each browser
-window.
+"""3-D scene of the tuning page. The scene contains a picture of the frame, and its point cloud with boxes. Each browser
+window has its own camera in the scene.
 """
 
 from __future__ import annotations
@@ -34,15 +34,16 @@ class Space:
         server.on_client_connect(lambda client: self.look(client, "both"))
 
     def show(self, answer: Answer, stage: str, chosen: RegionFacts | None, boxes: Sequence[OrientedBox | None]) -> None:
-        """Show the picture of a stage, and the point cloud with the box of each object. The region `chosen` is
-        highlighted in the picture and in the cloud.
+        """Show one of the images (`STAGES`) as the picture, and the point cloud with the oriented box of each object.
+        The object or region `chosen` is highlighted in the picture and in the point cloud.
         """
         self._show_picture(scene.picture(answer, stage, chosen), answer.run.frame)
         self._show_cloud(answer, chosen, boxes)
 
     def look(self, client: viser.ClientHandle, view: str) -> None:
-        """Point the camera of a browser window at the picture, the point cloud or both. view: "picture", "cloud" or
-        "both".
+        """Point the camera of a browser window at a part of the scene.
+
+        view: "picture", "cloud" or "both".
         """
         if self.stand is None:
             return

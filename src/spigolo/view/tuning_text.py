@@ -33,7 +33,10 @@ def trouble(error: Exception) -> str:
 
 
 def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
-    """Return a text about the selected object or region. merging: True if the user must now click a second region."""
+    """Return a text about the selected object or region.
+
+    merging: True if the user must now click a second region.
+    """
     if region is None:
         return HINT
     title = f"**Object {region.label}**" if isinstance(region, ObjectMask) else f"**Rejected**: {region.why}"
@@ -41,7 +44,7 @@ def selection(region: ObjectMask | RejectedRegion | None, merging: bool) -> str:
 
 
 def line(region: ObjectMask | RejectedRegion, box: OrientedBox | None) -> str:
-    """Return the text of an object or region in a list. box: oriented box of an object."""
+    """Return the text of a button in the list of objects or of rejected regions. box: oriented box of the object."""
     if isinstance(region, RejectedRegion):
         return f"{region.reason.value} · {region.area_px} px"
     size = "" if box is None else " · " + " × ".join(f"{100 * v:.0f}" for v in box.size_m) + " cm"
@@ -66,5 +69,5 @@ def times(answer: Answer) -> str:
 
 
 def count(number: int, name: str) -> str:
-    """Return a number and its noun, in singular or plural."""
+    """Return a text with a number and a noun. The noun is in the singular or plural."""
     return f"{number} {name}{'' if number == 1 else 's'}"

@@ -10,21 +10,25 @@ from spigolo.settings.presets import PRESETS
 from spigolo.view.tuning_fields import Leaf, Part, Stage, Variants, controls_of, first_value, value_at, walk
 
 SHOWN = ("OBJECTS", "SHELF", "TABLE", "CLUTTER")
-"""Names of the presets that the page offers."""
+"""Names of the presets that can be selected on the page."""
 
 
 class Values:
-    """Values of all controls, indexed by key. A control keeps its value while its rule or stage is switched off."""
+    """Values of all controls on the tuning page, indexed by key. The value of a control does not change while its rule
+    or stage is switched off.
+    """
 
     def __init__(self, config: Config) -> None:
         self.tree = controls_of()
         self.parts: dict[str, Part] = {part.key: part for part in walk(self.tree)}
         self.of: dict[str, Any] = {}
-        """Value of each parameter, and kind of the chosen model of each stage with alternative models, indexed by
-        key.
+        """Value of each parameter, indexed by key. For a stage with alternative classes, such as the cost function, the
+        value is the `kind` of the selected class.
         """
         self.on: dict[str, bool] = {}
-        """True for each parameter and stage that is switched on, False if it is switched off, indexed by key."""
+        """State of each parameter and stage, indexed by key: True if it is switched on, and False if it is switched
+        off.
+        """
         self.load(config)
 
     def load(self, config: Config) -> None:
@@ -72,7 +76,7 @@ class Values:
         return self.of[key] if self.on.get(key, True) else None
 
     def active(self, key: str) -> bool:
-        """Return True if all stages that contain a control are switched on."""
+        """Return True if the stage of a control, and all stages around this stage, are switched on."""
         names = key.split(".")[:-1]
         around = [".".join(names[: k + 1]) for k in range(len(names))]
         return all(self.on.get(stage, True) for stage in around)
@@ -97,8 +101,8 @@ class Values:
         return nested
 
     def _is_of(self, part: Leaf, config: Config) -> bool:
-        """Return True if a parameter belongs to the model that the configuration uses. A parameter of a stage without
-        alternative models always belongs to this model.
+        """Return False if a parameter belongs to an alternative class, such as a cost function, that the configuration
+        does not use. Return True for all other parameters.
         """
         if part.key == part.path:
             return True
@@ -108,5 +112,5 @@ class Values:
 
 
 def nearest_preset(config: Config) -> str:
-    """Return the name of the preset with the fewest differences from a configuration."""
+    """Return the name of the preset that differs from a configuration in the fewest values."""
     return min((PRESETS[name].name for name in SHOWN), key=lambda name: config.to_toml(name).count("\n"))

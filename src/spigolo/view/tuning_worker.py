@@ -1,4 +1,6 @@
-"""Worker thread that combines waiting requests, so that the page responds quickly."""
+"""Worker thread that calls a function on request. Requests that wait at the same time are combined, so that the page
+responds quickly.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +9,10 @@ from collections.abc import Callable
 
 
 class Latest:
-    """Worker thread that calls a function on request. Several requests during a call cause only one more call.
+    """Worker thread that calls a function on request. If several requests arrive during a call, the function is called
+    only once more.
 
-    work: the function, which returns True to request another call.
+    work: function that is called. If the function returns True, it is called again.
     """
 
     def __init__(self, work: Callable[[], bool]) -> None:
@@ -28,7 +31,7 @@ class Latest:
             self._changed.notify_all()
 
     def idle(self, timeout_s: float | None = None) -> bool:
-        """Wait until no call is requested or running. Return False if the timeout ends first."""
+        """Wait until no call is requested or running. Return False if this does not happen within the timeout."""
         with self._changed:
             return self._changed.wait_for(lambda: not (self._wanted or self._busy), timeout_s)
 

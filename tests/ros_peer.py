@@ -232,12 +232,18 @@ def described(peer: Peer) -> dict[str, object]:
     kind = np.dtype([(field.name, {6: "<u4", 7: "<f4"}[field.datatype]) for field in cloud.fields])
     labels = np.frombuffer(bytes(cloud.data), kind)["label"]
     stamp = (cloud.header.stamp.sec, cloud.header.stamp.nanosec)
-    last = [one for one in peer.seen["objects"] if (one.header.stamp.sec, one.header.stamp.nanosec) == stamp]
+
+    def points() -> int:
+        """Points in the clouds of single objects that have the stamp of the last cloud. They may arrive after it."""
+        every = peer.seen["objects"]
+        return sum(one.width for one in every if (one.header.stamp.sec, one.header.stamp.nanosec) == stamp)
+
+    peer.until(lambda: points() >= cloud.width, "clouds of the objects")
     return {
         "seen": objects,
         "cloud_points": int(cloud.width),
         "cloud_labels": sorted({int(v) for v in labels}),
-        "object_points": sum(one.width for one in last),
+        "object_points": points(),
         "marker_types": sorted({m.type for m in marks.markers if m.action == 0}),
         "marker_texts": sorted({m.text for m in marks.markers if m.text}),
         "overlay": [overlay.encoding, overlay.width, overlay.height],

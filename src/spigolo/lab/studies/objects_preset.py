@@ -49,27 +49,32 @@ LITTLE_WORTH = {"femtobolt_box", "pepper_greenhouse", "slambook_dining", "sbtc_b
 
 ABLATIONS: dict[str, dict[str, Any]] = {
     "`OBJECTS`": {},
-    "without refined outlines": {"additions.refinement": None},
-    "without refinement inside convex hulls": {"additions.refinement.min_solidity": None},
-    "without merging over whole borders": {"additions.merging": None},
-    "without joining of parts": {"additions.joining": None},
-    "without the wall rule": {"additions.rules.wall": None, "additions.rules.ledge": None},
-    "without the rule for flat objects": {"additions.rules.ledge": None},
-    "without the rule for rims": {"additions.rules.rim": None},
-    "sizes up to 0.40 x 0.25 m": {"additions.rules.max_length_m": 0.4, "additions.rules.max_width_m": 0.25},
-    "minimum height of 8 mm in all frames": {"additions.support.noise_factor": None},
-    "support plane without `facing` and `min_things`": {
+    "`OBJECTS` without refinement of outlines": {"additions.refinement": None},
+    "`OBJECTS` without refinement of the background inside convex hulls": {"additions.refinement.min_solidity": None},
+    "`OBJECTS` without merging of regions by their whole border": {"additions.merging": None},
+    "`OBJECTS` without joining of parts": {"additions.joining": None},
+    "`OBJECTS` without the rules `wall` and `ledge`": {"additions.rules.wall": None, "additions.rules.ledge": None},
+    "`OBJECTS` without the rule `ledge` for flat objects": {"additions.rules.ledge": None},
+    "`OBJECTS` without the rule `rim`": {"additions.rules.rim": None},
+    "`OBJECTS` with a maximum object size of 0.40 x 0.25 m": {
+        "additions.rules.max_length_m": 0.4,
+        "additions.rules.max_width_m": 0.25,
+    },
+    "`OBJECTS` with a minimum object height of 8 mm in all frames": {"additions.support.noise_factor": None},
+    "`OBJECTS` without `facing` and `min_things`": {
         "additions.support.facing": None,
         "additions.support.min_things": None,
     },
-    "always the largest plane, even if it is the floor": {"additions.support.stacked_share": None},
-    "support plane of a heap not lowered": {"additions.support.max_below": None},
-    "support plane at any distance": {"additions.support.within_reach": False},
-    "no minimum depth of creases": {"additions.contours.crease_noise": None},
-    "without depth contours": {"additions.contours": None},
-    "without a support plane": {"additions.joining": None, "additions.support": None},
-    "without the noise floor": {"additions.noise_per_m": 0.0},
-    "8-connected": {"partition.connectivity": 8},
+    "`OBJECTS` without `stacked_share`: the largest plane is the support plane, even if it is the floor": {
+        "additions.support.stacked_share": None
+    },
+    "`OBJECTS` without `max_below`: the plane on top of a heap is not lowered": {"additions.support.max_below": None},
+    "`OBJECTS` without `within_reach`: planes at any distance are accepted": {"additions.support.within_reach": False},
+    "`OBJECTS` without a minimum depth of creases": {"additions.contours.crease_noise": None},
+    "`OBJECTS` without depth contours": {"additions.contours": None},
+    "`OBJECTS` without a support plane": {"additions.joining": None, "additions.support": None},
+    "`OBJECTS` without the noise floor": {"additions.noise_per_m": 0.0},
+    "`OBJECTS` with 8 instead of 4 neighbours per pixel": {"partition.connectivity": 8},
 }
 
 

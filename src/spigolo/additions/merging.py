@@ -59,8 +59,8 @@ def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Su
 
 
 class _Borders:
-    """Regions of a frame, with the length of every border between two regions and the sum of the boundary values along
-    it.
+    """Regions of a frame. For every two neighbouring regions, the length of their common border and the sum of the
+    boundary map along this border are stored.
     """
 
     def __init__(self, regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, line: float) -> None:

@@ -135,7 +135,8 @@ def test_every_out_says_whether_it_is_a_folder_or_a_file() -> None:
         function = app[name].default_command
         if function is None or "out" not in inspect.signature(function).parameters:
             continue
-        text = re.search(r"^    out\n((?: {8}.*\n)+)", function.__doc__ or "", flags=re.MULTILINE)
+        help_text = inspect.cleandoc(function.__doc__ or "")
+        text = re.search(r"^out\n((?: {4}.*\n?)+)", help_text, flags=re.MULTILINE)
         assert text is not None, name
         assert re.search(r"\b([Ff]older|[Ff]ile)\b", text[1]), name
         found += 1

@@ -213,9 +213,9 @@ def test_an_interpreter_that_is_none_is_said(tmp_path: Path) -> None:
         with pytest.raises(FileError, match="expected a Python interpreter in"), open_peers(path):
             pass
     other = tmp_path / "other"
-    other.write_text("#!/bin/sh\necho it is none >&2\n")
+    other.write_text("#!/bin/sh\necho not an interpreter >&2\n")
     other.chmod(0o755)
-    with pytest.raises(FileError, match="ended unexpectedly: it is none"), open_peers(other):
+    with pytest.raises(FileError, match="ended unexpectedly: not an interpreter"), open_peers(other):
         pass
 
 

@@ -117,6 +117,7 @@ def test_each_rule_rejects_beyond_its_limit_alone(rule, limit, broken, kept, rea
         ((0.16, 35.0, 0.0, 60), None),
         ((0.14, 35.0, 0.0, 60), "depth increases by a step along 14% of the region's outline (minimum 15%)"),
         ((0.16, 35.0, 0.1, 60), "depth increases by a step along 16% of the region's outline (minimum 22%)"),
+        ((0.146, 35.0, 0.0, 60), "depth increases by a step along 14.6% of the region's outline (minimum 15.0%)"),
         ((0.31, 42.0, 0.0, 60), None),
         (
             (0.29, 42.0, 0.0, 60),

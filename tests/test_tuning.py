@@ -98,7 +98,7 @@ def test_stages_and_rules_switch_off_and_on_with_their_values() -> None:
         values.config()
     values.load(sp.OBJECTS)
     values.set("cost", "auto")
-    assert values.config().partition.gamma_shadows is not None
+    assert values.config().partition.gamma_shadows == sp.SHELF.partition.gamma
     with pytest.raises(sp.SpigoloError, match="unknown control"):
         values.set("no.such", 1)
 

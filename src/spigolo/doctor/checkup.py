@@ -91,12 +91,12 @@ def advise_cost(filled: DepthMap) -> Finding:
     auto, inside = AutoCost(), missing_share(filled)
     elsewhere = float(missing_mask(filled).mean()) - inside
     where = f"{inside:.1%} of the frame lacks depth inside the working range"
-    beside = f"; {elsewhere:.0%} in holes that reach the image border is not counted" if elsewhere > BORDER else ""
+    left_out = f"; {elsewhere:.0%} in holes that reach the image border is not counted" if elsewhere > BORDER else ""
     if inside <= auto.max_missing:
         why = f"{where}, and up to {auto.max_missing:.0%} counts as full depth"
-        return fine(COST, f"second cost function (depth and boundaries): {why}{beside}")
+        return fine(COST, f"second cost function (depth and boundaries): {why}{left_out}")
     why = f"{where}, and more than {auto.max_missing:.0%} counts as large shadows"
-    return fine(COST, f"first cost function (colour, depth and saliency): {why}{beside}")
+    return fine(COST, f"first cost function (colour, depth and saliency): {why}{left_out}")
 
 
 def _is_installed(name: str) -> bool:

@@ -82,7 +82,9 @@ def check_support(depth: DepthMap, camera: Camera) -> Finding:
         return fine(SUPPORT, "a support plane is found")
     plane = find_support(depth, camera, ours.support.model_copy(update={"facing": None}), reach_m)
     if plane is None:
-        return note(SUPPORT, f"no support plane is found within {reach_m:g} m: objects may lack their support")
+        return note(
+            SUPPORT, f"no support plane is found within {reach_m:g} m: the table or floor may be returned as an object"
+        )
     up = ", ".join(f"{value:.2f}" for value in plane.normal)
     sentence = (
         f"expected a plane that faces up in the image, found only a plane with the normal ({up}): if the camera is"

@@ -16,6 +16,7 @@ from spigolo.frames.arrays import load_arrays
 from spigolo.frames.camera import Camera
 from spigolo.frames.dialects import of_image
 from spigolo.frames.intrinsics import MATRIX_NAMES, camera_from_mapping, square_part
+from spigolo.frames.listing import COLOR_NAMES
 from spigolo.frames.matlab import numeric_arrays
 from spigolo.frames.scale import scale_from_mapping
 from spigolo.frames.yaml_text import parse_yaml
@@ -101,6 +102,12 @@ def camera_for(folder: Path, top: Path) -> Path | None:
     places = places[: places.index(top) + 1] if top in places else [folder]
     found = (camera_in(place) for place in (*places, top.resolve().parent))
     return next((path for path in found if path is not None), None)
+
+
+def camera_of(color: Path) -> Path | None:
+    """Return the camera file for a colour image, from its folder or a folder above, or None."""
+    inner = color.parent.name in COLOR_NAMES
+    return camera_for(color.parent, color.parent.parent if inner else color.parent)
 
 
 def _json(path: PathLike) -> Any:

@@ -15,7 +15,7 @@ import cv2
 
 from spigolo.errors import CameraError, FileError, FrameError
 from spigolo.frames.camera import Camera
-from spigolo.frames.camera_files import camera_fields, camera_for, read_camera
+from spigolo.frames.camera_files import camera_fields, camera_of, read_camera
 from spigolo.frames.frame import MAX_PIXELS, Frame
 from spigolo.frames.images import (
     Image,
@@ -100,7 +100,7 @@ def find_camera(color: Path) -> Path:
     """Return the camera file that belongs to a colour image. The file is searched for in the folder of the image and in
     the two folders above. Raises FileError if there is no camera file.
     """
-    found = camera_for(color.parent, color.parent.parent if color.parent.name in COLOR_NAMES else color.parent)
+    found = camera_of(color)
     if found is None:
         raise FileError(
             f"expected a camera, or a camera file such as camera.json near {color}, found none: give camera=..., or"

@@ -9,7 +9,7 @@ from itertools import chain
 from pathlib import Path
 
 from spigolo.errors import FileError, warn
-from spigolo.frames.camera_files import camera_for
+from spigolo.frames.camera_files import camera_for, camera_of
 from spigolo.frames.listing import COLOR_NAMES, RECORDINGS, best_of_each, listed
 from spigolo.sources.roles import match_by_name, rest_of
 
@@ -90,15 +90,9 @@ def _pairs(files: Sequence[Path]) -> list[FramePaths]:
         raise FileError(alone)
     matched = match_by_name(files) if len(files) > 2 else []
     if 2 * len(matched) == len(files):
-        return [FramePaths(rest_of(color), color, depth, _camera_of(color)) for color, depth in matched]
+        return [FramePaths(rest_of(color), color, depth, camera_of(color)) for color, depth in matched]
     pairs = zip(files[::2], files[1::2], strict=True)
-    return [FramePaths(color.stem, color, depth, _camera_of(color)) for color, depth in pairs]
-
-
-def _camera_of(color: Path) -> Path | None:
-    """Return the path of the camera file that applies to a colour image, or None."""
-    inner = color.parent.name in COLOR_NAMES
-    return camera_for(color.parent, color.parent.parent if inner else color.parent)
+    return [FramePaths(color.stem, color, depth, camera_of(color)) for color, depth in pairs]
 
 
 def only_frame(frames: Sequence[FramePaths]) -> FramePaths:

@@ -56,7 +56,7 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
     if not max(x_off, y_off) <= MAX_MISFIT_PX:
         raise CameraError(
             f"expected an organised point cloud, with a point for each of {width}x{height} pixels of a pinhole camera,"
-            f" got points up to {max(x_off, y_off):.1f} px beside their pixels"
+            f" got points up to {max(x_off, y_off):.1f} px away from their pixels"
         )
     return Camera(fx, fy, cx, cy, width, height)
 

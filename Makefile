@@ -6,6 +6,7 @@ OLDEST := .venv-oldest
 ROS := .venv-ros
 FUZZED := answers damaged_files properties evaluation experiments
 PYTHONS ?= python3.10 python3.11 python3.12 python3.13
+PATIENCE_S := 900
 CORE := kernels equations io camera objects stream cli
 BIN := $(VENV)/bin
 
@@ -19,8 +20,8 @@ demo: $(VENV)/.installed  ## install and segment the bundled scene: pictures in 
 
 test: $(VENV)/.developing $(ORACLE)/.installed $(ROS)/.installed check  ## install and run every check and test, on two processes
 	$(BIN)/spigolo warmup
-	$(BIN)/python -m pytest --numprocesses 2 --dist worksteal -m "not alone"
-	$(BIN)/python -m pytest -m alone
+	$(BIN)/python -m pytest --timeout $(PATIENCE_S) --numprocesses 2 --dist worksteal -m "not alone"
+	$(BIN)/python -m pytest --timeout $(PATIENCE_S) -m alone
 
 check: $(VENV)/.developing  ## style, types, import contract
 	$(BIN)/ruff check .

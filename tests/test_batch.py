@@ -12,6 +12,7 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,7 +33,7 @@ from spigolo.batch import (
     local,
     run_batch,
 )
-from spigolo.batch.cluster import MAX_GROUP, RECENT, _ClusterRun
+from spigolo.batch.cluster import MAX_GROUP, RECENT, _ClusterRun, _Done, _keep_workers
 from spigolo.batch.manifest import FILE, Manifest
 from spigolo.batch.places import check_name, place
 from spigolo.batch.tables import writer_of
@@ -497,7 +498,7 @@ def cluster() -> Iterator[str]:
     options = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": 50}
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        with distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as running:
+        with _keep_workers(), distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as running:
             yield running.scheduler_address
 
 
@@ -541,8 +542,9 @@ def test_an_item_is_lost_only_if_it_kills_its_workers_alone() -> None:
     assert len(futures) == 5
     while futures:
         future = futures.pop(0)
-        future.blamed = future.item == 3 or (not run.alone and future.item in (1, 2))
-        outcomes.update(run._collect(future))
+        blamed = future.item == 3 or (not run.alone and future.item in (1, 2))
+        result = (KilledWorker, KilledWorker(), None) if blamed else _Done([future.item], 1.0)
+        outcomes.update(run._collect(future, result))
         following = run._submit()
         assert len(following) <= 1 and not (following and futures)
         futures += following
@@ -556,13 +558,7 @@ class KilledWorker(Exception):  # noqa: N818
 
 class FakeFuture:
     def __init__(self, item: int) -> None:
-        self.item, self.blamed = item, False
-
-    def exception(self) -> Exception | None:
-        return KilledWorker() if self.blamed else None
-
-    def result(self) -> tuple[list[int], float]:
-        return [self.item], 1.0
+        self.item = item
 
     def release(self) -> None:
         """Do nothing."""
@@ -576,6 +572,52 @@ class FakeClient:
 
     def submit(self, do: object, work: object, group: list[int], pure: bool) -> FakeFuture:
         return FakeFuture(group[0])
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_without_workers_is_refused_after_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("spigolo.batch.cluster.CHECK_S", 0.05)
+    monkeypatch.setattr("spigolo.batch.cluster.WORKERLESS_S", 0.2)
+    options = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": 50}
+    with (
+        distributed.LocalCluster(n_workers=0, **options) as empty,
+        pytest.raises(SpigoloError, match="expected a worker in the Dask cluster, but there was none"),
+    ):
+        list(dask_cluster(empty.scheduler_address)(square, range(4)))
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_foreign_or_lost_scheduler_ends_the_run(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    words = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0"]
+    address = tmp_path / "scheduler.json"
+    with quiet([*words, "--no-dashboard", "--scheduler-file", str(address)]) as scheduler:
+        worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(address), "--no-nanny"]
+        with quiet([*worker, "--nthreads", "1", "--no-dashboard", "--host", "127.0.0.1"]):
+            deadline = time.monotonic() + 60
+            while not (address.exists() and address.read_text().endswith("}")):
+                assert time.monotonic() < deadline, "the scheduler did not start"
+                time.sleep(0.02)
+            engine = dask_cluster(json.loads(address.read_text())["address"], 1)
+            with pytest.raises(SpigoloError, match=r"cannot run the jobs: .* different environments"):
+                list(engine(square, range(4)))  # this module is unknown to the scheduler
+            outcomes = iter(engine(time.sleep, [0.05] * 10_000))
+            assert next(outcomes) == (0.05, None)
+            scheduler.kill()
+            with pytest.raises(SpigoloError, match="the connection to the Dask scheduler is lost"):
+                list(outcomes)
+
+
+@contextmanager
+def quiet(words: list[str]) -> Iterator[subprocess.Popen[bytes]]:
+    """A process that is killed at the end."""
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.wait()
 
 
 def test_tasks_hold_as_many_items_as_take_a_second() -> None:

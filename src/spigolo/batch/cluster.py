@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import islice
 from statistics import median
 from typing import Any, Generic, TypeVar
@@ -29,6 +30,14 @@ communication with the workers. With longer tasks, more work must be repeated if
 MAX_GROUP = 1000
 """Maximum number of items in a cluster task."""
 LOOPBACK = "127.0.0.1"
+FOREVER = "1000 days"
+LOST = "the connection to the Dask scheduler is lost: check that the scheduler runs, then start the run again"
+POLL_S = 0.005
+"""Time between two looks for finished tasks, in seconds."""
+CHECK_S = 1.0
+"""Minimum time between two questions to the scheduler for its number of workers, in seconds."""
+WORKERLESS_S = 600.0
+"""Maximum time to wait for a worker while the cluster has none, in seconds."""
 RECENT = 15
 """Number of recent cluster tasks over which the median time per item is computed. The number of items in the next task
 is `TASK_S` divided by this median.
@@ -43,7 +52,8 @@ def dask_cluster(address: str, group: int | None = None) -> Engine:
 
     address: address of the scheduler, `tcp://HOST:PORT`. group: number of items in a cluster task. If `group` is None,
     the number is chosen so that a task takes about one second. Raises SpigoloError if the extra `cluster` is not
-    installed or no scheduler runs at the address.
+    installed or no scheduler runs at the address. A run raises SpigoloError if the cluster has no worker for
+    `WORKERLESS_S` seconds, or if the connection to the scheduler breaks.
     """
     distributed = _distributed()
 
@@ -71,6 +81,7 @@ def dask_local(workers: int = 1, group: int | None = None) -> Engine:
 
     def run(do: Callable[[T], R], items: Iterable[T]) -> Iterator[tuple[T, R | Lost]]:
         with (
+            _keep_workers(),
             distributed.LocalCluster(silence_logs=logging.CRITICAL, **options, **listening) as cluster,
             distributed.Client(cluster, set_as_default=False) as client,
         ):
@@ -101,17 +112,22 @@ class _ClusterRun(Generic[T, R]):
     def outcomes(self, distributed: Any) -> Iterator[tuple[T, R | Lost]]:
         # submit the function as a separate task, so that each worker keeps one copy and Dask restores a lost copy
         self.work = self.client.submit(_itself, self.do, pure=False)
-        queue = distributed.as_completed(self._submit(), loop=self.client.loop)
-        for future in queue:
-            yield from self._collect(future)
-            for following in self._submit():
-                queue.add(following)
+        # ask for the results, because a finished task starts again if its worker dies before the result is read
+        queue = distributed.as_completed(self._submit(), loop=self.client.loop, with_results=True, raise_errors=False)
+        workers = _WorkerWatch(self.client)
+        while not queue.is_empty():
+            if queue.has_ready():
+                yield from self._collect(*next(queue))
+                queue.update(self._submit())
+            else:
+                workers.check()
+                time.sleep(POLL_S)
 
     def _submit(self) -> list[Any]:
         """Submit groups of items until `IN_FLIGHT` groups per thread of the cluster are running or waiting. Return the
         new futures.
         """
-        window = IN_FLIGHT * max(sum(self.client.nthreads().values()), 1)
+        window = IN_FLIGHT * max(_threads(self.client), 1)
         futures = []
         while len(self.in_flight) < window and (group := self._next_group()):
             future = self.client.submit(_work, self.work, group, pure=False)
@@ -132,30 +148,82 @@ class _ClusterRun(Generic[T, R]):
         """Return the number of items in the next task, so that the task takes about `TASK_S` seconds."""
         return min(max(int(TASK_S / max(median(self.item_s), 1e-9)), 1), MAX_GROUP) if self.item_s else 1
 
-    def _collect(self, future: Any) -> Iterator[tuple[T, R | Lost]]:
-        group, error = self.in_flight.pop(future), future.exception()
-        if error is None:
-            outcomes, seconds = future.result()
-            self.item_s.append(seconds / len(group))
-            yield from zip(group, outcomes, strict=True)
+    def _collect(self, future: Any, result: Any) -> Iterator[tuple[T, R | Lost]]:
+        """Yield the outcomes of the group of a finished task, or put the items of the group back if the task failed."""
+        group = self.in_flight.pop(future)
+        if isinstance(result, _Done):
+            self.item_s.append(result.seconds / len(group))
+            yield from zip(group, result.outcomes, strict=True)
+        elif isinstance(result, BaseException):  # cancelled by Dask
+            raise SpigoloError(self._cancelled())
         elif len(group) > 1:
             self.again.extend(group)
-        elif _was_killed(error) and not self.alone:
+        elif _was_killed(error := result[1]) and not self.alone:
             self.suspects.extend(group)
         else:
             yield group[0], Lost(_reason(error))
         future.release()
+
+    def _cancelled(self) -> str:
+        """Return the message for a task that Dask has cancelled."""
+        if self.work.status != "error":
+            return LOST
+        return f"the Dask cluster cannot run the jobs: {reason_of(self.work.exception())}"
+
+
+class _WorkerWatch:
+    """Watch over a cluster that may lose all of its workers."""
+
+    def __init__(self, client: Any) -> None:
+        self.client = client
+        self.asked = time.monotonic()
+        self.none_since: float | None = None
+
+    def check(self) -> None:
+        """Raise SpigoloError if the cluster has had no worker for `WORKERLESS_S` seconds."""
+        now = time.monotonic()
+        if now - self.asked < CHECK_S:
+            return
+        self.asked = now
+        if _threads(self.client):
+            self.none_since = None
+            return
+        if self.none_since is None:
+            self.none_since = now
+        if now - self.none_since >= WORKERLESS_S:
+            raise SpigoloError(
+                f"expected a worker in the Dask cluster, but there was none for {WORKERLESS_S:.0f} s: start workers"
+                " with `dask worker ADDRESS`, then start the run again"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class _Done(Generic[R]):
+    """Result of a task."""
+
+    outcomes: list[R | Lost]
+    """Outcomes of the items, in the order of the group."""
+    seconds: float
+    """Duration of the processing."""
+
+
+def _threads(client: Any) -> int:
+    """Return the number of threads of all workers. Raises SpigoloError if the scheduler does not answer."""
+    try:
+        return sum(client.nthreads().values())
+    except OSError:
+        raise SpigoloError(LOST) from None
 
 
 def _itself(do: Callable[[Any], Any]) -> Callable[[Any], Any]:
     return do
 
 
-def _work(do: Callable[[Any], Any], group: list[Any]) -> tuple[list[Any], float]:
-    """Process a group of items. Return the outcomes of the items and the duration of the processing in seconds."""
+def _work(do: Callable[[Any], Any], group: list[Any]) -> _Done[Any]:
+    """Process a group of items."""
     cv2.setNumThreads(1)
     start = time.perf_counter()
-    return [_outcome(do, item) for item in group], time.perf_counter() - start
+    return _Done([_outcome(do, item) for item in group], time.perf_counter() - start)
 
 
 def _outcome(do: Callable[[Any], Any], item: Any) -> Any:
@@ -173,6 +241,17 @@ def _reason(error: BaseException) -> str:
     if _was_killed(error):
         return "the worker process died repeatedly, probably because memory ran out"
     return reason_of(error)
+
+
+@contextmanager
+def _keep_workers() -> Iterator[None]:
+    """Let a local cluster keep every worker for as long as it runs.
+
+    By default, Dask removes a worker for good if, 15 s after an earlier crash, its process is just being started again.
+    A run with several crashes would lose all of its workers.
+    """
+    with importlib.import_module("dask").config.set({"distributed.deploy.lost-worker-timeout": FOREVER}):
+        yield
 
 
 @contextmanager

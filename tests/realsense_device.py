@@ -97,14 +97,14 @@ def record(frame: sp.Frame, path: Path, count: int) -> None:
     recorder.pause()
 
 
-def measure(config: sp.Config, threads: int, count: int = 60) -> str:
-    """One row of the table: presets and threads, segmented frames, median and 99 % of the age of results."""
+def measure(config: sp.Config, threads: int, queue: int, count: int = 60) -> str:
+    """One row of the table: preset, threads and queue, segmented frames, median and 99 % of the age of results."""
     scene = Path(sp.__file__).parent / "demo_scene"
     frame = sp.read_frame(scene / "rgb.png", scene / "depth.png", scene / "camera.json")
     device, segmenter = Device(frame), sp.Segmenter(config)
     segmenter(frame)
     ages = []
-    with sp.open_source("realsense:", device=device.device) as source:
+    with sp.open_source("realsense:", device=device.device, queue=queue) as source:
         device.feed(count)
         try:
             for result in segmenter.map(source, threads=threads):
@@ -116,7 +116,7 @@ def measure(config: sp.Config, threads: int, count: int = 60) -> str:
     size = "half" if config.additions and config.additions.resolution == "half" else "full"
     half = len(ages) // 2
     return (
-        f"| `{config.name}`, {size} | {threads} | {len(ages)} of {count} | {np.median(ages):.0f} ms"
+        f"| `{config.name}`, {size} | {threads} | {queue} | {len(ages)} of {count} | {np.median(ages):.0f} ms"
         f" | {np.percentile(ages, 99):.0f} ms | {np.median(ages[:half]):.0f}, {np.median(ages[half:]):.0f} ms |"
     )
 
@@ -125,11 +125,11 @@ def main() -> None:
     from spigolo.sources import realsense
 
     realsense.PATIENCE_S = 2.0
-    print("| preset, resolution | threads | frames segmented | median age | 99 % | first half, second half |")
-    print("|---|---:|---:|---:|---:|---:|")
+    print("| preset, resolution | threads | queue | frames segmented | median age | 99 % | first half, second half |")
+    print("|---|---:|---:|---:|---:|---:|---:|")
     for config in (sp.OBJECTS.replace(additions={"resolution": "half"}), sp.TABLE, sp.OBJECTS):
-        for threads in (1, 2, 3):
-            print(measure(config, threads), flush=True)
+        for threads, queue in ((1, 1), (2, 1), (2, 5)):
+            print(measure(config, threads, queue), flush=True)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import platform
 import random
 import shutil
 import signal
@@ -33,7 +34,7 @@ from spigolo.batch import (
     local,
     run_batch,
 )
-from spigolo.batch.cluster import MAX_GROUP, RECENT, _ClusterRun, _Done, _keep_workers
+from spigolo.batch.cluster import MAX_GROUP, RECENT, _ClusterRun, _Done, _local_settings
 from spigolo.batch.manifest import FILE, Manifest
 from spigolo.batch.places import check_name, place
 from spigolo.batch.tables import writer_of
@@ -498,7 +499,7 @@ def cluster() -> Iterator[str]:
     options = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", "silence_logs": 50}
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        with _keep_workers(), distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as running:
+        with _local_settings(), distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as running:
             yield running.scheduler_address
 
 
@@ -642,6 +643,26 @@ def test_a_cluster_of_this_machine_starts_by_name(source: Path, undisturbed: Pat
     assert_equal(out, undisturbed)
     with pytest.raises(SpigoloError, match="at least one worker"):
         dask_local(0)
+
+
+def page_faults(_: int) -> int:
+    resource = pytest.importorskip("resource")
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    segmenter = sp.Segmenter(sp.TABLE)
+    for number in range(8):
+        if number == 5:
+            before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+        segmenter(frame)
+    return int(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
+
+
+@pytest.mark.filterwarnings("default")
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="memory is freed as glibc does it")
+def test_a_cluster_keeps_freed_memory_and_the_environment() -> None:
+    pytest.importorskip("distributed")
+    before = dict(os.environ)
+    assert dict(dask_local(1)(page_faults, [0]))[0] < 600
+    assert dict(os.environ) == before
 
 
 def test_workers_of_another_cluster_cannot_be_chosen() -> None:

@@ -294,6 +294,7 @@ def test_a_warning_of_negative_depth_names_the_line_of_who_called(tmp_path: Path
     assert [warning.filename for warning in (*made, *read)] == [__file__] * 2
 
 
+@pytest.mark.filterwarnings("ignore:no support plane")
 @pytest.mark.parametrize("shape", [(1, 1), (1, 7), (9, 1), (2, 2), (5, 40)])
 @pytest.mark.parametrize("name", sorted(sp.PRESETS))
 def test_tiny_images_work(name: str, shape: tuple[int, int]) -> None:
@@ -314,3 +315,12 @@ def test_a_metric_box_of_other_things_is_refused(corner: object) -> None:
 def test_what_is_no_frame_is_refused(work: Callable[[object], object]) -> None:
     with pytest.raises(sp.errors.FrameError, match=r"expected a Frame such as .*, got ndarray"):
         work(np.zeros((4, 4, 3), np.uint8))
+
+
+def test_a_missing_support_plane_is_told_and_only_where_a_preset_needs_one() -> None:
+    depth = np.random.default_rng(0).uniform(0.5, 2, (120, 160))
+    frame = sp.Frame(scene().color, depth, CAMERA)
+    with pytest.warns(UserWarning, match=r"no support plane was found, .*additions\.support\.facing\.up"):
+        sp.segment(frame)
+    sp.segment(frame, sp.TABLE)
+    sp.segment(sp.Frame(scene().color, depth, None))

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import cv2
@@ -146,6 +147,7 @@ def test_every_out_says_whether_it_is_a_folder_or_a_file() -> None:
 def test_help_loads_neither_numba_nor_opencv() -> None:
     code = """
 import sys
+import time
 sys.argv = ["spigolo", "segment", "--help"]
 from spigolo.cli import main
 try:
@@ -407,3 +409,18 @@ def test_a_flag_takes_several_values() -> None:
 def test_the_package_runs_as_a_module() -> None:
     done = subprocess.run([sys.executable, "-m", "spigolo", "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == sp.__version__
+
+
+def test_a_redirected_error_stream_gets_lines_of_progress(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+
+    from spigolo.cli import progress
+
+    monkeypatch.setattr(progress, "LINE_S", 0.02)
+    with progress.progress(BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}")) as bar:
+        bar.update(bar.add_task("frames", total=20), completed=7)
+        time.sleep(0.2)
+    err = capsys.readouterr().err
+    assert "7/20  frames" in err and len(err.splitlines()) >= 2

@@ -29,7 +29,7 @@ def of_family(frames: list[sp.Frame], family: str) -> Iterator[sp.Frame]:
     return (frame for frame in frames if frame.name.startswith(family))
 
 
-@pytest.mark.filterwarnings("ignore:the largest plane is covered with image edges")
+@pytest.mark.filterwarnings("ignore:the largest plane is covered with image edges", "ignore:no support plane")
 def test_next_to_nothing_is_found_where_there_is_nothing(frames: list[sp.Frame]) -> None:
     found = {frame.name: len(sp.segment(frame, sp.OBJECTS)) for frame in frames}
     assert sum(found.values()) <= MOST_OBJECTS, found

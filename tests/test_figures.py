@@ -37,6 +37,7 @@ def test_figure_2_needs_a_camera_and_the_others_do_not(frame: sp.Frame) -> None:
         assert draw_figure(blind).any()
 
 
+@pytest.mark.filterwarnings("ignore:no support plane")
 @pytest.mark.parametrize("shape", [(40, 3), (3, 2), (1, 1)])
 def test_figures_of_narrow_images(frame: sp.Frame, shape: tuple[int, int]) -> None:
     height, width = shape

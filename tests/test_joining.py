@@ -207,6 +207,7 @@ def test_each_rule_can_be_switched_off(rules: dict, parts: tuple[Surface, ...], 
     assert joined(config, *parts) == together
 
 
+@pytest.mark.filterwarnings("ignore:no support plane")
 def test_nothing_is_joined_without_a_camera_or_a_support() -> None:
     frame, part = draw(*CUP)
     regions = Regions(part.astype(np.int32), 3)

@@ -125,3 +125,27 @@ def test_a_mailbox_keeps_the_newest_and_tells_why_it_ended() -> None:
     done: Mailbox[int] = Mailbox()
     done.end()
     assert done.take() is None
+
+
+def test_a_mailbox_with_places_drops_the_oldest() -> None:
+    box: Mailbox[int] = Mailbox(3)
+    for k in range(5):
+        box.put(k)
+    box.end()
+    assert [box.take() for _ in range(4)] == [2, 3, 4, None] and box.dropped == 2
+
+
+def test_frames_wait_in_the_queue_of_a_slow_caller(frame: sp.Frame) -> None:
+    """Twelve frames arrive while the caller sleeps. Those that fit in the queue are kept, in their order."""
+    device = Device(frame)
+    with sp.open_source("realsense:", device=device.device, queue=4) as source:
+        device.feed(12)
+        frames = iter(source)
+        stamps = [next(frames).stamp_ns]
+        time.sleep(1.5)
+        stamps += [next(frames).stamp_ns for _ in range(4)]
+        assert source.report().dropped == 7
+    numbers = [round((stamp / 1e9 - 1) * FPS) for stamp in stamps]
+    assert numbers[0] == 0 and numbers[1:] == [8, 9, 10, 11]
+    with pytest.raises(FileError, match="expected a queue of at least one frame, got queue=0"):
+        sp.open_source("realsense:?queue=0", device=device.device)

@@ -1,14 +1,18 @@
-"""Progress bar on the error stream. No bar is shown if the error stream is redirected to a file."""
+"""Progress bar on the error stream. If the error stream is redirected to a file, lines of text replace the bar."""
 
 from __future__ import annotations
 
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.progress import Progress, ProgressColumn
+
+LINE_S = 60.0
+"""Time between two lines of text, in seconds."""
 
 
 @contextmanager
@@ -17,5 +21,32 @@ def progress(*columns: ProgressColumn, **options: Any) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import Progress
 
-    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty(), **options) as bar:
-        yield bar
+    shown = sys.stderr.isatty()
+    with Progress(*columns, console=Console(stderr=True), disable=not shown, **options) as bar:
+        if shown:
+            yield bar
+            return
+        with _lines(bar):
+            yield bar
+
+
+@contextmanager
+def _lines(bar: Progress) -> Iterator[None]:
+    """Print the text columns of all tasks as a line from time to time."""
+    from rich.text import Text
+
+    def run() -> None:
+        while not ended.wait(LINE_S):
+            for task in bar.tasks:
+                texts = [column(task) for column in bar.columns if not isinstance(column, str)]
+                words = (text.plain.strip() for text in texts if isinstance(text, Text))
+                print("  ".join(word for word in words if word), file=sys.stderr, flush=True)
+
+    ended = threading.Event()
+    thread = threading.Thread(target=run, name="spigolo progress", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()

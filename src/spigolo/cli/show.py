@@ -68,8 +68,6 @@ def print_result(result: Segmentation, out: Path) -> None:
         print(f"  rejected {region.area_px} px at {region.box_px}: {region.why}")
     if len(result.rejected) > MOST_REJECTED:
         print(f"  and {len(result.rejected) - MOST_REJECTED} smaller regions: {out / 'objects.json'} lists all of them")
-    if result.scene.support is not None and result.scene.plane is None and not result.left_out:
-        print("no support plane was found: the table or the floor may be returned as an object")
     if result.left_out:
         print(f"left out, because no intrinsics were given: {', '.join(result.left_out)}")
         print("far more objects are found with an estimated field of view: --camera 60deg")

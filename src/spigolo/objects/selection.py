@@ -100,6 +100,7 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
     verdicts = [judge(f, scene.rejection, scene.rules, scene.support) for f in facts]
     if None not in verdicts:
         warn_of_reach(scene)
+    warn_of_plane(scene)
     return assemble(scene, regions, facts, verdicts)
 
 
@@ -116,6 +117,16 @@ def warn_of_depth(frame: Frame) -> None:
     if 0 < median < NEAREST_M:
         found = f"the median depth is {1000 * median:.2g} mm"
         warn(f"{found}: do not apply depth_scale twice, because floating-point depth is in metres already", UnitWarning)
+
+
+def warn_of_plane(scene: Scene) -> None:
+    """Warn if a preset requires a support plane, but a frame with plausible depth has none."""
+    missing = scene.support is not None and scene.plane is None and scene.frame.camera is not None
+    if missing and CLOSE_M <= _median_m(scene.frame) <= max(scene.rejection.max_distance_m or FARTHEST_M, FAR_M):
+        warn(
+            "no support plane was found, so the table or the floor may be returned as an object: pass the direction"
+            " that points up (additions.support.facing.up), or check the frame with spigolo doctor"
+        )
 
 
 def warn_of_reach(scene: Scene) -> None:

@@ -1,10 +1,11 @@
-"""Sources for live cameras. A separate thread receives frames, and the reader always gets the newest frame."""
+"""Sources for live cameras. A separate thread receives frames, and old frames are dropped if the reader is slow."""
 
 from __future__ import annotations
 
 import threading
 import time
 from abc import abstractmethod
+from collections import deque
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Generic, TypeVar
@@ -19,13 +20,15 @@ T = TypeVar("T")
 
 
 class Mailbox(Generic[T]):
-    """Storage for one item that one thread puts in and another thread takes out. If an item is not taken in time, the
-    next item replaces it.
+    """Storage for a few items that one thread puts in and another thread takes out. If the mailbox is full, the next
+    item replaces the oldest item.
+
+    size: maximum number of items.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, size: int = 1) -> None:
         self._ready = threading.Condition()
-        self._item: T | None = None
+        self._items: deque[T] = deque(maxlen=size)
         self._ended: BaseException | bool = False
         self.dropped = 0
         """Number of items that were replaced before they were taken."""
@@ -33,8 +36,8 @@ class Mailbox(Generic[T]):
     def put(self, item: T) -> None:
         """Put the newest item."""
         with self._ready:
-            self.dropped += self._item is not None
-            self._item = item
+            self.dropped += len(self._items) == self._items.maxlen
+            self._items.append(item)
             self._ready.notify()
 
     def end(self, error: BaseException | None = None) -> None:
@@ -44,19 +47,19 @@ class Mailbox(Generic[T]):
             self._ready.notify()
 
     def take(self) -> T | None:
-        """Wait for the newest item and return the item. Return None if there are no more items. Raises the error that
+        """Wait for an item and return the oldest item. Return None if there are no more items. Raises the error that
         was passed to `end`.
         """
         with self._ready:
-            self._ready.wait_for(lambda: self._item is not None or self._ended)
-            item, self._item = self._item, None
-            if item is None and isinstance(self._ended, BaseException):
+            self._ready.wait_for(lambda: self._items or self._ended)
+            if not self._items and isinstance(self._ended, BaseException):
                 raise self._ended
-            return item
+            return self._items.popleft() if self._items else None
 
 
 class LiveSource(Source):
-    """Source for a live camera. While the caller processes a frame, only the newest arriving frame is kept.
+    """Source for a live camera. While the caller processes a frame, only the newest frames are kept. The option `queue`
+    is the maximum number of these frames.
 
     `report()` includes the latency from the arrival of a frame until the caller requests the next frame.
     """
@@ -84,7 +87,7 @@ class LiveSource(Source):
     def _frames(self) -> Iterator[Frame]:
         self._pace, self._dropped = Pace(), 0
         self._stopping.clear()
-        box: Mailbox[tuple[float, Frame]] = Mailbox()
+        box: Mailbox[tuple[float, Frame]] = Mailbox(self.options.queue)
         thread = threading.Thread(target=self._fill, args=(box,), name=f"spigolo {self.name}", daemon=True)
         thread.start()
         try:

@@ -12,6 +12,7 @@ from spigolo.frames.intrinsics import CameraLike
 
 NUMBERS: Mapping[str, type[int] | type[float]] = {
     "depth_scale": float, "tolerance_ms": float, "max_pixels": int, "width": int, "height": int, "fps": int,
+    "queue": int,
 }  # fmt: skip
 
 
@@ -39,6 +40,10 @@ class Options:
     """Height of the colour and depth streams of a live camera, in pixels."""
     fps: int = 30
     """Frames per second of a live camera."""
+    queue: int = 1
+    """Maximum number of frames of a live camera that wait while the caller is busy. Newer frames replace older ones.
+    With 1, each step yields the newest frame. With more, a short delay of the caller drops no frame.
+    """
     filters: tuple[str, ...] = field(default=())
     """Names of RealSense SDK filters, applied in the given order: decimation, threshold, spatial, temporal, holes."""
     device: Any = None
@@ -48,7 +53,7 @@ class Options:
 def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
     """Return the options from text values (`words`) and from Python values (`given`), which take precedence.
 
-    Raises FileError for an unknown option.
+    Raises FileError for an unknown option, or if `queue` is less than 1.
     """
     known = [one.name for one in fields(Options)]
     values = {name: _value(name, text) for name, text in words.items()}
@@ -58,7 +63,10 @@ def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
         raise FileError(f"unknown option {unknown} of a source: expected one of {', '.join(known)}")
     if isinstance(values.get("filters"), str):
         values["filters"] = tuple(values["filters"].split(","))
-    return Options(**values)
+    options = Options(**values)
+    if options.queue < 1:
+        raise FileError(f"expected a queue of at least one frame, got queue={options.queue}")
+    return options
 
 
 def _value(name: str, text: str) -> Any:

@@ -1,7 +1,7 @@
 """Command line of spigolo, built from typed functions. Only this package prints results and sets the exit code.
 
-Exit codes: 0 = done, 1 = some of several frames failed, 2 = an error in the input, with a one-line message. Slow
-modules are imported inside the functions, so that `spigolo --help` starts quickly.
+The exit code is 0 for success, 1 if at least one of several frames failed, and 2 for invalid input. With exit code 2, a
+one-line message is printed. Slow modules are imported inside the functions, so that `spigolo --help` starts quickly.
 """
 
 from __future__ import annotations

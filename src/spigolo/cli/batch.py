@@ -53,7 +53,7 @@ def batch(
     preset
         Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
-        Metres per unit of the depth image. Default: the value in the camera file.
+        Metres per unit of the depth image. Default: the depth scale in the camera file.
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     workers

@@ -31,7 +31,7 @@ def compare(
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
-        Metres per unit of the depth image. Default: the value in the camera file.
+        Metres per unit of the depth image. Default: the depth scale in the camera file.
     methods
         Methods to compare with toscana2016. Default: all methods.
     out

@@ -29,7 +29,7 @@ def figures(
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
-        Metres per unit of the depth image. Default: the value in the camera file.
+        Metres per unit of the depth image. Default: the depth scale in the camera file.
     out
         Output folder for figure2.png, figure3.png, figure4.png and figure5.png.
 

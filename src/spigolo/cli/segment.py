@@ -64,7 +64,7 @@ def segment(
     preset
         Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
     depth_scale
-        Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
+        Metres per unit of the depth image: 0.001 for millimetres. Default: the depth scale in the camera file.
     roi
         Region of interest in pixels: first row, first column, last row + 1, last column + 1.
     roi_mask
@@ -175,7 +175,7 @@ def trace(
     preset
         Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
-        Metres per unit of the depth image. Default: the value in the camera file.
+        Metres per unit of the depth image. Default: the depth scale in the camera file.
     stages
         Also write the output array of each stage to stages/NAME.npy.
     max_pixels
@@ -225,7 +225,7 @@ def doctor(
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
-        Metres per unit of the depth image: 0.001 for millimetres. Default: the value in the camera file.
+        Metres per unit of the depth image: 0.001 for millimetres. Default: the depth scale in the camera file.
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     index

@@ -36,7 +36,7 @@ def tune(
     preset
         Preset to start from: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
-        Metres per unit of the depth image. Default: the value in the camera file.
+        Metres per unit of the depth image. Default: the depth scale in the camera file.
     port
         Port of the web server. If the port is in use, the next free port is used.
     host

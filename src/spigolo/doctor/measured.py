@@ -190,8 +190,8 @@ def sees_close(frame: Frame) -> bool:
 def stored_unit_m(depth: DepthMap) -> float:
     """Return the largest unit, in metres, of which all depths are whole multiples. The unit is at least 0.1 mm.
 
-    If millimetres were multiplied by ten by mistake, the unit is 10 mm, which no camera uses. The result is 0.1 mm for
-    most floating-point depth, and for depth with fewer than 20 different values.
+    If depth in millimetres was multiplied by ten by mistake, the unit is 10 mm. No camera uses this unit. The result is
+    0.1 mm for most floating-point depth, and for depth with fewer than 20 different values.
     """
     ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
     return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M

@@ -146,9 +146,9 @@ def mark_contours(
 
     At a depth step, the second difference of depth is at least max(step_m, step_per_m d^2), where d is the depth of the
     pixel. The samples for this difference lie step_px pixels away on both sides. At a crease, the surfaces between the
-    pixel and the samples crease_px pixels away meet at the angle of a contact (equations 14-19). The pixel also lies
-    behind the chord of these samples by at least noise_per_m d^2. A pixel is not marked if depth is missing at the
-    pixel and at both samples step_px away.
+    pixel and the samples crease_px pixels away meet at the angle of a contact (equations 14-19). In addition, the pixel
+    at a crease lies at least noise_per_m d^2 behind the straight line between the two samples crease_px pixels away. A
+    pixel is not marked if depth is missing at the pixel and at both samples step_px away.
 
     - depth (H, W): depth map in metres.
     - filled (H, W): depth with filled shadows, from which the samples are taken.

@@ -1,5 +1,5 @@
-"""Kernels that compute edge weights: the depth difference of equation 9 and the cost functions of equations 22 and 23,
-in float32.
+"""Kernels that compute edge weights in float32. The weights are the depth difference (equation 9 of the paper) and the
+two cost functions (equations 22 and 23).
 
 A plane contains the weights of the edges from each pixel to its neighbour at one offset (dy, dx), where dx is 0 or 1.
 Edges that leave the image have the weight +inf. Each cue is computed for a whole image row before the next cue, so that

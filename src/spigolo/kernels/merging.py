@@ -135,7 +135,7 @@ def plant(weights, width, gamma, parent, records, flags):
     - weights (P, H W) float32: edge weights.
     - parent (H W,) uint32: root of the region of each pixel.
     - records (H W,) uint64: records of the roots.
-    - flags (H W,) uint8: set to 1 at all pixels, because all regions can still merge.
+    - flags (H W,) uint8: output, 1 at all pixels. The flag 1 means that the region of a pixel can still merge.
     """
     right, down = weights[0], weights[1]
     for pixel in range(np.uint64(parent.size)):

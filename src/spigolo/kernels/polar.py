@@ -112,7 +112,8 @@ def go_around(radial, angular, low, high, total, reached, origin):
 
 @kernel
 def closed_path(radial, angular, least, most, best):
-    """Find the cheapest closed path around the origin of a polar map, with a radius in least..most on every ray.
+    """Find the cheapest closed path around the origin of a polar map, with a radius from `least` to `most` on every
+    ray.
 
     First, the cheapest path through one radius on ray 0 is computed. The cheapest path through any other radius on ray
     0 need not cross this path. Paths with a smaller radius on ray 0 are therefore searched only inside this path, and

@@ -1,9 +1,9 @@
 """Kernels for a Potts model of an image with Metropolis updates (Abramov et al., 2012).
 
-In a Potts model, every pixel has a spin, which is an integer. The energy is E = -(sum of J over all pairs of
-neighbouring pixels with equal spins). The interaction J is positive if both pixels have similar colours and negative
-otherwise. Interactions are stored in four planes, one for each direction to a neighbour. J is 0 for pairs that leave
-the image.
+In a Potts model, every pixel has a spin, which is an integer. Two neighbouring pixels have an interaction J, which is
+positive if their colours are similar and negative otherwise. The energy of the image is E = -(sum of J over all pairs
+of neighbouring pixels with equal spins). Interactions are stored in four planes, one for each direction to a neighbour.
+J is 0 for pairs that leave the image.
 """
 
 from __future__ import annotations
@@ -128,7 +128,8 @@ def best_other(spin, force, own, stranger):
 
 @kernel
 def sweep(spins, planes, values, temperature, seed, number):
-    """Run one Metropolis sweep, which tries to change the spin of every pixel to the best other spin.
+    """Run one Metropolis sweep over all pixels. The spin proposed for a pixel is the spin with the lowest energy, apart
+    from its current spin.
 
     A change of energy dE <= 0 is always accepted. A change dE > 0 is accepted with the probability exp(-dE /
     temperature). Pixels are updated in four groups, each with every second pixel of every second row. Pixels of one

@@ -34,8 +34,8 @@ NOMINAL_FOCAL = 0.9
 NEAR_LINE_WEIGHT = 0.01
 """Weight of pixels close to an edge, where the depth map is blurred. The value is from the authors' code."""
 LEAST_WEIGHT = 20.0
-"""Minimum total weight of the measured pixels in each half-disc of an edge. With less weight in one half-disc, no lines
-are fitted. The paper gives no value.
+"""Minimum total weight of the measured pixels in each half-disc of an edge. If the total weight in one half-disc is
+lower, no lines are fitted to this edge. The paper gives no value.
 """
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
 """Constants for Canny edges of the disparity map. A disparity of 1 px corresponds to LEVELS_PER_PX grey levels. The

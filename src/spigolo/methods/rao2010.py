@@ -1,8 +1,8 @@
 """Rao et al., 2010, *Grasping Novel Objects with Depth Segmentation*: depth as a fourth channel in addition to R, G, B.
 
 This module implements the segmentation, but not the trained classifier that selects graspable segments. Only a summary
-of the paper was available. The scale of depth, the treatment of missing depth and the default parameters are our
-interpretation.
+of the paper was available, so details may differ from the paper. The scale of depth, the treatment of missing depth and
+the default parameters are our interpretation.
 """
 
 from __future__ import annotations

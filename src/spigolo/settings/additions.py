@@ -209,8 +209,9 @@ class Merging(Settings):
 class Refinement(Settings):
     """Refinement of object outlines by colour where depth is missing or smeared.
 
-    The pixels in a band along object borders get new labels. A spanning forest over colour differences grows from the
-    pixels outside the band. Each tree of the forest gives its label to the pixels of the band that it reaches.
+    The pixels in a band along object borders get new labels. A minimum spanning forest, with colour differences as edge
+    weights, grows from the labelled pixels outside the band. Each tree of the forest gives its label to the pixels of
+    the band that it reaches.
     """
 
     ramp_factor: NotNegative = 5.0

@@ -89,8 +89,8 @@ class Ledge(Settings):
 
 
 class Rim(Settings):
-    """Rule that rejects the rims of bins and trays, which surround the support plane. In contrast to rims, objects fill
-    most of their convex hull or are short.
+    """Rule that rejects the rims of bins and trays, which surround the support plane. A rim is long and fills only a
+    small part of its convex hull. Objects are shorter, or fill most of their convex hull.
     """
 
     max_support: NotNegative = 0.3

@@ -1,4 +1,4 @@
-"""Source for recordings of ROS 1 and ROS 2, read by rosbags without ROS.
+"""Source for ROS 1 and ROS 2 bags. The package `rosbags` reads the bags, so ROS need not be installed.
 
 A first pass over the bag reads all stamps, pairs colour and depth images, and counts the frames.
 """

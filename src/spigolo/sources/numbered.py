@@ -77,8 +77,8 @@ def open_numbered(source: str, camera: str | None, depth_scale: float | None, ma
 def _open(
     source: str, camera: str | None, depth_scale: float | None, max_pixels: int, state: tuple[int, int] | None
 ) -> SizedSource:
-    """Open a source. The last source is cached. state: size and modification time of the file or folder. The source is
-    opened again if this state changes.
+    """Open a source. The most recently opened source is cached. state: size and modification time of the file or
+    folder. If `state` changes, the source is opened again.
     """
     opened = open_source(source, camera, depth_scale, max_pixels=max_pixels)
     if not isinstance(opened, SizedSource):

@@ -113,8 +113,8 @@ class SortedEdges:
     ) -> tuple[npt.NDArray[np.uint64], float]:
         """Return the sorted packed edges with low <= weight < high, and the upper limit of their weights.
 
-        If the buffer is too small for all these edges, fewer edges are returned, and the upper limit is smaller than
-        `high`.
+        If these edges do not fit into the buffer of `forest`, only the lightest are returned, and the upper limit is
+        smaller than `high`.
 
         - forest: current regions.
         - least: minimum number of flagged pixels of an edge, 1 or 2.

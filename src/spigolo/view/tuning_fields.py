@@ -117,7 +117,7 @@ class Variants:
     help: str
     """Help text of the stage."""
     stages: dict[str, Stage]
-    """Descriptions of the alternative classes, indexed by the value of their field `kind`."""
+    """Classes that the user can choose for this stage: description of each class, indexed by its field `kind`."""
 
 
 Part = Leaf | Stage | Variants

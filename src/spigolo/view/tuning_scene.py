@@ -30,7 +30,7 @@ from spigolo.view.tuning_session import Answer, Pixel
 Vectors = npt.NDArray[np.float64]
 
 STAGES = ("objects", "objects and boxes", "rejected regions", "boundary map", "weights", "regions", "depth", "colour")
-"""Names of the images from which the user selects one. The 3-D scene shows the selected image, called the picture."""
+"""Names of the images that the user can select. The 3-D scene shows the selected image, called the picture."""
 CHOSEN, REFUSED = (255, 214, 10), (235, 64, 52)
 """RGB colours of the selected object or region (yellow), and of rejected regions (red)."""
 FAR = 1.6

@@ -90,7 +90,7 @@ class Reel:
         return moved
 
     def _numbered(self, frames: Numbered) -> Frame:
-        """Return the frame at the current position. While the position stays the same, the frame is read only once."""
+        """Return the frame at the current position. The frame is read again only if the position has changed."""
         position = self.position
         if self._read is None or self._read[0] != position:
             self._read = position, frames[position]
@@ -152,7 +152,7 @@ class Answer:
     stages_s: dict[str, float]
     """Wall time of each stage in seconds, indexed by the name of the stage. The longest time comes first."""
     notes: tuple[str, ...]
-    """Texts of the warnings that were given during the segmentation."""
+    """Warning messages of the segmentation."""
 
 
 class Session:

@@ -42,7 +42,9 @@ class PowerLaw:
     factor: float
     exponent: float
     residual: float
-    """Root mean square deviation of ln(t) from the fit. A deviation of 0.01 is about 1 % of t."""
+    """Root mean square deviation of ln(t) from the fit, where t is the measured time. A deviation of 0.01 means that
+    the times differ from the fit by about 1 %.
+    """
 
 
 def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:

@@ -30,7 +30,7 @@ class ObjectBox:
     category: str
     """Class of the object, such as "soda_can"."""
     instance: int
-    """Number of the object in its class."""
+    """Number of the object among the objects of its class."""
     top: int
     bottom: int
     left: int

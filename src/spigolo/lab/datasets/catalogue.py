@@ -37,7 +37,7 @@ class KnownSet:
     home: str
     """URL of the data set's web page, or name of its publisher."""
     archives: tuple[Archive, ...] = ()
-    """Zip files to download, empty if their hashes are unknown."""
+    """Zip files to download, with their hashes. Empty if the hashes of the files are unknown."""
 
 
 KNOWN_SETS = (

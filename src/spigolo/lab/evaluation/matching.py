@@ -1,6 +1,6 @@
 """Matching of true objects with predicted segments, and of their boundary pixels.
 
-Label images must be 2-D arrays of integers that are not negative. The function `spigolo.lab.evaluation.score_frame`
+Label images must be 2-D arrays of non-negative integers. The function `spigolo.lab.evaluation.score_frame`
 checks this. Letters in array shapes: H, W = image height and width, N = number of true objects (objects of the ground
 truth), S = number of predicted segments.
 """

@@ -61,7 +61,7 @@ class Outcome:
     name: str
     disturbances: int
     twice: int
-    """Number of times that a frame was read again because of an interruption."""
+    """Number of frames that were read more than once because the run was killed and started again."""
     different: list[str]
     """Output files that differ from those of the uninterrupted run, or that only one of the two runs has written."""
     files: int

@@ -45,7 +45,7 @@ class Overhead:
     jobs: int
     """Total number of empty jobs."""
     wall_s: float
-    """Wall time of all jobs, in seconds."""
+    """Wall time from the start of the first job to the end of the last job, in seconds."""
 
     @property
     def task_ms(self) -> float:

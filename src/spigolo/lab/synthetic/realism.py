@@ -40,13 +40,13 @@ class Realism:
     brightness: float
     """Median grey level of the colour image, 0..255."""
     noise_04: float
-    """Depth noise at a depth of 0.4 to 0.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
+    """Depth noise at a depth of 0.4 to 0.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
     noise_06: float
-    """Depth noise at a depth of 0.6 to 0.8 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
+    """Depth noise at a depth of 0.6 to 0.8 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
     noise_08: float
-    """Depth noise at a depth of 0.8 to 1.1 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
+    """Depth noise at a depth of 0.8 to 1.1 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
     noise_11: float
-    """Depth noise at a depth of 1.1 to 1.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels are in this range."""
+    """Depth noise at a depth of 1.1 to 1.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
 
 
 def realism(frame: Frame) -> Realism:

@@ -50,8 +50,8 @@ class Lighting:
     """Number of point lights that approximate the diffuse light."""
 
     def points(self) -> Iterator[tuple[FloatArray, FloatArray]]:
-        """Yield the position (metres) and brightness (linear RGB) of each point light that approximates the lamp or the
-        sky.
+        """Yield the position (metres) and intensity (linear RGB) of each point light. Together, the point lights
+        approximate the lamp or the sky.
         """
         golden = np.pi * (3 - np.sqrt(5))
         for k in range(self.lamp_samples):

@@ -18,6 +18,7 @@ from spigolo.frames.frame import Frame, check_frame
 from spigolo.frames.halving import halve_frame, halve_roi, uncropped
 from spigolo.frames.roi import Roi, pixel_of, roi_mask
 from spigolo.kernels.workspace import Workspace
+from spigolo.objects.flats import add_flats
 from spigolo.objects.outlines import enlarge, redraw_outlines
 from spigolo.objects.scene import find_above
 from spigolo.objects.segmentation import ObjectMask, Segmentation
@@ -104,6 +105,7 @@ def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace
     regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours
     scene = set_scene(frame, cues, graph, plane, contours, config, sized, roi)
     segmentation = select_objects(regions, scene)  # section III-F, and ours
+    segmentation = add_flats(segmentation, edges, ours) if ours else segmentation  # ours
     segmentation = redraw_outlines(segmentation, ours) if ours else segmentation  # ours
     return Trace(frame, config, plane, weighing, edges, contours, cues, graph, regions, segmentation)
 

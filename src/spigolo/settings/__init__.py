@@ -4,7 +4,7 @@ documented unit, range and origin.
 
 from __future__ import annotations
 
-from spigolo.settings.additions import Additions, DepthContours, Facing, Merging, Packing, Refinement, Support
+from spigolo.settings.additions import Additions, DepthContours, Facing, Flats, Merging, Packing, Refinement, Support
 from spigolo.settings.config import Config
 from spigolo.settings.joining import Cap, Joining, Smooth, Vessel
 from spigolo.settings.paper import (
@@ -34,6 +34,7 @@ __all__ = [
     "DepthContours",
     "EdgesConfig",
     "Facing",
+    "Flats",
     "Inpainting",
     "Joining",
     "Ledge",

@@ -144,6 +144,41 @@ class Packing(Settings):
     """
 
 
+class Flats(Settings):
+    """Flat objects, such as scissors, disks or printed parts, that lie on the support surface.
+
+    A flat object is a patch between edges of the colour image. The mean height of the patch is a few millimetres
+    larger than the height of the surface around the patch. This addition requires `Additions.support`.
+    """
+
+    min_height_m: Positive = 0.005
+    """Minimum height of a flat object above the surface around it, in metres. Smaller values find thinner objects, but
+    also unevenness of the surface.
+    """
+    noise_factor: NotNegative = 2.0
+    """Minimum height of a flat object, as a multiple of the depth noise of the support surface. The larger of this
+    height and `min_height_m` is used.
+    """
+    band_m: Positive = 0.02
+    """Maximum height of a flat object, in metres. Higher objects are found by the other stages."""
+    min_cell_px2: Area_px2 = 40.0
+    """Minimum area of a cell between image edges. The height of smaller cells is not measured."""
+    min_area_px2: Area_px2 = 500.0
+    """Minimum area of a flat object. Smaller values return more objects."""
+    max_share: Share = 0.08
+    """Maximum area of a flat object, as a share of the image."""
+    min_ring: Share = 0.95
+    """Minimum share of the ring around a flat object that lies on the support surface. Pixels of other flat objects in
+    the ring do not count.
+    """
+    gap_px: Offset_px = 3
+    """Half of the distance between a flat object and the ring around it, in pixels. Depth near outlines is smeared, so
+    the ring does not begin at the outline.
+    """
+    ring_px: Offset_px = 11
+    """Distance between a flat object and the outer border of the ring around it, in pixels."""
+
+
 class DepthContours(Settings):
     """Contours that are added to the boundary map: depth steps and concave creases. Contours are found in the depth
     map, without the colour image.
@@ -289,6 +324,8 @@ class Additions(Settings):
     """Join regions that are parts of one object. This addition requires `Additions.support`."""
     rules: Rules = Rules()
     """Rules that reject regions, in addition to the rules of the paper."""
+    flats: Flats | None = None
+    """Find flat objects on the support plane. This addition requires `Additions.support`."""
     refinement: Refinement | None = None
     """Refine the outlines of objects by colour where depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0

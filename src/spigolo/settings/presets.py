@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from spigolo.errors import ConfigError
-from spigolo.settings.additions import Additions, DepthContours, Facing, Merging, Packing, Refinement, Support
+from spigolo.settings.additions import Additions, DepthContours, Facing, Flats, Merging, Packing, Refinement, Support
 from spigolo.settings.config import BASES, Config, base_preset
 from spigolo.settings.joining import Cap, Joining, Smooth, Vessel
 from spigolo.settings.paper import (
@@ -100,6 +100,7 @@ OBJECTS_2 = OBJECTS_1.replace(
             max_length_m=0.6,
             max_width_m=0.4,
         ),
+        "flats": Flats(),
         "refinement": Refinement(),
         "lengths_grow": True,
     },

@@ -54,7 +54,9 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "`OBJECTS` without merging of regions by their whole border": {"additions.merging": None},
     "`OBJECTS` without joining of parts": {"additions.joining": None},
     "`OBJECTS` without the rules `wall` and `ledge`": {"additions.rules.wall": None, "additions.rules.ledge": None},
-    "`OBJECTS` without the rule `ledge` for flat objects": {"additions.rules.ledge": None},
+    "`OBJECTS` without flat objects (`flats`)": {"additions.flats": None},
+    "`OBJECTS` without the rule `ledge`": {"additions.rules.ledge": None},
+    "`OBJECTS` without image edges in the rule `ledge` (`min_edges`)": {"additions.rules.ledge.min_edges": None},
     "`OBJECTS` without the rule `rim`": {"additions.rules.rim": None},
     "`OBJECTS` with a maximum object size of 0.40 x 0.25 m": {
         "additions.rules.max_length_m": 0.4,

@@ -1,0 +1,172 @@
+"""Flat objects, which are too low for the other stages (`settings.Flats`).
+
+The colour image is divided along its edges into cells. A cell is raised if its mean height above the support surface is
+larger than a limit. The mean of many pixels has far less noise than a single pixel, so the limit can be a few
+millimetres. Printed patterns have edges too, but their cells are not raised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from spigolo.additions.plane import Plane
+from spigolo.frames.camera import Camera
+from spigolo.frames.frame import DepthMap, Mask
+from spigolo.settings.additions import Flats
+
+STEP = 2
+"""Distance between the rows, and between the columns, in which flat objects are searched."""
+FIT_STEP = 4
+"""Distance between the rows, and between the columns, to which the support surface is fitted. The distance is counted
+in the rows and columns of the search.
+"""
+FIT_ROUNDS = 4
+LEAST_FITTED = 80
+"""Minimum number of pixels to which the support surface is fitted."""
+BELOW, ABOVE = 3.0, 1.5
+"""Pixels farther below or above the fitted surface than these multiples of the noise are left out in the next round.
+The limit above is smaller, because objects lie above the surface.
+"""
+
+Heights = npt.NDArray[np.float32]
+Labels = npt.NDArray[np.int32]
+Square = npt.NDArray[np.uint8]
+
+
+def find_flats(free: Mask, depth: DepthMap, camera: Camera, plane: Plane, edges: Mask, config: Flats) -> Labels:
+    """Return the labels (H, W) of the flat objects of a frame, from 1, and 0 elsewhere.
+
+    - free: mask (H, W) of the pixels that belong to no object.
+    - depth: measured depth (H, W) in metres, 0 where missing.
+    - edges: mask (H, W) of the edges of the colour image.
+    """
+    found = np.zeros(depth.shape, np.int32)
+    some = np.s_[::STEP, ::STEP]  # the outlines are refined later, so every second row and column are enough
+    slope_x, slope_y, slope = plane.slopes(depth.shape, camera)
+    z = depth[some]
+    above = (slope_x[None, ::STEP] + slope_y[::STEP, None] + slope) * z + np.float32(plane.offset_m)
+    surface = surface_heights(above, z > 0, config.band_m)
+    if surface is None:
+        return found
+    heights, noise_m = surface
+    limit_m = max(config.min_height_m, config.noise_factor * noise_m)
+    near = free[some] & (z > 0) & (np.abs(heights) < config.band_m)
+    lines = cv2.dilate(edges.view(np.uint8), np.ones((3, 3), np.uint8))[some]
+    _, cells, stats, _ = cv2.connectedComponentsWithStats((near & (lines == 0)).view(np.uint8), connectivity=4)
+    areas = stats[:, cv2.CC_STAT_AREA]
+    raised = _mean_heights(cells, areas, heights, config) > limit_m
+    if not raised.any():
+        return found
+    floor = (cells > 0) & ~raised[cells] & (STEP**2 * areas[cells] >= config.min_cell_px2)
+    upper = near & ~floor & (raised[cells] | (heights > limit_m))
+    for number, patch in enumerate(_patches(upper, near, cells, raised, areas, config), start=1):
+        whole = patch.repeat(STEP, axis=0).repeat(STEP, axis=1)[: depth.shape[0], : depth.shape[1]]
+        found[whole & free & (found == 0)] = number
+    return found
+
+
+def surface_heights(heights: Heights, measured: Mask, band_m: float) -> tuple[Heights, float] | None:
+    """Return the heights (H, W) above the support surface, and the noise of the surface, in metres. Returns None if too
+    few pixels lie near the plane.
+
+    The surface is a polynomial of the second degree in the pixel coordinates, because the depth of many cameras is
+    slightly curved.
+
+    - heights: heights (H, W) above the support plane in metres.
+    - measured: mask (H, W) of the pixels with depth.
+    - band_m: maximum distance from the plane of the pixels to which the surface is fitted.
+    """
+    height, width = heights.shape
+    y, x = np.linspace(-1, 1, height, dtype=np.float32)[:, None], np.linspace(-1, 1, width, dtype=np.float32)[None, :]
+    some = np.s_[FIT_STEP // 2 :: FIT_STEP, FIT_STEP // 2 :: FIT_STEP]
+    kept = measured[some] & (np.abs(heights[some]) < band_m)
+    ys, xs, values = (np.broadcast_to(v, heights.shape)[some][kept].astype(float) for v in (y, x, heights))
+    terms = np.stack((np.ones_like(ys), ys, xs, ys * ys, ys * xs, xs * xs), axis=1)
+    used = np.ones(values.size, bool)
+    for _ in range(FIT_ROUNDS):
+        if np.count_nonzero(used) < LEAST_FITTED:
+            return None
+        chosen = terms[used]
+        factors = np.linalg.lstsq(chosen.T @ chosen, chosen.T @ values[used], rcond=None)[0]
+        rest = values - terms @ factors
+        noise_m = 1.4826 * float(np.median(np.abs(rest[used])))
+        used = (rest <= ABOVE * noise_m) & (rest >= -BELOW * noise_m)
+    low, high = np.percentile(terms[used] @ factors, (1, 99)).astype(np.float32)
+    c, c_y, c_x, c_yy, c_yx, c_xx = factors.astype(np.float32)
+    surface = (c_y * y + c_yy * y * y + c) + (c_x * x + c_xx * x * x) + (c_yx * y) * x
+    return heights - np.clip(surface, low, high, out=surface), noise_m
+
+
+def _mean_heights(
+    cells: Labels, areas: npt.NDArray[np.int32], heights: Heights, config: Flats
+) -> npt.NDArray[np.float64]:
+    """Return the mean height of each cell in metres. Very small and very large cells get the value 0."""
+    asked = (STEP**2 * areas >= config.min_cell_px2) & (areas <= config.max_share * cells.size)
+    asked[0] = False
+    sums = np.bincount(cells.ravel(), heights.ravel(), areas.size)
+    return np.where(asked, sums / np.maximum(areas, 1), 0.0)
+
+
+def _patches(
+    upper: Mask,
+    near: Mask,
+    cells: Labels,
+    raised: npt.NDArray[np.bool_],
+    areas: npt.NDArray[np.int32],
+    config: Flats,
+) -> Iterator[Mask]:
+    """Yield the mask (H, W) of each connected patch of raised pixels that the support surface surrounds."""
+    gap, ring = (_square(max(round(length / STEP), 1)) for length in (config.gap_px, config.ring_px))
+    wide = _square(2 * (gap.shape[0] // 2))
+    height, width = upper.shape
+    count, patches, stats, _ = cv2.connectedComponentsWithStats(upper.view(np.uint8), connectivity=4)
+    for number in range(1, count):
+        left, top, across, down, area = stats[number].tolist()
+        if STEP**2 * area < config.min_area_px2 or area > config.max_share * upper.size:
+            continue
+        if left <= 1 or top <= 1 or left + across >= width - 1 or top + down >= height - 1:
+            continue
+        reach = ring.shape[0] // 2 + 2
+        box = slice(max(top - reach, 0), top + down + reach), slice(max(left - reach, 0), left + across + reach)
+        filled = _with_pockets(patches[box] == number, cells[box], raised, areas, area, wide)
+        around = (cv2.dilate(filled, ring) > 0) & (cv2.dilate(filled, wide) == 0)
+        others = upper[box] & (patches[box] != number)
+        surface = around & near[box] & ~upper[box]
+        if np.count_nonzero(surface) < config.min_ring * np.count_nonzero(around & ~others):
+            continue
+        if 2 * np.count_nonzero(surface) >= np.count_nonzero(around):
+            out = np.zeros(upper.shape, np.uint8)
+            out[box] = cv2.dilate(filled, _square(1))
+            yield out > 0
+
+
+def _with_pockets(
+    patch: Mask,
+    cells: Labels,
+    raised: npt.NDArray[np.bool_],
+    areas: npt.NDArray[np.int32],
+    area: int,
+    reach: Square,
+) -> npt.NDArray[np.uint8]:
+    """Fill the holes of a patch, and add low cells with at least half of their border near the patch. For example, the
+    bottom of a tray is such a cell.
+    """
+    outlines, _ = cv2.findContours(patch.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = cv2.drawContours(np.zeros(patch.shape, np.uint8), outlines, -1, 1, cv2.FILLED)
+    beside = cv2.dilate(patch.view(np.uint8), reach) > 0
+    for number in np.unique(cells[beside & (cells > 0)]):
+        cell = cells == number
+        if raised[number] or areas[number] > area or np.count_nonzero(cell) < areas[number]:
+            continue
+        border = (cv2.dilate(cell.view(np.uint8), _square(1)) > 0) & ~cell
+        if 2 * np.count_nonzero(border & beside) >= np.count_nonzero(border):
+            filled[cell] = 1
+    return np.asarray(cv2.morphologyEx(filled, cv2.MORPH_CLOSE, _square(2)))
+
+
+def _square(reach: int) -> Square:
+    return np.ones((2 * reach + 1, 2 * reach + 1), np.uint8)

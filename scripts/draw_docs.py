@@ -93,6 +93,7 @@ BUNDLED: dict[str, Callable[[sp.Frame], Color]] = {
 RENDERED: dict[str, Callable[[], Color]] = {
     "merging": additions.merging,
     "ledge": additions.ledge,
+    "flats": additions.flats,
     "packing": additions.packing,
     "touching-objects": failures.touching_objects,
     "flat-objects": failures.flat_objects,

@@ -90,17 +90,31 @@ def merging() -> Color:
 
 
 def ledge() -> Color:
-    """Draw the objects found among flat boxes far from the camera, with and without the rule that keeps flat
-    objects.
-    """
+    """Draw the objects found among low boxes far from the camera, with and without the rule that keeps low objects."""
     flat = scenes.flat_boxes((9, 10, 11, 12, 13, 15), distance_m=0.9)
-    without = sp.segment(flat.frame, sp.OBJECTS.replace(**{"additions.rules.ledge": None}))
-    found = sp.segment(flat.frame)
+    config = sp.OBJECTS.replace(additions={"flats": None})
+    without = sp.segment(flat.frame, config.replace(**{"additions.rules.ledge": None}))
+    found = sp.segment(flat.frame, config)
     return tile(
         {
             "colour, heights in mm": zoom(flat.labelled(), flat.window, 1),
             f"without ledge: {len(without)} objects": zoom(without.overlay(), flat.window, 1),
             f"with ledge: {len(found)} objects": zoom(found.overlay(), flat.window, 1),
+        },
+        columns=3,
+    )
+
+
+def flats() -> Color:
+    """Draw the objects found among very low boxes, with and without the search for flat objects."""
+    flat = scenes.flat_boxes((1, 4, 6, 7, 8, 9), distance_m=0.9)
+    without = sp.segment(flat.frame, sp.OBJECTS.replace(additions={"flats": None}))
+    found = sp.segment(flat.frame)
+    return tile(
+        {
+            "colour, heights in mm": zoom(flat.labelled(), flat.window, 1),
+            f"without flats: {len(without)} objects": zoom(without.overlay(), flat.window, 1),
+            f"with flats: {len(found)} objects": zoom(found.overlay(), flat.window, 1),
         },
         columns=3,
     )

@@ -8,11 +8,8 @@ import pytest
 
 import spigolo as sp
 from spigolo.additions.flats import find_flats, surface_heights
-from spigolo.additions.ledges import share_on_edges
 from spigolo.additions.plane import Plane
-from spigolo.objects.facts import measure_regions
-from spigolo.objects.verdicts import Reason, judge
-from spigolo.stages.regions import Regions
+from spigolo.objects.verdicts import Reason
 
 SHAPE = (240, 320)
 CAMERA = sp.Camera(300.0, 300.0, 159.5, 119.5, 320, 240)
@@ -117,28 +114,3 @@ def test_a_flat_object_is_returned_by_objects_alone() -> None:
 def test_a_rejected_flat_object_has_its_reason() -> None:
     result = sp.segment(scene(0.007), sp.OBJECTS.replace(additions={"rules": {"max_length_m": 0.05}}))
     assert [r.reason for r in result.rejected if overlap(r.mask, DISK) > 0.8] == [Reason.TOO_LONG]
-
-
-@pytest.mark.parametrize(("edges", "share"), [(outline(DISK), 1.0), (np.zeros(SHAPE, bool), 0.0), (X < 150, 0.5)])
-def test_the_share_of_an_outline_on_image_edges(edges: np.ndarray, share: float) -> None:
-    assert share_on_edges(DISK, edges & outline(DISK), 2) == pytest.approx(share, abs=0.06)
-
-
-@pytest.mark.parametrize(("min_edges", "is_object"), [(0.8, True), (None, False)])
-def test_image_edges_make_up_for_a_weak_contour(min_edges: float | None, is_object: bool) -> None:
-    """The height changes over 20 px, so no pair of samples differs by a step."""
-    soft = cv2.GaussianBlur(DISK.astype(np.float32), (0, 0), 10)
-    frame = sp.Frame(np.zeros((*SHAPE, 3), np.uint8), 0.6 - 0.01 * soft, CAMERA)
-    regions = Regions(DISK.astype(np.int32), 2)
-    facts = measure_regions(
-        regions, frame.depth, frame, np.zeros(SHAPE, np.float32), above=DISK, plane=TABLE, stance=flat_stance()
-    )
-    rules = sp.settings.Rules(min_contour=0.6, ledge=sp.settings.Ledge(min_edges=min_edges))
-    verdict = judge(facts[1], sp.settings.Rejection(max_dark=None), rules, sp.settings.Support(), outline(DISK))
-    assert (verdict is None) == is_object
-    assert judge(facts[1], sp.settings.Rejection(max_dark=None), rules, sp.settings.Support()) is not None
-
-
-def flat_stance() -> sp.additions.stance.Stance:
-    unknown = np.full(2, np.nan)
-    return sp.additions.stance.Stance(unknown, unknown, np.zeros(2), unknown)

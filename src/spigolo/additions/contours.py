@@ -33,8 +33,6 @@ class Contours:
     """Mask (H, W) of the contours, without the boundary map E_F. None if contours are switched off."""
     lines: Mask
     """Mask (H, W) of the boundary map E_F and the contours together, dilated to a line width of `line_px` pixels."""
-    canny: Mask
-    """Mask E_E (H, W) of all edges of the colour image."""
     in_holes: bool
     """True if the contours include hole outlines."""
 
@@ -53,7 +51,7 @@ def add_contours(
         holes = find_holes(depth, config.contours)
         contours = contours if holes is None else contours | hole_contours(holes, edges.canny, config.line_px)
     final = edges.final if contours is None else edges.final | contours
-    return Contours(contours, widen(final, config.line_px), edges.canny, holes is not None)
+    return Contours(contours, widen(final, config.line_px), holes is not None)
 
 
 def depth_contours(depth: DepthMap, camera: Camera | None, config: DepthContours) -> Mask:

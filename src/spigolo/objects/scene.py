@@ -40,8 +40,6 @@ class Scene:
     """Hash of the parameter values of the preset."""
     left_out: tuple[str, ...] = ()
     """Names of cues that were not computed because intrinsics are missing."""
-    edges: Mask | None = None
-    """Mask (H, W) of the edges of the colour image. None if the preset does not compute contours."""
     above: Mask | None = None
     """Mask (H, W) of the measured pixels above the support plane. None if the frame has no support plane."""
     inside: tuple[Mask, Mask] | None = None

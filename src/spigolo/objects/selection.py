@@ -57,7 +57,6 @@ def set_scene(
         preset=config.name,
         digest=config.digest,
         left_out=("contact boundary",) if frame.camera is None and cues.boundary is not None else (),
-        edges=None if contours is None else contours.canny,
         above=find_above(frame, plane, sized.additions),
         inside=find_inside(frame, roi),
     )
@@ -98,7 +97,7 @@ def select_objects(regions: Regions, scene: Scene) -> Segmentation:
         return assemble(
             scene, regions, facts, [(Reason.NO_DEPTH, "no depth: the frame has no measured depth")] * len(facts)
         )
-    verdicts = [judge(f, scene.rejection, scene.rules, scene.support, scene.edges) for f in facts]
+    verdicts = [judge(f, scene.rejection, scene.rules, scene.support) for f in facts]
     if None not in verdicts:
         warn_of_reach(scene)
     warn_of_plane(scene)

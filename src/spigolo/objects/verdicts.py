@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-from spigolo.additions.ledges import share_on_edges
 from spigolo.additions.rims import surrounded_support
-from spigolo.frames.frame import Mask
 from spigolo.frames.roi import LEAST_INSIDE
 from spigolo.objects.facts import RegionFacts
 from spigolo.settings.additions import Support
@@ -55,9 +53,7 @@ THIN = "the region's eccentricity is {:.3f} (maximum {:.3f})"
 Verdict = tuple[Reason, str]
 
 
-def judge(
-    facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None, edges: Mask | None = None
-) -> Verdict | None:
+def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
     """Return the reason for rejecting a region, with an explanation, or None if the region violates no rule. The reason
     is the first rule that the region violates.
 
@@ -67,11 +63,10 @@ def judge(
     - paper: limits of the paper's rules (section III-F).
     - ours: limits of our rules.
     - support: parameters of the support plane. The field `min_above` is the minimum share of a region above the plane.
-    - edges: mask (H, W) of the edges of the colour image.
     """
     return (
         _judge_place(facts, support)
-        or _judge_stance(facts, ours, edges)
+        or _judge_stance(facts, ours)
         or _above(Reason.OUT_OF_REACH, facts.distance_m, paper.max_distance_m, REACH)
         or _judge_shape(facts, paper, ours)
         or _judge_pixels(facts, paper)
@@ -102,12 +97,11 @@ def _judge_place(facts: RegionFacts, support: Support | None) -> Verdict | None:
     return None
 
 
-def _judge_stance(facts: RegionFacts, rules: Rules, edges: Mask | None) -> Verdict | None:
+def _judge_stance(facts: RegionFacts, rules: Rules) -> Verdict | None:
     """Check that a region is not a wall and that its mean boundary value is large enough (our rules)."""
     if rules.wall is not None and (why := _lacks_stance(facts, rules.wall)):
         return Reason.WALL, f"wall: {why}"
-    weak = rules.min_contour is not None and facts.contour < rules.min_contour
-    if weak and not _is_ledge(facts, rules.ledge, edges):
+    if rules.min_contour is not None and facts.contour < rules.min_contour and not _is_ledge(facts, rules.ledge):
         limit = f"(minimum {rules.min_contour:.2f})"
         why = f"the mean boundary value along the region's border is {facts.contour:.2f} {limit}"
         return Reason.WEAK_CONTOUR, f"weak contour: {why}"
@@ -143,15 +137,8 @@ def _percent(value: float, limit: float) -> tuple[str, str]:
     return form.format(value), form.format(limit)
 
 
-def _is_ledge(facts: RegionFacts, rule: Ledge | None, edges: Mask | None) -> bool:
-    """Return True if a region with a weak contour is a flat object on the support plane."""
-    if rule is None or facts.ledge is None:
-        return False
-    if facts.ledge >= rule.min_share:
-        return True
-    if rule.min_edges is None or edges is None or facts.plane is None:
-        return False
-    return share_on_edges(facts.mask, edges, rule.edge_reach_px) >= rule.min_edges
+def _is_ledge(facts: RegionFacts, rule: Ledge | None) -> bool:
+    return rule is not None and facts.ledge is not None and facts.ledge >= rule.min_share
 
 
 def _judge_shape(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:

@@ -86,15 +86,6 @@ class Ledge(Settings):
     1/m. The minimum height difference is max(`step_m`, `step_per_m` * distance^2). With larger values, fewer regions
     are accepted.
     """
-    min_edges: Share | None = 0.8
-    """Minimum share of a region's outline that lies on edges of the colour image. A region above the support plane with
-    at least this share is not rejected by `min_contour`, even if the depth along its outline changes gradually. If
-    None, edges of the colour image are not used.
-    """
-    edge_reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 3
-    """Maximum distance between an outline pixel and an image edge on which it counts as lying, in rows and columns.
-    With larger values, more regions are accepted.
-    """
 
 
 class Rim(Settings):

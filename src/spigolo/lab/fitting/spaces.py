@@ -72,10 +72,7 @@ OPTIONAL: Mapping[str, Space] = {
         "additions.rules.wall.min_hides": Range(0.08, 0.25),
         "additions.rules.wall.slant_deg": Range(30.0, 50.0),
     },
-    "additions.rules.ledge": {
-        "additions.rules.ledge.min_share": Range(0.35, 0.7),
-        "additions.rules.ledge.min_edges": Range(0.65, 0.95),
-    },
+    "additions.rules.ledge": {"additions.rules.ledge.min_share": Range(0.35, 0.7)},
     "additions.flats": {
         "additions.flats.min_height_m": Range(0.004, 0.008),
         "additions.flats.min_ring": Range(0.85, 0.98),

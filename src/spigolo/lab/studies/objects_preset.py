@@ -56,7 +56,6 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "`OBJECTS` without the rules `wall` and `ledge`": {"additions.rules.wall": None, "additions.rules.ledge": None},
     "`OBJECTS` without flat objects (`flats`)": {"additions.flats": None},
     "`OBJECTS` without the rule `ledge`": {"additions.rules.ledge": None},
-    "`OBJECTS` without image edges in the rule `ledge` (`min_edges`)": {"additions.rules.ledge.min_edges": None},
     "`OBJECTS` without the rule `rim`": {"additions.rules.rim": None},
     "`OBJECTS` with a maximum object size of 0.40 x 0.25 m": {
         "additions.rules.max_length_m": 0.4,

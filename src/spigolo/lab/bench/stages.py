@@ -12,7 +12,7 @@ from spigolo.stream import Segmenter
 
 STAGES = (
     "support plane", "depth", "edges", "contours", "cues", "colour", "weights", "partition", "merging", "joining",
-    "scene", "objects", "outlines",
+    "scene", "objects", "flat objects", "outlines",
 )  # fmt: skip
 """Names of the stages of `pipeline.trace`, in the order in which they run."""
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}

@@ -123,11 +123,11 @@ def _patches(
     gap, ring = (_square(max(round(length / STEP), 1)) for length in (config.gap_px, config.ring_px))
     wide = _square(2 * (gap.shape[0] // 2))
     height, width = upper.shape
-    count, patches, stats, _ = cv2.connectedComponentsWithStats(upper.view(np.uint8), connectivity=4)
-    for number in range(1, count):
+    _, patches, stats, _ = cv2.connectedComponentsWithStats(upper.view(np.uint8), connectivity=4)
+    sizes = stats[1:, cv2.CC_STAT_AREA]
+    fitting = (STEP**2 * sizes >= config.min_area_px2) & (sizes <= config.max_share * upper.size)
+    for number in (np.flatnonzero(fitting) + 1).tolist():
         left, top, across, down, area = stats[number].tolist()
-        if STEP**2 * area < config.min_area_px2 or area > config.max_share * upper.size:
-            continue
         if left <= 1 or top <= 1 or left + across >= width - 1 or top + down >= height - 1:
             continue
         reach = ring.shape[0] // 2 + 2

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -568,6 +569,8 @@ class FakeFuture:
 class FakeClient:
     """Cluster of five threads, whose tasks end when the test says so."""
 
+    status = "running"
+
     def nthreads(self) -> dict[str, int]:
         return {"worker": 5}
 
@@ -619,6 +622,43 @@ def quiet(words: list[str]) -> Iterator[subprocess.Popen[bytes]]:
     finally:
         process.kill()
         process.wait()
+
+
+class DeafQueue:
+    """Queue of results that the results never reach."""
+
+    def has_ready(self) -> bool:
+        return False
+
+    def update(self, futures: list[object]) -> None:
+        """Do nothing."""
+
+
+@pytest.mark.parametrize("killed", [True, False])
+def test_a_failure_that_the_queue_never_tells_is_seen(killed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("spigolo.batch.cluster.CHECK_S", 0.0)
+    error = KilledWorker() if killed else ValueError("no")
+    tasks: list[object] = []
+
+    class Failed:
+        status = "error"
+
+        def exception(self) -> Exception:
+            return error
+
+        def release(self) -> None:
+            """Do nothing."""
+
+    def submit(*words: object, pure: bool) -> Failed:
+        tasks.append(words)
+        return Failed()
+
+    client = SimpleNamespace(submit=submit, nthreads=lambda: {"worker": 1}, status="running", loop=None)
+    run = _ClusterRun(client, square, [7], 1)
+    outcomes = list(run.outcomes(SimpleNamespace(as_completed=lambda *_, **__: DeafQueue())))
+    reason = "the worker process died repeatedly, probably because memory ran out" if killed else "ValueError: no"
+    assert outcomes == [(7, Lost(reason))]
+    assert len(tasks) == (3 if killed else 2)  # the function, the item, and the item alone
 
 
 def test_tasks_hold_as_many_items_as_take_a_second() -> None:

@@ -147,7 +147,6 @@ def test_every_out_says_whether_it_is_a_folder_or_a_file() -> None:
 def test_help_loads_neither_numba_nor_opencv() -> None:
     code = """
 import sys
-import time
 sys.argv = ["spigolo", "segment", "--help"]
 from spigolo.cli import main
 try:

@@ -81,9 +81,18 @@ def test_the_bottom_of_a_tray_belongs_to_it() -> None:
 
 
 def test_pixels_of_objects_are_never_taken() -> None:
-    free = X < 150
-    found = found_in(bent() - np.float32(0.008) * DISK, outline(DISK), free=free)
-    assert not (found > 0)[~free].any()
+    """A small object lies on the disk."""
+    thing = (abs(Y - 120) < 8) & (abs(X - 150) < 8)
+    found = found_in(bent() - np.float32(0.008) * DISK, outline(DISK), free=~thing)
+    assert found.max() == 1 and not (found > 0)[thing].any()
+
+
+def test_a_loop_does_not_take_what_it_surrounds() -> None:
+    loop = ((Y - 120) ** 2 + (X - 150) ** 2 < 90**2) & ((Y - 120) ** 2 + (X - 150) ** 2 > 82**2)
+    depth = bent() - np.float32(0.009) * (loop | DISK)
+    found = found_in(depth, outline(loop) | outline(DISK))
+    inside = found[120, 150]
+    assert inside and overlap(found == inside, DISK) > 0.8
 
 
 def test_too_few_pixels_near_the_plane_give_no_surface() -> None:
@@ -109,6 +118,23 @@ def test_a_flat_object_is_returned_by_objects_alone() -> None:
     assert len(sp.segment(thick, sp.OBJECTS.replace(additions={"flats": None}))) == 0
     assert len(sp.segment(thick, sp.OBJECTS.replace(additions={"rules": {"max_length_m": 0.05}}))) == 0
     assert len(sp.segment(thick, roi=(0, 0, 60, 60))) == 0
+
+
+@pytest.mark.parametrize("smaller", [1, 2])
+def test_small_images_have_a_ring_too(smaller: int) -> None:
+    """A disk is found in an image of any size, but not at the edge of a table."""
+    some = np.s_[::smaller, ::smaller]
+    camera = sp.Camera(300 / smaller, 300 / smaller, 159.5 / smaller, 119.5 / smaller, 320 // smaller, 240 // smaller)
+    rule = sp.OBJECTS.at_size((240 // smaller, 320 // smaller)).additions.flats
+    edges = outline(DISK[some])
+    for cliff_m, count in ((0.0, 1), (0.1, 0)):
+        depth = (bent() - np.float32(0.008) * DISK + np.float32(cliff_m) * (X > 160) * ~DISK)[some]
+        found = find_flats(np.ones(depth.shape, bool), np.ascontiguousarray(depth), camera, TABLE, edges, rule)
+        assert found.max() == count
+
+
+def test_half_resolution_returns_one_object_for_one_disk() -> None:
+    assert len(sp.segment(scene(0.007), sp.OBJECTS.replace(additions={"resolution": "half"}))) <= 1
 
 
 def test_a_rejected_flat_object_has_its_reason() -> None:

@@ -147,5 +147,9 @@ def test_frames_wait_in_the_queue_of_a_slow_caller(frame: sp.Frame) -> None:
         assert source.report().dropped == 7
     numbers = [round((stamp / 1e9 - 1) * FPS) for stamp in stamps]
     assert numbers[0] == 0 and numbers[1:] == [8, 9, 10, 11]
-    with pytest.raises(FileError, match="expected a queue of at least one frame, got queue=0"):
-        sp.open_source("realsense:?queue=0", device=device.device)
+
+
+@pytest.mark.parametrize("queue", [0, 2.5, "5", True])
+def test_a_queue_that_is_no_number_of_frames_is_refused(queue: object) -> None:
+    with pytest.raises(FileError, match="expected a queue of at least one frame, got queue="):
+        sp.open_source("realsense:", queue=queue)

@@ -120,8 +120,8 @@ def _patches(
     config: Flats,
 ) -> Iterator[Mask]:
     """Yield the mask (H, W) of each connected patch of raised pixels that the support surface surrounds."""
-    gap, ring = (_square(max(round(length / STEP), 1)) for length in (config.gap_px, config.ring_px))
-    wide = _square(2 * (gap.shape[0] // 2))
+    gap_reach = 2 * max(round(config.gap_px / STEP), 1)
+    ring_reach = max(round(config.ring_px / STEP), gap_reach + 1)
     height, width = upper.shape
     _, patches, stats, _ = cv2.connectedComponentsWithStats(upper.view(np.uint8), connectivity=4)
     sizes = stats[1:, cv2.CC_STAT_AREA]
@@ -130,10 +130,12 @@ def _patches(
         left, top, across, down, area = stats[number].tolist()
         if left <= 1 or top <= 1 or left + across >= width - 1 or top + down >= height - 1:
             continue
-        reach = ring.shape[0] // 2 + 2
+        reach = ring_reach + 2
         box = slice(max(top - reach, 0), top + down + reach), slice(max(left - reach, 0), left + across + reach)
-        filled = _with_pockets(patches[box] == number, cells[box], raised, areas, area, wide)
-        around = (cv2.dilate(filled, ring) > 0) & (cv2.dilate(filled, wide) == 0)
+        filled = _with_pockets(patches[box] == number, cells[box], raised, areas, area, _square(gap_reach))
+        if np.count_nonzero(filled) > config.max_share * upper.size:
+            continue
+        around = (cv2.dilate(filled, _square(ring_reach)) > 0) & (cv2.dilate(filled, _square(gap_reach)) == 0)
         others = upper[box] & (patches[box] != number)
         surface = around & near[box] & ~upper[box]
         if np.count_nonzero(surface) < config.min_ring * np.count_nonzero(around & ~others):
@@ -153,10 +155,14 @@ def _with_pockets(
     reach: Square,
 ) -> npt.NDArray[np.uint8]:
     """Fill the holes of a patch, and add low cells with at least half of their border near the patch. For example, the
-    bottom of a tray is such a cell.
+    bottom of a tray is such a cell. Holes and cells that are larger than the patch itself are not added.
     """
-    outlines, _ = cv2.findContours(patch.view(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-    filled = cv2.drawContours(np.zeros(patch.shape, np.uint8), outlines, -1, 1, cv2.FILLED)
+    filled = patch.astype(np.uint8)
+    _, holes, stats, _ = cv2.connectedComponentsWithStats((~patch).view(np.uint8), connectivity=4)
+    outside = np.unique(np.concatenate((holes[0], holes[-1], holes[:, 0], holes[:, -1])))
+    small = stats[:, cv2.CC_STAT_AREA] <= area
+    small[outside] = False
+    filled[small[holes]] = 1
     beside = cv2.dilate(patch.view(np.uint8), reach) > 0
     for number in np.unique(cells[beside & (cells > 0)]):
         cell = cells == number

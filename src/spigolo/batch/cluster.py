@@ -115,13 +115,26 @@ class _ClusterRun(Generic[T, R]):
         self.work = self.client.submit(_itself, self.do, pure=False)
         # ask for the results, because a finished task starts again if its worker dies before the result is read
         queue = distributed.as_completed(self._submit(), loop=self.client.loop, with_results=True, raise_errors=False)
-        workers = _WorkerWatch(self.client)
-        while not queue.is_empty():
+        watch = _Watch(self.client)
+        undelivered: set[Any] = set()
+        while self.in_flight:
             if queue.has_ready():
-                yield from self._collect(*next(queue))
-                queue.update(self._submit())
+                future, result = next(queue)
+                if future in self.in_flight:
+                    yield from self._collect(future, result)
+                    queue.update(self._submit())
+            elif watch.is_due():
+                watch.check_workers()
+                # the queue never gets a task whose result was lost while it was read
+                ended = {future for future in self.in_flight if future.status in ("error", "finished")}
+                for future in ended & undelivered:
+                    if future.status == "finished":
+                        queue.add(future)
+                    else:
+                        yield from self._collect(future, (None, future.exception(), None))
+                        queue.update(self._submit())
+                undelivered = ended
             else:
-                workers.check()
                 time.sleep(POLL_S)
 
     def _submit(self) -> list[Any]:
@@ -172,29 +185,32 @@ class _ClusterRun(Generic[T, R]):
         return f"the Dask cluster cannot run the jobs: {reason_of(self.work.exception())}"
 
 
-class _WorkerWatch:
+class _Watch:
     """Watch over a cluster that may lose all of its workers."""
 
     def __init__(self, client: Any) -> None:
         self.client = client
-        self.asked = time.monotonic()
+        self.checked = time.monotonic()
         self.none_since: float | None = None
 
-    def check(self) -> None:
+    def is_due(self) -> bool:
+        """Return True if `CHECK_S` seconds have passed since the last check."""
+        if time.monotonic() - self.checked < CHECK_S:
+            return False
+        self.checked = time.monotonic()
+        return True
+
+    def check_workers(self) -> None:
         """Raise SpigoloError if the cluster has had no worker for `WORKERLESS_S` seconds."""
-        now = time.monotonic()
-        if now - self.asked < CHECK_S:
-            return
-        self.asked = now
         if _threads(self.client):
             self.none_since = None
             return
         if self.none_since is None:
-            self.none_since = now
-        if now - self.none_since >= WORKERLESS_S:
+            self.none_since = self.checked
+        if self.checked - self.none_since >= WORKERLESS_S:
             raise SpigoloError(
                 f"expected a worker in the Dask cluster, but there was none for {WORKERLESS_S:.0f} s: start workers"
-                " with `dask worker ADDRESS`, then start the run again"
+                " with `dask worker ADDRESS`, or check why they stopped, then start the run again"
             )
 
 
@@ -210,6 +226,8 @@ class _Done(Generic[R]):
 
 def _threads(client: Any) -> int:
     """Return the number of threads of all workers. Raises SpigoloError if the scheduler does not answer."""
+    if client.status in ("closing", "closed"):
+        raise SpigoloError(LOST)
     try:
         return sum(client.nthreads().values())
     except OSError:
@@ -252,18 +270,21 @@ def _local_settings() -> Iterator[None]:
     A run with several crashes would lose all of its workers. Dask also makes workers return freed memory to the
     operating system, which costs about 16,000 page faults for each frame.
     """
+    config = importlib.import_module("dask").config
     changes = {
         "distributed.deploy.lost-worker-timeout": FOREVER,
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
-    before = dict(os.environ)
+    names = ("PYTHONHASHSEED", *config.get("distributed.nanny.pre-spawn-environ"))
+    before = {name: os.environ.get(name) for name in names}
     try:
-        with importlib.import_module("dask").config.set(changes):
+        with config.set(changes):
             yield
     finally:
-        for name in set(os.environ) - set(before):
-            del os.environ[name]
-        os.environ.update(before)
+        for name, value in before.items():
+            os.environ.pop(name, None)
+            if value is not None:
+                os.environ[name] = value
 
 
 @contextmanager

@@ -23,7 +23,7 @@ def progress(*columns: ProgressColumn, **options: Any) -> Iterator[Progress]:
 
     shown = sys.stderr.isatty()
     with Progress(*columns, console=Console(stderr=True), disable=not shown, **options) as bar:
-        if shown:
+        if shown or options.get("auto_refresh") is False:  # measurements must not be disturbed
             yield bar
             return
         with _lines(bar):

@@ -31,6 +31,7 @@ def add_flats(result: Segmentation, edges: EdgeMaps | None, config: Additions) -
     regions = Regions(labels.reshape(found.shape).astype(np.int32), kept.size)
     facts, before = scene.measure(regions), result.verdicts()
     verdicts = [
-        before[k] if k < old else judge_flat(f, scene.rejection, scene.rules) for k, f in zip(kept, facts, strict=True)
+        before[k] if k < old else judge_flat(f, scene.rejection, scene.rules, scene.support)
+        for k, f in zip(kept, facts, strict=True)
     ]
     return assemble(scene, regions, facts, verdicts)

@@ -74,15 +74,16 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
     )
 
 
-def judge_flat(facts: RegionFacts, paper: Rejection, ours: Rules) -> Verdict | None:
-    """Return the reason for rejecting a flat object (`settings.Flats`), or None. The rules for height and contours do
-    not apply to flat objects.
+def judge_flat(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
+    """Return the reason for rejecting a flat object (`settings.Flats`), or None. The rules for heights, walls and
+    contours do not apply to flat objects. The arguments are those of `judge`.
     """
     return (
         _judge_place(facts, None)
         or _above(Reason.OUT_OF_REACH, facts.distance_m, paper.max_distance_m, REACH)
         or _judge_shape(facts, paper, ours)
         or _judge_pixels(facts, paper)
+        or _judge_rim(facts, ours.rim, support)
     )
 
 

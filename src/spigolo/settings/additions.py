@@ -148,7 +148,8 @@ class Flats(Settings):
     """Flat objects, such as scissors, disks or printed parts, that lie on the support surface.
 
     A flat object is a patch between edges of the colour image. The mean height of the patch is a few millimetres
-    larger than the height of the surface around the patch. This addition requires `Additions.support`.
+    larger than the height of the surface around the patch. This addition requires `Additions.support`. It
+    has an effect only if the cost function uses the boundary map.
     """
 
     min_height_m: Positive = 0.005
@@ -168,15 +169,17 @@ class Flats(Settings):
     max_share: Share = 0.08
     """Maximum area of a flat object, as a share of the image."""
     min_ring: Share = 0.95
-    """Minimum share of the ring around a flat object that lies on the support surface. Pixels of other flat objects in
-    the ring do not count.
+    """Minimum share of the ring around a flat object that lies on the support surface. Other raised pixels in the ring
+    are not counted.
     """
     gap_px: Offset_px = 3
-    """Half of the distance between a flat object and the ring around it, in pixels. Depth near outlines is smeared, so
-    the ring does not begin at the outline.
+    """Half of the approximate distance between a flat object and the ring around it, in pixels. Depth near outlines is
+    smeared, so the ring does not begin at the outline.
     """
     ring_px: Offset_px = 11
-    """Distance between a flat object and the outer border of the ring around it, in pixels."""
+    """Approximate distance between a flat object and the outer border of the ring around it, in pixels. The ring is at
+    least 2 pixels wide.
+    """
 
 
 class DepthContours(Settings):

@@ -71,7 +71,7 @@ class Wall(Settings):
 
 
 class Ledge(Settings):
-    """Rule that accepts flat objects although the boundary along their border is weak."""
+    """Rule that accepts low objects although the boundary along their border is weak."""
 
     min_share: Share = 0.5
     """Minimum share of a region's outline along which the height above the support plane changes by a step. A region

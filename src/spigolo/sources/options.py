@@ -64,7 +64,7 @@ def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
     if isinstance(values.get("filters"), str):
         values["filters"] = tuple(values["filters"].split(","))
     options = Options(**values)
-    if options.queue < 1:
+    if type(options.queue) is not int or options.queue < 1:
         raise FileError(f"expected a queue of at least one frame, got queue={options.queue}")
     return options
 

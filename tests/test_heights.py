@@ -63,7 +63,8 @@ def test_without_the_factor_a_plane_or_intrinsics_heights_stay() -> None:
 
 @compiled
 def test_a_box_of_six_millimetres_is_found_if_the_depth_shows_it() -> None:
-    (found,) = sp.segment(table(0.0003))
+    config = sp.OBJECTS.replace(additions={"flats": None})
+    (found,) = sp.segment(table(0.0003), config)
     assert found.mask[180:300, 240:400].mean() > 0.95 and found.area_px < 1.1 * 120 * 160
-    assert not len(sp.segment(table(0.0003), sp.OBJECTS.replace(**{"additions.support.noise_factor": None})))
-    assert not len(sp.segment(table(0.003)))
+    assert not len(sp.segment(table(0.0003), config.replace(**{"additions.support.noise_factor": None})))
+    assert not len(sp.segment(table(0.003), config))

@@ -148,8 +148,8 @@ class Flats(Settings):
     """Flat objects, such as scissors, disks or printed parts, that lie on the support surface.
 
     A flat object is a patch between edges of the colour image. The mean height of the patch is a few millimetres
-    larger than the height of the surface around the patch. This addition requires `Additions.support`. It
-    has an effect only if the cost function uses the boundary map.
+    larger than the height of the surface around the patch. This addition requires `Additions.support`. It has an effect
+    only if the cost function uses the boundary map.
     """
 
     min_height_m: Positive = 0.005

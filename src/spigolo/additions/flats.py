@@ -16,7 +16,7 @@ import numpy.typing as npt
 from spigolo.additions.plane import Plane
 from spigolo.frames.camera import Camera
 from spigolo.frames.frame import DepthMap, Mask
-from spigolo.settings.additions import Flats
+from spigolo.settings.support import Flats
 
 STEP = 2
 """Distance between the rows, and between the columns, in which flat objects are searched."""

@@ -10,8 +10,8 @@ import numpy as np
 
 from spigolo.additions.plane import Plane, sample_frame
 from spigolo.frames.frame import Camera, DepthMap
-from spigolo.settings.additions import Support
 from spigolo.settings.config import Config
+from spigolo.settings.support import Support
 
 SIGMA = 1.4826
 """Factor that converts a median of absolute values to a standard deviation, for normally distributed values with mean

@@ -29,8 +29,9 @@ from spigolo.additions.plane import Plane, above_mask
 from spigolo.clock import stage
 from spigolo.frames.frame import Camera
 from spigolo.kernels import borders, moments
-from spigolo.settings.additions import Additions, Support
+from spigolo.settings.additions import Additions
 from spigolo.settings.joining import Joining
+from spigolo.settings.support import Support
 from spigolo.stages.cues import Cues
 from spigolo.stages.regions import Regions
 

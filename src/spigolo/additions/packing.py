@@ -8,7 +8,8 @@ import numpy as np
 from spigolo.additions.plane import Plane, support_mask, things_on
 from spigolo.errors import warn
 from spigolo.frames.frame import Camera, DepthMap
-from spigolo.settings.additions import Additions, Packing, Support
+from spigolo.settings.additions import Additions
+from spigolo.settings.support import Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32

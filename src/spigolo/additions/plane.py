@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from spigolo.frames.frame import Camera, DepthMap, Mask
 from spigolo.kernels import planes as kernel
-from spigolo.settings.additions import Support
+from spigolo.settings.support import Support
 
 SAMPLES = 3000
 """Maximum number of pixels in a sample of a frame."""

@@ -10,7 +10,7 @@ import numpy as np
 from spigolo.additions.plane import Plane, support_mask
 from spigolo.frames.camera import Camera
 from spigolo.frames.frame import DepthMap, Mask
-from spigolo.settings.additions import Support
+from spigolo.settings.support import Support
 
 
 def surrounded_support(region: Mask, plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> float:

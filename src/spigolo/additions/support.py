@@ -17,7 +17,7 @@ from spigolo.additions.plane import SAMPLES, Plane, Points, Sample, tolerance_m
 from spigolo.clock import stage
 from spigolo.frames.frame import Camera, DepthMap, Mask
 from spigolo.kernels import planes as kernel
-from spigolo.settings.additions import Facing, Support
+from spigolo.settings.support import Facing, Support
 
 HYPOTHESES = 200
 REFINEMENTS = 3

@@ -14,7 +14,7 @@ from spigolo.additions.support import find_support
 from spigolo.doctor.findings import INTRINSICS, Finding, fine, note, warning
 from spigolo.doctor.local_planes import LocalPlanes, fit_local_planes
 from spigolo.frames.frame import Camera, DepthMap
-from spigolo.settings.additions import Support
+from spigolo.settings.support import Support
 
 FOCAL_LENGTH = "focal length"
 

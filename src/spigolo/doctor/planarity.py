@@ -9,8 +9,8 @@ import numpy as np
 from spigolo.additions.support import find_support
 from spigolo.doctor.findings import Finding, fine, note, warning
 from spigolo.frames.frame import Camera, DepthMap
-from spigolo.settings.additions import Support
 from spigolo.settings.presets import OBJECTS
+from spigolo.settings.support import Support
 
 PLANARITY, SUPPORT = "depth along Z", "support plane"
 

@@ -27,8 +27,10 @@ def add_flats(result: Segmentation, edges: EdgeMaps | None, config: Additions) -
         return result
     old = result.regions.count
     numbers = np.where(found > 0, old - 1 + found, result.regions.labels)
-    kept, labels = np.unique(numbers, return_inverse=True)
-    regions = Regions(labels.reshape(found.shape).astype(np.int32), kept.size)
+    kept = np.flatnonzero(np.bincount(numbers.ravel()))
+    number = np.zeros(kept[-1] + 1, np.int32)
+    number[kept] = np.arange(kept.size)
+    regions = Regions(Regions(numbers, number.size).spread(number), kept.size)
     facts, before = scene.measure(regions), result.verdicts()
     verdicts = [
         before[k] if k < old else judge_flat(f, scene.rejection, scene.rules, scene.support)

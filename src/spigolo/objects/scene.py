@@ -12,9 +12,10 @@ from spigolo.additions.stance import Stance, measure_stance
 from spigolo.frames.frame import DepthMap, Frame, Mask
 from spigolo.frames.roi import Roi, roi_mask
 from spigolo.objects.facts import Labels, RegionFacts, measure_regions
-from spigolo.settings.additions import Additions, Support
+from spigolo.settings.additions import Additions
 from spigolo.settings.paper import Rejection
 from spigolo.settings.rules import Rules
+from spigolo.settings.support import Support
 from spigolo.stages.regions import Regions
 
 

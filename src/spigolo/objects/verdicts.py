@@ -7,9 +7,9 @@ from enum import Enum
 from spigolo.additions.rims import surrounded_support
 from spigolo.frames.roi import LEAST_INSIDE
 from spigolo.objects.facts import RegionFacts
-from spigolo.settings.additions import Support
 from spigolo.settings.paper import Rejection
 from spigolo.settings.rules import Ledge, Rim, Rules, Wall
+from spigolo.settings.support import Support
 
 
 class Reason(str, Enum):

@@ -4,7 +4,7 @@ documented unit, range and origin.
 
 from __future__ import annotations
 
-from spigolo.settings.additions import Additions, DepthContours, Facing, Flats, Merging, Packing, Refinement, Support
+from spigolo.settings.additions import Additions, DepthContours, Merging, Refinement
 from spigolo.settings.config import Config
 from spigolo.settings.joining import Cap, Joining, Smooth, Vessel
 from spigolo.settings.paper import (
@@ -22,6 +22,7 @@ from spigolo.settings.paper import (
 )
 from spigolo.settings.parameters import Parameters, Settings
 from spigolo.settings.rules import Ledge, Rim, Rules, Wall
+from spigolo.settings.support import Facing, Flats, Packing, Support
 
 __all__ = [
     "Additions",

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from spigolo.errors import ConfigError
-from spigolo.settings.additions import Additions, DepthContours, Facing, Flats, Merging, Packing, Refinement, Support
+from spigolo.settings.additions import Additions, DepthContours, Merging, Refinement
 from spigolo.settings.config import BASES, Config, base_preset
 from spigolo.settings.joining import Cap, Joining, Smooth, Vessel
 from spigolo.settings.paper import (
@@ -26,6 +26,7 @@ from spigolo.settings.paper import (
 )
 from spigolo.settings.parameters import parse_toml
 from spigolo.settings.rules import Ledge, Rim, Rules, Wall
+from spigolo.settings.support import Facing, Flats, Packing, Support
 
 _RELEASE = Rejection(max_distance_m=1.8, max_lambda1_px2=3800.0, max_lambda2_px2=950.0, max_eccentricity=0.978)
 

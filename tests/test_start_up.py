@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import os
+import pkgutil
 import shutil
 import stat
 import subprocess
@@ -136,3 +138,11 @@ def test_a_kernel_module_imports_others_as_its_key_reads_them(path: Path) -> Non
             assert not any(alias.name.startswith(package) for alias in node.names)
         if isinstance(node, ast.ImportFrom):
             assert node.level == 0 and node.module != package
+
+
+@pytest.mark.parametrize(
+    "name",
+    sorted(m.name for m in pkgutil.walk_packages(spigolo.__path__, "spigolo.") if not m.name.endswith(".__main__")),
+)
+def test_every_module_can_be_imported(name: str) -> None:
+    importlib.import_module(name)

@@ -87,15 +87,16 @@ __all__ = [  # noqa: PLE0604
 ]
 
 
-def __getattr__(name: str) -> Any:
-    if name in _ROOMS:
-        return importlib.import_module(f"spigolo.{name}")
-    if name not in _HOME_OF:
-        raise AttributeError(f"module 'spigolo' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"spigolo.{_HOME_OF[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # type checkers read the imports above, so that they report unknown names
 
+    def __getattr__(name: str) -> Any:
+        if name in _ROOMS:
+            return importlib.import_module(f"spigolo.{name}")
+        if name not in _HOME_OF:
+            raise AttributeError(f"module 'spigolo' has no attribute {name!r}")
+        value = getattr(importlib.import_module(f"spigolo.{_HOME_OF[name]}"), name)
+        globals()[name] = value
+        return value
 
-def __dir__() -> list[str]:
-    return sorted(__all__)
+    def __dir__() -> list[str]:
+        return sorted(__all__)

@@ -31,7 +31,7 @@ import cv2
 import numpy as np
 
 import spigolo as sp
-from spigolo import io
+from spigolo.frames.files import write_png
 from spigolo.lab.datasets import Entry
 from spigolo.lab.evaluation import Row, compare, pool
 from spigolo.lab.evaluation.measures import FOUND_SHARE
@@ -186,7 +186,7 @@ def draw_all(out: Path) -> None:
         for name, method in methods.items():
             start = time.perf_counter()
             answers[name] = method(frame), time.perf_counter() - start
-        io.write_png(out / f"{folder.data_set}-{folder.name}.png", comparison(frame, answers, "toscana2016"))
+        write_png(out / f"{folder.data_set}-{folder.name}.png", comparison(frame, answers, "toscana2016"))
     print(out)
 
 
@@ -202,7 +202,7 @@ def fixate() -> None:
             frame, truth = folder.read_both()
             masks = [truth.labels == k for k in np.unique(truth.labels) if k] if truth is not None else []
             for mask in masks:
-                around = sp.methods.segment_around(frame, innermost(mask)).mask
+                around = sp.segment_around(frame, innermost(mask)).mask
                 near = cv2.dilate(mask.view(np.uint8), DISC) > 0
                 apart = not any((near & other).any() for other in masks if other is not mask)
                 found.append((apart, np.count_nonzero(around & mask) / np.count_nonzero(around | mask)))

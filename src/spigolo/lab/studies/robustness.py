@@ -21,6 +21,7 @@ import cv2
 import numpy as np
 
 import spigolo as sp
+from spigolo.frames.images import read_labels
 from spigolo.lab.evaluation import FrameScore, score_frame, summarise
 from spigolo.lab.studies import FRAMES
 
@@ -35,7 +36,7 @@ CONFIGS = {
 SHELVES = {
     "`OBJECTS`": sp.OBJECTS,
     "without hole outlines": sp.OBJECTS.replace(additions={"contours": {"holes_from": None}}),
-    "shelf fronts allowed as support plane": sp.OBJECTS.replace(rejection={"support": {"opaque": False}}),
+    "shelf fronts allowed as support plane": sp.OBJECTS.replace(additions={"support": {"opaque": False}}),
     "`OBJECTS_1`": sp.PRESETS["OBJECTS_1"],
     "`SHELF`": sp.SHELF,
 }
@@ -134,7 +135,7 @@ def score_folder(task: tuple[Path, str, str]) -> FrameScore:
     cv2.setNumThreads(1)
     folder, change, config = task
     frame = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
-    return score(CONFIGS[config], *CHANGES[change](frame, sp.io.read_labels(folder / "label.png")))
+    return score(CONFIGS[config], *CHANGES[change](frame, read_labels(folder / "label.png")))
 
 
 def folders(*sets: str) -> list[Path]:

@@ -183,12 +183,6 @@ def smoothing_radius(
     return out
 
 
-def count_boxes(mask: Array, radius: Array) -> Array:
-    return np.array(
-        [[sum(map(bool, window(mask, y, x, r))) for x, r in enumerate(row)] for y, row in enumerate(radius)]
-    )
-
-
 def mean_boxes(depth: Array, left_out: Array, radius: Array) -> Array:
     """Eq. 8; where nothing is left out, eq. 5, whose divisor counts missing pixels too."""
     out = depth.astype(np.float64)

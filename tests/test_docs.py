@@ -12,6 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import cv2
 import numpy as np
@@ -134,6 +135,23 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path) -> None:
     done = run("-W", "error", "-c", "\n".join(blocks), folder=scene_in(tmp_path))
     assert done.returncode == 0, done.stderr
     assert done.stdout
+
+
+@compiled
+def test_the_reader_on_extending_reads_frames(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "extending.md").read_text(encoding="utf-8")
+    (block,) = (b for b in re.findall(r"```py\n(.*?)```", text, flags=re.DOTALL) if "class Mine(" in b)
+    names: dict[str, Any] = {}
+    exec(block, names)
+    (day := tmp_path / "monday").mkdir()
+    shutil.copy(SCENE / "rgb.png", day / "7_rgb.png")
+    shutil.copy(SCENE / "depth.png", day / "7_depth.png")
+    assert names["Mine"].matches(day)
+    (entry,) = names["Mine"](day)
+    assert (entry.name, entry.data_set) == ("7_rgb", "monday")
+    frame = entry.read()
+    assert frame.camera == sp.Camera.named("realsense-d435")
+    assert 0.2 < float(np.median(frame.depth[frame.depth > 0])) < 3
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -9,10 +10,11 @@ import pytest
 import naive
 from spigolo import Camera
 from spigolo.kernels import color, costs, edges, merging
+from spigolo.kernels.smoothing import mean_boxes
 from spigolo.methods.features import feature_graph
 from spigolo.settings import BoundaryCost, Config, DepthConfig, EdgesConfig, SaliencyCost, Smoothing
 from spigolo.stages.cues import Cues
-from spigolo.stages.depth import missing_count, missing_mask, prepare_depth, smooth
+from spigolo.stages.depth import missing_mask, prepare_depth, smooth
 from spigolo.stages.edges import boundary_cue, classify, final_boundary, find_edges
 from spigolo.stages.graph import Graph, weigh
 from spigolo.stages.regions import partition
@@ -141,13 +143,20 @@ def test_eq_06_binary_depth() -> None:
 
 def test_eq_07_missing_pixels_in_a_window() -> None:
     # missing at (1, 1), (2, 3) and (0, 4): two of them within one pixel of the centre, three within two
-    mask = np.zeros((5, 5), bool)
-    mask[[1, 2, 0], [1, 3, 4]] = True
-    for r, count in ((0, 0), (1, 2), (2, 3)):
+    depth = np.full((5, 5), 2.0, np.float32)
+    depth[[1, 2, 0], [1, 3, 4]] = 0
+    for r, count in ((1, 2), (2, 3)):
         radius = np.zeros((5, 5), np.int32)
         radius[2, 2] = r
-        assert missing_count(mask, radius)[2, 2] == count
-    assert missing_count(mask, np.zeros((5, 5), np.int32)).tolist() == mask.astype(int).tolist()
+        plain, valid = (mean_of_centre(depth, left_out, radius) for left_out in (depth < 0, depth == 0))
+        n = (2 * r + 1) ** 2  # sum / n in eq. 5, sum / (n - gamma_0) in eq. 8
+        assert n * (1 - plain / valid) == pytest.approx(count, abs=1e-5)
+
+
+def mean_of_centre(depth: Array, left_out: npt.NDArray[np.bool_], radius: npt.NDArray[np.int32]) -> float:
+    out, total = np.empty_like(depth), cv2.integral(depth, sdepth=cv2.CV_64F)
+    mean_boxes(depth, total, cv2.integral(left_out.view(np.uint8), sdepth=cv2.CV_32S), radius, out)
+    return float(out[2, 2])
 
 
 def test_eq_08_mean_of_valid_pixels() -> None:

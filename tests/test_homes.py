@@ -51,6 +51,13 @@ def test_equation_has_a_home(number: int) -> None:
     assert homes()[number], f"no docstring begins with 'Eq. {number}.'"
 
 
+@pytest.mark.parametrize("number", EQUATIONS)
+def test_the_home_of_an_equation_is_used(number: int) -> None:
+    """At least one home is named somewhere else in the package, so that a reader does not study unused code."""
+    words = re.findall(r"\w+", " ".join(p.read_text(encoding="utf-8") for p in SOURCES.rglob("*.py")))
+    assert any(words.count(place.partition(":")[2]) > 1 for place in homes()[number])
+
+
 def test_no_docstring_names_an_equation_that_the_paper_does_not_have() -> None:
     assert mentioned() <= set(EQUATIONS)
     assert set(homes()) <= set(EQUATIONS)

@@ -190,13 +190,6 @@ def test_smoothing_radius(scene: Frame, rng: np.random.Generator, max_radius: in
     np.testing.assert_array_equal(out, naive.smoothing_radius(scene.depth, distance, 0.0028, 1500.0, max_radius))
 
 
-def test_count_boxes(scene: Frame, rng: np.random.Generator) -> None:
-    mask, radius = scene.depth == 0, random_radii(rng, scene.shape)
-    out = np.empty(scene.shape, np.int32)
-    smoothing.count_boxes(integral(mask, np.int32), radius, out)
-    np.testing.assert_array_equal(out, naive.count_boxes(mask, radius))
-
-
 @pytest.mark.parametrize("left_out", ["missing", "nothing", "more"])
 def test_mean_boxes(scene: Frame, rng: np.random.Generator, left_out: str) -> None:
     mask = {
@@ -1125,7 +1118,6 @@ def test_every_kernel_has_a_twin_and_a_test_that_calls_both() -> None:
 
 
 OUTSIDE_THE_PIPELINE = {
-    "count_boxes",
     "splat_depth",
     "fit_sides",
     "closed_path",

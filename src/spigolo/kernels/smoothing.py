@@ -85,19 +85,11 @@ def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius,
 
 
 @inlined
-def box_sum(integral, y, x, r):
-    """Return the sum over rows y-r..y+r and columns x-r..x+r, from an integral image (H+1, W+1)."""
-    return (
-        integral[y + r + 1, x + r + 1]
-        - integral[y + r + 1, x - r]
-        - integral[y - r, x + r + 1]
-        + integral[y - r, x - r]
-    )
-
-
-@inlined
 def box_row(integral, y, x, r, n, out):
-    """Compute `box_sum` for n pixels of row y from column x on, all with the same half-width r."""
+    """Compute the sums over the windows of n pixels of row y, from column x on. All windows have the half-width r.
+
+    integral (H+1, W+1): integral image of the summed values.
+    """
     above, below = integral[y - r], integral[y + r + 1]
     a, b, c, d = above[x - r :], above[x + r + 1 :], below[x - r :], below[x + r + 1 :]
     for k in range(n):
@@ -105,21 +97,10 @@ def box_row(integral, y, x, r, n, out):
 
 
 @kernel
-def count_boxes(integral, radius, out):
-    """Eq. 7. Count the pixels of a mask in the smoothing window of each pixel (gamma_0).
-
-    integral (H+1, W+1): integral image of the mask. radius (H, W): half-width of each window, in pixels.
-    """
-    height, width = radius.shape
-    for y in range(height):
-        for x in range(width):
-            out[y, x] = box_sum(integral, y, x, radius[y, x])
-
-
-@kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
-    """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel. Excluded pixels do not enter the mean
-    (equation 8). If no pixel is excluded, this is equation 5.
+    """Eqs. 5, 7, 8. Compute the mean depth in the smoothing window of each pixel. Excluded pixels do not enter the mean
+    (equation 8). The integral image of their mask gives their number gamma_0 in the window (equation 7). If no pixel is
+    excluded, the mean is that of equation 5.
 
     Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the
     loop.

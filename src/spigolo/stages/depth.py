@@ -48,16 +48,9 @@ def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[
     return radius, smooth_here == 0
 
 
-def missing_count(mask: Mask, radius: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-    """Eq. 7. Return gamma_0 (H, W), the number of pixels of `mask` in the smoothing window of each pixel."""
-    out = np.empty(mask.shape, np.int32)
-    smoothing.count_boxes(_count_integral(mask), radius, out)
-    return out
-
-
 @stage("depth: smoothing")
 def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
-    """Eqs. 5, 8. Return the mean depth (H, W) in the smoothing window of each pixel, in metres.
+    """Eqs. 5, 7, 8. Return the mean depth (H, W) in the smoothing window of each pixel, in metres.
 
     The window of a pixel with radius r has (2r+1)^2 pixels. The mean is computed without missing pixels, and without
     depth steps if `config.skip_steps` is set. If `config.mean` is "plain", all pixels are used, and missing pixels have

@@ -9,18 +9,18 @@ import pytest
 import spigolo as sp
 from spigolo.errors import ConfigError
 from spigolo.settings import Additions, Support
+from spigolo.settings.presets import from_toml
 
 
 def test_a_toml_text_may_start_from_a_preset() -> None:
     changed = "[partition]\ngamma = 0.5\n"
-    assert sp.Config.from_toml('base = "TABLE"\n' + changed) == sp.TABLE.replace(partition={"gamma": 0.5})
-    assert sp.Config.from_toml(changed, base=sp.OBJECTS) == sp.OBJECTS.replace(partition={"gamma": 0.5})
-    assert sp.Config.from_toml('base = "shelf"', base=sp.OBJECTS) == sp.SHELF
-    assert sp.Config.from_toml(sp.TABLE.to_toml()) == sp.TABLE
+    assert from_toml('base = "TABLE"\n' + changed) == sp.TABLE.replace(name="mine", partition={"gamma": 0.5})
+    assert from_toml('base = "shelf"', name="rack") == sp.SHELF.replace(name="rack")
+    assert from_toml(sp.TABLE.to_toml()) == sp.TABLE
     with pytest.raises(ConfigError, match="unknown preset 'TABEL' as base: expected one of OBJECTS"):
-        sp.Config.from_toml('base = "TABEL"')
+        from_toml('base = "TABEL"')
     with pytest.raises(ConfigError, match="unknown parameter"):
-        sp.Config.from_toml("[partition]\ngama = 1", base=sp.TABLE)
+        from_toml('base = "TABLE"\n[partition]\ngama = 1')
 
 
 def test_switching_the_support_off_says_what_else_to_switch_off() -> None:

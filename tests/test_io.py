@@ -14,6 +14,7 @@ import pytest
 import spigolo as sp
 from spigolo.errors import FileError
 from spigolo.frames import files as io
+from spigolo.settings.presets import from_toml
 
 CAMERA = {"fx": 50.0, "fy": 50.0, "cx": 15.5, "cy": 11.5, "width": 32, "height": 24}
 
@@ -186,7 +187,7 @@ def test_nothing_half_written_is_left_where_writing_fails(tmp_path: Path) -> Non
 @pytest.mark.parametrize("name", sorted(sp.PRESETS))
 def test_presets_survive_toml(name: str) -> None:
     config = sp.PRESETS[name]
-    assert sp.Config.from_toml(config.to_toml()) == config
+    assert from_toml(config.to_toml()) == config
     assert sp.preset(name.lower()) is config
 
 

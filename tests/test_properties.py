@@ -34,7 +34,7 @@ from spigolo.settings import (
     SaliencyCost,
     Smoothing,
 )
-from spigolo.settings.presets import OBJECTS
+from spigolo.settings.presets import OBJECTS, from_toml
 from spigolo.stages.color import color_points
 from spigolo.stages.cues import Cues
 from spigolo.stages.depth import find_gaps, inpaint_small_gaps, smooth
@@ -442,7 +442,7 @@ def models(draw: st.DrawFn, model: type[BaseModel]) -> BaseModel:
 @settings(max_examples=settings.default.max_examples // 4)  # a whole configuration is long to draw
 @given(models(Config))
 def test_toml_brings_every_configuration_back(config: Config) -> None:
-    read = Config.from_toml(config.to_toml())
+    read = from_toml(config.to_toml())
     assert read == config
     assert read.digest == config.digest
     assert read.to_toml() == config.to_toml()
@@ -457,7 +457,7 @@ def test_what_is_switched_off_against_its_default_comes_back_switched_off() -> N
     off = {"refinement": {"min_solidity": None}, "rules": {"wall": {"max_cut_ratio": None}}}
     config = OBJECTS.replace(additions=off)
     assert 'max_cut_ratio = "none"' in config.to_toml()
-    assert Config.from_toml(config.to_toml()) == config
+    assert from_toml(config.to_toml()) == config
 
 
 @given(models(Config), st.text(max_size=5))

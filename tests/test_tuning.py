@@ -17,7 +17,7 @@ import pytest
 import spigolo as sp
 from bags import START_NS, STEP_NS, Bag
 from spigolo.cli.opening import opened
-from spigolo.settings.config import Config
+from spigolo.settings.presets import from_toml
 from spigolo.view import tuning_scene as scene
 from spigolo.view.tuning_fields import MAIN, Leaf, controls_of, leaves, range_of
 from spigolo.view.tuning_session import Reel, Session, inner_pixel
@@ -64,10 +64,10 @@ def test_the_controls_hold_a_preset_and_give_it_back(name: str) -> None:
 @pytest.mark.parametrize("base", SHOWN)
 @pytest.mark.parametrize("name", sp.PRESETS)
 def test_a_saved_preset_holds_only_what_differs(name: str, base: str) -> None:
-    text = sp.PRESETS[name].to_toml(base)
-    assert Config.from_toml(text).digest == sp.PRESETS[name].digest
+    text = sp.PRESETS[name].to_toml(sp.PRESETS[base])
+    assert from_toml(text).digest == sp.PRESETS[name].digest
     if sp.PRESETS[name].digest == sp.PRESETS[base].digest:
-        assert text.strip() == f'base = "{base}"'
+        assert text.strip() == f'base = "{sp.PRESETS[base].name}"'
 
 
 def test_ends_of_a_range_are_allowed() -> None:

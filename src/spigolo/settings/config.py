@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -21,7 +20,7 @@ from spigolo.settings.paper import (
     Rejection,
     SaliencyConfig,
 )
-from spigolo.settings.parameters import Parameters, Settings, parse_toml
+from spigolo.settings.parameters import Parameters, Settings
 
 
 class Config(Parameters):
@@ -60,33 +59,19 @@ class Config(Parameters):
         """
         return super().at_size(shape, lengths or (self.additions is not None and self.additions.lengths_grow))
 
-    def to_toml(self, base: str | None = None) -> str:
-        """Return the parameter values as TOML text that `from_toml` reads.
+    def to_toml(self, base: Config | None = None) -> str:
+        """Return the parameter values as TOML text that `spigolo.preset` reads from a file.
 
-        base: name of a preset. With `base`, the text contains the line `base` and only the values that differ from this
-        preset.
+        base: one of the presets. With `base`, the text contains a line with the name of this preset, and only the
+        values that differ from the preset.
         """
         import tomli_w
 
         if base is None:
             return tomli_w.dumps(_written(self))
-        start = base_preset(base)
-        differing = _changes(start.model_dump(exclude={"name"}), self.model_dump(exclude={"name"}))
-        named = {} if self.name in (start.name, base) else {"name": self.name}
-        return tomli_w.dumps({"base": base.upper(), **named, **differing})
-
-    @classmethod
-    def from_toml(cls, text: str, base: Config | None = None) -> Config:
-        """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys.
-
-        base: configuration whose values the text changes. If the text contains a line such as `base = "TABLE"`, this
-        preset is used instead of the argument `base`. Without a base, keys that are missing in the text get their
-        default values.
-        """
-        values = parse_toml(text)
-        named = values.pop("base", None)
-        start = base if named is None else base_preset(named)
-        return cls(**values) if start is None else start.replace(**values)
+        differing = _changes(base.model_dump(exclude={"name"}), self.model_dump(exclude={"name"}))
+        named = {} if self.name == base.name else {"name": self.name}
+        return tomli_w.dumps({"base": base.name, **named, **differing})
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
@@ -119,22 +104,6 @@ def _written(stage: Settings) -> dict[str, Any]:
         elif value is not None or field.default is not None:
             values[name] = "none" if value is None else value
     return values
-
-
-BASES: dict[str, Config] = {}
-"""Presets, indexed by name. The line `base` of a preset file must contain one of these names. The module `presets`
-fills this dict.
-"""
-
-
-def base_preset(name: object) -> Config:
-    """Return the preset with the name in the line `base` of a preset file. For an unknown name, raises ConfigError with
-    a list of the valid names.
-    """
-    importlib.import_module("spigolo.settings.presets")  # `presets` imports this module and fills BASES
-    if str(name).upper() not in BASES:
-        raise ConfigError(f"unknown preset {str(name)!r} as base: expected one of {', '.join(BASES)}")
-    return BASES[str(name).upper()]
 
 
 def check_config(value: object) -> None:

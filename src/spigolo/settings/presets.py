@@ -12,7 +12,7 @@ from pathlib import Path
 
 from spigolo.errors import ConfigError
 from spigolo.settings.additions import Additions, DepthContours, Merging, Refinement
-from spigolo.settings.config import BASES, Config, base_preset
+from spigolo.settings.config import Config
 from spigolo.settings.joining import Cap, Joining, Smooth, Vessel
 from spigolo.settings.paper import (
     BoundaryCost,
@@ -120,7 +120,6 @@ PRESETS = {
     "TABLE": TABLE,
     "CLUTTER": CLUTTER,
 }
-BASES.update(PRESETS)
 
 SUMMARIES = {
     "OBJECTS": "for your own data: the newest of OBJECTS_1, OBJECTS_2, ...",
@@ -154,21 +153,31 @@ def preset(name: str | Path) -> Config:
         reason = getattr(error, "strerror", None) or "the file is not text"
         raise ConfigError(f"expected a preset in {path}, but the file cannot be read: {reason}") from None
     try:
-        return _from_text(text, path)
+        return from_toml(text, path.stem)
     except ConfigError as error:
         raise ConfigError(f"{path}: {error}") from None
 
 
-def _from_text(text: str, path: Path) -> Config:
+def from_toml(text: str, name: str = "mine") -> Config:
+    """Read a preset from TOML text, as written by `Config.to_toml`. Raises ConfigError for an unknown key or base.
+
+    name: name of the preset if the text contains no name.
+    """
     values = parse_toml(text)
-    values.setdefault("name", path.stem)
+    values.setdefault("name", name)
     base = values.pop("base", None)
-    if base is None:
-        config = Config(**values)
-        if not values.keys() >= WHOLE:
-            raise ConfigError(
-                'expected base = "OBJECTS" (or another preset) as the first line of a file that does not set all'
-                " parameters: add the line"
-            )
-        return config
-    return base_preset(base).replace(**values)
+    if base is not None:
+        return _base(base).replace(**values)
+    config = Config(**values)
+    if not values.keys() >= WHOLE:
+        raise ConfigError(
+            'expected base = "OBJECTS" (or another preset) as the first line of a file that does not set all'
+            " parameters: add the line"
+        )
+    return config
+
+
+def _base(name: object) -> Config:
+    if str(name).upper() not in PRESETS:
+        raise ConfigError(f"unknown preset {str(name)!r} as base: expected one of {', '.join(PRESETS)}")
+    return PRESETS[str(name).upper()]

@@ -258,7 +258,7 @@ class Session:
         from this preset.
         """
         config = self.values.config()
-        return config.to_toml(self.presets[self.preset].name if self.preset in SHOWN else nearest_preset(config))
+        return config.to_toml(self.presets[self.preset] if self.preset in SHOWN else nearest_preset(config))
 
     def save(self, path: Path) -> None:
         """Write the parameter values to a TOML file that the option `--preset` reads. Raises FileError if the name does

@@ -111,6 +111,6 @@ class Values:
         return part.key.startswith(f"{variants.stages[kind].key}.")
 
 
-def nearest_preset(config: Config) -> str:
-    """Return the name of the preset that differs from a configuration in the fewest values."""
-    return min((PRESETS[name].name for name in SHOWN), key=lambda name: config.to_toml(name).count("\n"))
+def nearest_preset(config: Config) -> Config:
+    """Return the preset that differs from a configuration in the fewest values."""
+    return min((PRESETS[name] for name in SHOWN), key=lambda preset: config.to_toml(preset).count("\n"))

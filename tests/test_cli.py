@@ -258,6 +258,31 @@ def test_a_region_of_interest_leaves_fewer_objects(tmp_path: Path) -> None:
     assert counts[0] > counts[2] > 0
 
 
+def test_commands_take_the_same_region_of_interest(tmp_path: Path) -> None:
+    region = ("--roi", 0, 0, 480, 250)
+    spigolo("segment", SCENE, "--no-check", *region, "--out", tmp_path / "one")
+    expected = cv2.imread(str(tmp_path / "one" / "labels.png"), cv2.IMREAD_UNCHANGED)
+    spigolo("export", SCENE, "--format", "labels", *region, "--out", tmp_path / "exported.png")
+    spigolo("batch", SCENE, *region, "--workers", 1, "--out", tmp_path / "many")
+    for written in ("exported.png", "many/labels/demo_scene.png"):
+        assert np.array_equal(cv2.imread(str(tmp_path / written), cv2.IMREAD_UNCHANGED), expected)
+    assert "1 kept" in spigolo("batch", SCENE, *region, "--workers", 1, "--out", tmp_path / "many").stdout
+    other = spigolo("batch", SCENE, "--roi", 0, 0, 480, 251, "--workers", 1, "--out", tmp_path / "many")
+    assert "1 computed" in other.stdout
+
+
+def test_equal_frame_names_of_several_sets_do_not_overwrite_each_other(tmp_path: Path) -> None:
+    for data_set in ("left", "right"):
+        shutil.copytree(SCENE, tmp_path / "lab" / data_set / "000")
+    names = ["left_000", "right_000"]
+    spigolo("segment", tmp_path / "lab", "--no-check", "--out", tmp_path / "a")
+    spigolo("export", tmp_path / "lab", "--format", "labels", "--out", tmp_path / "b")
+    spigolo("batch", tmp_path / "lab", "--workers", 1, "--out", tmp_path / "c")
+    assert sorted(p.name for p in (tmp_path / "a").iterdir()) == names
+    assert sorted(p.stem for p in (tmp_path / "b").iterdir()) == names
+    assert sorted(p.stem for p in (tmp_path / "c" / "labels").iterdir()) == names
+
+
 @pytest.mark.parametrize("preset", ["OBJECTS", "SHELF"])
 def test_trace_draws_seven_panels_and_writes_each_stage(tmp_path: Path, preset: str) -> None:
     done = spigolo("trace", SCENE, "--preset", preset, "--stages", "--out", tmp_path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import threading
 import warnings
@@ -16,6 +17,7 @@ import numpy.typing as npt
 from spigolo.batch.jobs import Job
 from spigolo.errors import FrameError, SpigoloError
 from spigolo.export.instances import compress, run_lengths
+from spigolo.frames.roi import MetricBox, Roi
 from spigolo.objects.segmentation import Segmentation
 from spigolo.settings.config import Config
 from spigolo.stream import Segmenter
@@ -54,6 +56,15 @@ class Work:
 
     config: Config
     """Parameters of the segmentation."""
+    roi: Roi | None = None
+    """Region of interest in all frames. If None, the whole frame is used."""
+
+    @property
+    def digest(self) -> str:
+        """Return a hash of the parameters, followed by a hash of the region of interest if there is one."""
+        if self.roi is None:
+            return self.config.digest
+        return f"{self.config.digest}-{hashlib.sha256(_bytes_of(self.roi)).hexdigest()[:8]}"
 
     def __call__(self, job: Job) -> Answer:
         """Segment the frame of a job and return the outcome."""
@@ -62,12 +73,21 @@ class Work:
             stamp, fingerprint = job.stamp(), job.fingerprint()
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")
-                result = _segmenter(self.config)(job.read())
+                result = _segmenter(self.config)(job.read(), self.roi)
                 files = _files(job.name, result)
         except Exception as error:
             return Answer(stamp, fingerprint, error=_reason(error))
         told = tuple(dict.fromkeys(" ".join(str(w.message).split()) for w in caught))
         return Answer(stamp, fingerprint, len(result), files, told)
+
+
+def _bytes_of(roi: Roi) -> bytes:
+    """Return bytes that differ between different regions of interest."""
+    if isinstance(roi, MetricBox):
+        parts = (roi.low_m, roi.high_m, np.eye(4) if roi.T_base_camera is None else roi.T_base_camera)
+        return b"".join(np.asarray(part, float).tobytes() for part in parts)
+    values = np.asarray(roi)
+    return repr(values.shape).encode() + values.astype(np.int32).tobytes()
 
 
 def _segmenter(config: Config) -> Segmenter:

@@ -18,6 +18,7 @@ from spigolo.batch.results import SUFFIXES, Answer, Work
 from spigolo.batch.tables import TABLES, read_shards, writer_of
 from spigolo.errors import FileError, SpigoloError
 from spigolo.frames.files import write_bytes
+from spigolo.frames.roi import Roi
 from spigolo.settings.config import Config, check_config
 
 
@@ -57,16 +58,20 @@ def run_batch(
     out: Path,
     engine: Engine,
     *,
+    roi: Roi | None = None,
     table: str = "parquet",
     tell: Callable[[Progress], None] | None = None,
 ) -> Summary:
     """Segment many frames, one for each job. Write labels/FRAME.png, objects/FRAME.json and one table of all objects
     into a folder.
 
-    Frames with results from an earlier run are skipped if inputs, preset and version of spigolo are the same. Failed
-    frames are repeated.
+    Frames with results from an earlier run are skipped if inputs, preset, region of interest and version of spigolo are
+    the same. Failed frames are repeated.
 
-    table: format of the table, "parquet" or "coco". tell: function that is called with the progress after each frame.
+    - roi: region of interest in all frames, as for `spigolo.segment`.
+    - table: format of the table, "parquet" or "coco".
+    - tell: function that is called with the progress after each frame.
+
     Raises FileError if two jobs have the same name, if the folder is not writable or if another run uses the folder.
     """
     check_config(config)
@@ -76,7 +81,7 @@ def run_batch(
     if twice:
         raise FileError(f"expected a different name for each frame, got {twice[0]!r} more than once")
     with Manifest(out) as manifest:
-        run = _Run(out, config, manifest, len(todo), tell)
+        run = _Run(out, Work(config, roi), manifest, len(todo), tell)
         run.clean()
         run.compute([job for job in run.admitted(todo) if not run.keep(job)], engine)
         names = [job.name for job in todo]
@@ -92,9 +97,10 @@ class _Run:
     """Run that writes the output files, records the outcomes in the manifest and counts the frames."""
 
     def __init__(
-        self, root: Path, config: Config, manifest: Manifest, total: int, tell: Callable[[Progress], None] | None
+        self, root: Path, work: Work, manifest: Manifest, total: int, tell: Callable[[Progress], None] | None
     ) -> None:
-        self.root, self.config, self.manifest, self._tell = root, config, manifest, tell
+        self.root, self.work, self.manifest, self._tell = root, work, manifest, tell
+        self.digest = work.digest
         self.progress = Progress(total, 0, 0, 0)
         self.failures: list[tuple[str, str]] = []
 
@@ -147,7 +153,7 @@ class _Run:
         """
         if not jobs:
             return
-        with closing(cast("Iterator[tuple[Job, Answer | Lost]]", engine(Work(self.config), jobs))) as outcomes:  # type: ignore[type-var]
+        with closing(cast("Iterator[tuple[Job, Answer | Lost]]", engine(self.work, jobs))) as outcomes:  # type: ignore[type-var]
             for job, outcome in outcomes:
                 answer = Answer(error=outcome.reason) if isinstance(outcome, Lost) else outcome
                 if answer.error is None:
@@ -187,7 +193,7 @@ class _Run:
             frame=name,
             stamp=answer.stamp,
             inputs=answer.fingerprint,
-            digest=self.config.digest,
+            digest=self.digest,
             version=__version__,
             objects=answer.objects if answer.error is None else 0,
             files=sizes,
@@ -196,7 +202,7 @@ class _Run:
         )
 
     def _is_current(self, entry: Entry) -> bool:
-        return entry.error is None and (entry.digest, entry.version) == (self.config.digest, __version__)
+        return entry.error is None and (entry.digest, entry.version) == (self.digest, __version__)
 
     def _is_whole(self, entry: Entry) -> bool:
         """Return True if all output files of a frame exist and have the sizes that the manifest records."""

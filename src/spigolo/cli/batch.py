@@ -13,6 +13,7 @@ from spigolo.cli.engines import choose_cluster
 from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.opening import opened
 from spigolo.cli.progress import progress
+from spigolo.cli.region import NO_REGION, RegionFlags
 from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import counted
 
@@ -31,6 +32,7 @@ def batch(
     camera: str | None = None,
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
+    region: RegionFlags = NO_REGION,
     max_pixels: int = MAX_PIXELS,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -54,6 +56,8 @@ def batch(
         Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the depth scale in the camera file.
+    region
+        Region of interest: --roi, --roi-mask or --roi-box.
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     workers
@@ -74,7 +78,7 @@ def batch(
     from spigolo.batch import run_batch
 
     with _bar(len(jobs)) as tell:
-        summary = run_batch(jobs, config, out, engine, table=format, tell=tell)
+        summary = run_batch(jobs, config, out, engine, roi=region.read(max_pixels), table=format, tell=tell)
     _print_summary(summary, out)
     return SOME_FAILED if summary.failures else DONE
 

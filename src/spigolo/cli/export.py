@@ -13,11 +13,13 @@ from typing import TYPE_CHECKING, Any, Literal
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.opening import opened
+from spigolo.cli.region import NO_REGION, RegionFlags
 from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import counted
 
 if TYPE_CHECKING:
+    from spigolo.frames.roi import Roi
     from spigolo.objects.segmentation import Segmentation
     from spigolo.sources.base import Source
     from spigolo.stream import Segmenter
@@ -41,6 +43,7 @@ def export(
     camera: str | None = None,
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
+    region: RegionFlags = NO_REGION,
     max_pixels: int = MAX_PIXELS,
     frames: int | None = None,
     trim_m: float | None = None,
@@ -70,6 +73,8 @@ def export(
         Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
+    region
+        Region of interest: --roi, --roi-mask or --roi-box.
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     frames
@@ -85,7 +90,7 @@ def export(
     with opened(words, camera, depth_scale, max_pixels) as source:
         from spigolo.stream import Segmenter
 
-        results = _Results(source, Segmenter(config), frames)
+        results = _Results(source, Segmenter(config), region.read(max_pixels), frames)
         if format in WHOLE:
             write(results, out)
         else:
@@ -103,6 +108,7 @@ def view(
     camera: str | None = None,
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
+    region: RegionFlags = NO_REGION,
     max_pixels: int = MAX_PIXELS,
     frames: int | None = None,
     show: bool = False,
@@ -124,6 +130,8 @@ def view(
         Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the value that the source gives.
+    region
+        Region of interest: --roi, --roi-mask or --roi-box.
     max_pixels
         Maximum number of pixels of an image. Larger images are rejected, to limit memory.
     frames
@@ -141,7 +149,7 @@ def view(
     with opened(words, camera, depth_scale, max_pixels) as source, Recording(source.name, None if show else out) as log:
         from spigolo.stream import Segmenter
 
-        results = _Results(source, Segmenter(config, ids=True), frames)
+        results = _Results(source, Segmenter(config, ids=True), region.read(max_pixels), frames)
         for result in results:
             log.add(result)
     print(f"{source.name}: {source.report()}")
@@ -155,8 +163,8 @@ def view(
 class _Results:
     """Iterator over the segmented frames of a source, which counts frames, objects and failures."""
 
-    def __init__(self, source: Source, segmenter: Segmenter, limit: int | None) -> None:
-        self.source, self.segmenter, self.limit = source, segmenter, limit
+    def __init__(self, source: Source, segmenter: Segmenter, roi: Roi | None, limit: int | None) -> None:
+        self.source, self.segmenter, self.roi, self.limit = source, segmenter, roi, limit
         self.done = self.objects = self.failed = 0
         source.on_broken = _print_error
 
@@ -165,7 +173,7 @@ class _Results:
 
         for frame in show.progress(self.source, "segmenting"):
             try:
-                result = self.segmenter(frame)
+                result = self.segmenter(frame, self.roi)
             except SpigoloError as error:
                 self.failed += 1
                 _print_error(frame.name, error)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import difflib
 import inspect
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
+from spigolo.cli.region import Region
 from spigolo.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -74,4 +76,5 @@ def configure(preset: str, flags: dict[str, str], command: Callable[..., int] | 
 
 def _own_flags(command: Callable[..., int] | None) -> list[str]:
     parameters = {} if command is None else inspect.signature(command).parameters
-    return [name for name, parameter in parameters.items() if parameter.kind is parameter.KEYWORD_ONLY]
+    own = [name for name, parameter in parameters.items() if parameter.kind is parameter.KEYWORD_ONLY]
+    return own + [field.name for field in fields(Region) if "region" in own]

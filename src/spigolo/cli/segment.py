@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE, SOME_FAILED
 from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.opening import first_frame, opened
-from spigolo.errors import FileError, SpigoloError
+from spigolo.cli.region import NO_REGION, RegionFlags
+from spigolo.errors import SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import counted
 
@@ -22,18 +21,13 @@ if TYPE_CHECKING:
     from spigolo.sources.base import Source
     from spigolo.stream import Segmenter
 
-PixelBox = Annotated[tuple[int, int, int, int], Parameter(negative=())]
-SpaceBox = Annotated[tuple[float, float, float, float, float, float], Parameter(negative=())]
-
 
 def segment(
     *inputs: Inputs,
     camera: str | None = None,
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
-    roi: PixelBox | None = None,
-    roi_mask: Path | None = None,
-    roi_box: SpaceBox | None = None,
+    region: RegionFlags = NO_REGION,
     check: bool = True,
     max_pixels: int = MAX_PIXELS,
     ids: bool = False,
@@ -65,12 +59,8 @@ def segment(
         Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the depth scale in the camera file.
-    roi
-        Region of interest in pixels: first row, first column, last row + 1, last column + 1.
-    roi_mask
-        Image file that marks the region of interest: all pixels that are not black.
-    roi_box
-        Region of interest in metres in the camera's frame (X right, Y down, Z forward): minimum X Y Z, maximum X Y Z.
+    region
+        Region of interest: --roi, --roi-mask or --roi-box.
     check
         Print the warnings of `spigolo doctor` for each frame.
     max_pixels
@@ -86,7 +76,7 @@ def segment(
     """
     words, flags = split_flags(inputs)
     config = configure(preset, flags, segment)
-    wanted = _roi(roi, roi_mask, roi_box, max_pixels)
+    wanted = region.read(max_pixels)
     with opened(words, camera, depth_scale, max_pixels, quiet=check) as source:
         from spigolo.stream import Segmenter
 
@@ -155,6 +145,7 @@ def trace(
     camera: str | None = None,
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
+    region: RegionFlags = NO_REGION,
     stages: bool = False,
     max_pixels: int = MAX_PIXELS,
     index: int | None = None,
@@ -176,6 +167,8 @@ def trace(
         Preset for the segmentation: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the depth scale in the camera file.
+    region
+        Region of interest: --roi, --roi-mask or --roi-box.
     stages
         Also write the output array of each stage to stages/NAME.npy.
     max_pixels
@@ -196,7 +189,7 @@ def trace(
     from spigolo.frames import files as io
     from spigolo.view import figure1
 
-    run = pipeline.trace(frame, config)
+    run = pipeline.trace(frame, config, region.read(max_pixels))
     io.write_png(out / "trace.png", figure1.figure1(run))
     if stages:
         for name, array in figure1.stages(run).items():
@@ -249,19 +242,3 @@ def _check(frame: Frame, name: str, wanted: bool) -> None:
         from spigolo.doctor import diagnose
 
         show.warn_of(diagnose(frame), name)
-
-
-def _roi(pixels: PixelBox | None, mask: Path | None, box: SpaceBox | None, max_pixels: int) -> Roi | None:
-    if sum(given is not None for given in (pixels, mask, box)) > 1:
-        raise FileError(
-            "expected one region of interest, got several: --roi, --roi-mask and --roi-box exclude each other"
-        )
-    if mask is not None:
-        from spigolo.frames.files import read_mask
-
-        return read_mask(mask, max_pixels)
-    if box is not None:
-        from spigolo.frames.roi import MetricBox
-
-        return MetricBox(box[:3], box[3:])
-    return pixels

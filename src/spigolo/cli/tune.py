@@ -7,6 +7,8 @@ from pathlib import Path
 from spigolo.cli import DONE
 from spigolo.cli.inputs import Inputs, configure, split_flags
 from spigolo.cli.opening import opened
+from spigolo.cli.region import NO_REGION, RegionFlags
+from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import counted
 
 
@@ -15,6 +17,7 @@ def tune(
     camera: str | None = None,
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
+    region: RegionFlags = NO_REGION,
     port: int = 8080,
     host: str = "127.0.0.1",
     browser: bool = True,
@@ -37,6 +40,8 @@ def tune(
         Preset to start from: the name of a preset, such as OBJECTS, or a TOML file.
     depth_scale
         Metres per unit of the depth image. Default: the depth scale in the camera file.
+    region
+        Region of interest: --roi, --roi-mask or --roi-box.
     port
         Port of the web server. If the port is in use, the next free port is used.
     host
@@ -53,7 +58,7 @@ def tune(
     from spigolo.view.tuning import tune as show
 
     with opened(words, camera, depth_scale) as source:
-        page = show(source, config, port, host, open_browser=browser, folder=out, block=False)
+        page = show(source, config, region.read(MAX_PIXELS), port, host, open_browser=browser, folder=out, block=False)
         size = "live frames" if source.live else "frames" if source.count is None else counted(source.count, "frame")
         print(f"{page.url} shows {size}. Ctrl-C ends it.", flush=True)
         page.wait()

@@ -103,16 +103,23 @@ def only_frame(frames: Sequence[FramePaths]) -> FramePaths:
 
 
 def _named_apart(frames: Sequence[FramePaths]) -> list[FramePaths]:
-    """Make duplicate frame names unique by adding the name of the folder, and a number if needed."""
-    count = Counter(frame.name for frame in frames)
+    names = distinct([frame.name for frame in frames], [_around(frame) for frame in frames])
+    return [replace(frame, name=name) for frame, name in zip(frames, names, strict=True)]
+
+
+def distinct(names: Sequence[str], groups: Sequence[str]) -> list[str]:
+    """Return unique frame names. A name that occurs twice gets the name of its group, such as its folder, as prefix. If
+    the result is still not unique, it gets a number as suffix.
+    """
+    count = Counter(names)
     taken, apart = {name for name in count if count[name] == 1}, []
-    for frame in frames:
-        name = frame.name
+    for name, group in zip(names, groups, strict=True):
+        new = name
         if count[name] > 1:
-            base = f"{_around(frame)}_{name}"
-            name = next(n for n in chain([base], (f"{base}_{k}" for k in range(2, len(frames) + 2))) if n not in taken)
-            taken.add(name)
-        apart.append(replace(frame, name=name))
+            base = f"{group}_{name}"
+            new = next(n for n in chain([base], (f"{base}_{k}" for k in range(2, len(names) + 2))) if n not in taken)
+            taken.add(new)
+        apart.append(new)
     return apart
 
 

@@ -13,18 +13,22 @@ from spigolo.lab.datasets import Entry, guess
 from spigolo.lab.datasets.entry import ImageEntry
 from spigolo.sources.base import SizedSource
 from spigolo.sources.options import Options
+from spigolo.sources.paths import distinct
 
 
 class PublishedSource(SizedSource):
-    """Source for a data set. A camera or depth_scale in the options replaces the camera or depth_scale of the data
-    set.
+    """Source for a data set. Every frame gets a unique name.
+
+    A camera or depth_scale in the options replaces the camera or depth_scale of the data set.
     """
 
     def __init__(self, folder: Path, options: Options) -> None:
-        self.entries = guess(folder)
+        found = guess(folder)
+        names = distinct([entry.name for entry in found], [entry.data_set for entry in found])
+        self.entries = [replace(entry, name=name) for entry, name in zip(found, names, strict=True)]
         super().__init__(str(folder), options, len(self.entries))
         if options.camera is None:
-            self.intrinsics = f"from the data set ({type(self.entries).__name__})"
+            self.intrinsics = f"from the data set ({type(found).__name__})"
 
     def __getitem__(self, number: int) -> Frame:
         return self._read(self.entries[number])

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from spigolo.errors import SpigoloError
 from spigolo.frames.frame import Frame
+from spigolo.frames.roi import Roi
 from spigolo.settings.config import Config
 from spigolo.settings.presets import OBJECTS
 from spigolo.view import tuning_scene as scene
@@ -40,6 +41,7 @@ BRAND = (46, 134, 222)
 def tune(
     frames: Frame | Iterable[Frame] | Numbered,
     config: Config = OBJECTS,
+    roi: Roi | None = None,
     port: int = 8080,
     host: str = "127.0.0.1",
     *,
@@ -51,6 +53,7 @@ def tune(
 
     - frames: a frame, a list of frames, a source of frames, or an iterator of frames.
     - config: configuration whose values the page shows first.
+    - roi: region of interest in all frames, as for `segment`.
     - port: port of the web server.
     - host: network address of the web server. By default, the page can be opened only on this machine.
     - open_browser: True to open the page in a browser.
@@ -59,7 +62,7 @@ def tune(
 
     Raises SpigoloError if the package viser is missing (`pip install "spigolo[tune]"`).
     """
-    page = TuningPage(Session(frames, config), port, host, Path(folder))
+    page = TuningPage(Session(frames, config, roi), port, host, Path(folder))
     if open_browser:
         webbrowser.open(page.url)
     if block:

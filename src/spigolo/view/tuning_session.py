@@ -20,6 +20,7 @@ from spigolo import clock
 from spigolo.errors import FileError, FrameError, SpigoloError
 from spigolo.frames.files import write_bytes
 from spigolo.frames.frame import Frame, check_frame
+from spigolo.frames.roi import Roi
 from spigolo.kernels.workspace import Workspace
 from spigolo.objects.facts import RegionFacts
 from spigolo.objects.segmentation import ObjectMask, RejectedRegion, Segmentation
@@ -162,9 +163,13 @@ class Session:
 
     - frames: a frame or any iterable of frames.
     - config: configuration with the initial values of the parameters.
+    - roi: region of interest in all frames, as for `segment`.
     """
 
-    def __init__(self, frames: Frame | Iterable[Frame] | Numbered, config: Config = OBJECTS) -> None:
+    def __init__(
+        self, frames: Frame | Iterable[Frame] | Numbered, config: Config = OBJECTS, roi: Roi | None = None
+    ) -> None:
+        self.roi = roi
         self.reel = Reel([frames] if isinstance(frames, Frame) else frames)
         self.presets = {name: PRESETS[name] for name in SHOWN}
         self.preset = next((n for n, p in self.presets.items() if p.digest == config.digest), f"{config.name} (yours)")
@@ -197,7 +202,7 @@ class Session:
         began = time.perf_counter()
         with warnings.catch_warnings(record=True) as caught, clock.stopwatch() as times:
             warnings.simplefilter("always")
-            run = trace(frame, config, workspace=self._workspace)
+            run = trace(frame, config, self.roi, self._workspace)
         wall_s = time.perf_counter() - began
         spent = {name: sum(lap.wall_s for lap in laps) for name, laps in times.items()}
         stages = dict(sorted(spent.items(), key=lambda item: -item[1]))

@@ -62,7 +62,7 @@ class FrameFolder(Entry):
 
         Raises FileError, FrameError or CameraError for missing or invalid files.
         """
-        return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file)
+        return read_frame(self.folder / "rgb.png", self.folder / "depth.png", self._camera_file, name=self.name)
 
     def read_truth(self) -> Truth | None:
         """Read the label image.

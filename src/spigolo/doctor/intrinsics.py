@@ -41,10 +41,10 @@ limits is ignored.
 """
 
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
-"""Factors by which the focal length is multiplied in the search."""
+"""Factors by which the given focal length is multiplied in the search for the best focal length."""
 RIGHT_WITHIN = 1.25
-"""The given focal length is accepted if it differs from the estimated focal length by at most this factor, up or down.
-The estimate is inaccurate because some surfaces are slightly slanted.
+"""The given focal length is accepted if it differs from the estimated focal length by at most this factor, in either
+direction. The estimate is inaccurate because some surfaces are slightly slanted.
 """
 MIN_TILT_DEG = 20.0
 """Minimum angle between the viewing direction and the normal of the support plane, in degrees. At smaller angles the
@@ -124,7 +124,7 @@ def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
     The factor is 1 if focal lengths near the given focal length are clearly the best, as defined by `CLEAR`.
 
     Returns None if the scene has no support plane, is seen straight from above, or has too few upright surfaces. Also
-    returns None if no factor is clearly the best.
+    returns None if very different focal lengths make similar numbers of surfaces upright.
     """
     support = find_support(filled, camera, Support())
     if support is None or np.degrees(np.arccos(min(abs(support.normal[2]), 1.0))) < MIN_TILT_DEG:

@@ -40,7 +40,7 @@ PLAUSIBLE = math.log(3.0)
 may differ from `TABLE_M` by a factor of less than 3, stored here as a logarithm.
 """
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
-"""CLOSEST_M: minimum working distance of a RealSense D405, in metres. CLOSE_UNIT_M: depth unit of this camera, in
+"""CLOSEST_M: minimum working distance of a RealSense D405, in metres. CLOSE_UNIT_M: depth unit of a RealSense D405, in
 metres.
 """
 SAME_VIEW = 0.05
@@ -190,8 +190,8 @@ def sees_close(frame: Frame) -> bool:
 def stored_unit_m(depth: DepthMap) -> float:
     """Return the largest unit, in metres, of which all depths are whole multiples. The unit is at least 0.1 mm.
 
-    If depth in millimetres was multiplied by ten by mistake, the unit is 10 mm. No camera uses this unit. The result is
-    0.1 mm for most floating-point depth, and for depth with fewer than 20 different values.
+    If depth in millimetres was multiplied by ten by mistake, the unit is 10 mm. No camera uses a depth unit of 10 mm.
+    The result is 0.1 mm for most floating-point depth, and for depth with fewer than 20 different values.
     """
     ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
     return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M

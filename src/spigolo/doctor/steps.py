@@ -26,7 +26,7 @@ are therefore never reported.
 """
 ALONE = 0.8
 """Depth is reported as coarse if at least this share of the pixels with similar depth have exactly the same depth. The
-share is computed for the depth of each pixel, and the median over all pixels is compared with the limit.
+share is computed for the depth of each pixel, and the median of these shares is compared with the limit.
 """
 FEWEST = 8
 """Minimum number of different depth values in a frame. With fewer values, the depth steps cannot be judged."""
@@ -95,7 +95,7 @@ def check_saturated(depth: DepthMap) -> Finding:
 
 def _alone(levels: Levels) -> float:
     """For each pixel, divide the number of pixels with equal depth by the number of pixels with similar depth. Return
-    the median of this quotient over all pixels.
+    the median of the quotients of all pixels.
     """
     half = np.maximum(GAP_PER_M * TICK_M * levels.ticks.astype(np.float64) ** 2, GAP_UNITS * levels.unit)
     total = np.concatenate([[0], np.cumsum(levels.counts)])

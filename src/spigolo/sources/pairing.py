@@ -9,8 +9,8 @@ from typing import Any
 KEPT = 30
 """Maximum number of images of one topic that wait for a partner. 30 images are one second at 30 Hz."""
 RESTART_NS = 1_000_000_000
-"""If the stamps jump back by more than this time, in nanoseconds, the recording was restarted, for example because it
-is played in a loop.
+"""If the stamps jump back by more than this time, in nanoseconds, the recording counts as restarted, for example
+because it is played in a loop.
 """
 
 

@@ -49,7 +49,9 @@ class _RealSense(Source):
             yield frame
 
     def report(self) -> Report:
-        """Return the numbers of frames and images since the start of the last iteration, and the pairing tolerance."""
+        """Return the numbers of frames and images since the start of the last iteration, and the maximum stamp
+        difference of a pair.
+        """
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
 
@@ -146,8 +148,8 @@ class _Converter:
         self._taken: dict[str, int] = {}
         self._images = self._pairs = 0
         self.lost = 0
-        """Number of image pairs that the SDK replaced by newer pairs, counted from gaps in the numbers of colour
-        images.
+        """Number of image pairs that the SDK replaced by newer pairs, counted from gaps in the frame numbers of the
+        colour images.
         """
 
     @property

@@ -22,7 +22,7 @@ class Job(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the frame, unique in a run. `/` separates folders."""
+        """Name of the frame, unique in a run. The character `/` in the name separates folders."""
         ...
 
     def stamp(self) -> str:

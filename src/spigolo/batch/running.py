@@ -60,8 +60,8 @@ def run_batch(
     table: str = "parquet",
     tell: Callable[[Progress], None] | None = None,
 ) -> Summary:
-    """Segment many frames, one for each job. Write labels/FRAME.png, objects/FRAME.json and one table of all objects
-    into a folder.
+    """Segment many frames, where each job describes one frame. Write labels/FRAME.png, objects/FRAME.json and one table
+    of all objects into a folder.
 
     Frames with results from an earlier run are skipped if inputs, preset and version of spigolo are the same. Failed
     frames are repeated.

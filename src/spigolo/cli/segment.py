@@ -62,13 +62,14 @@ def segment(
         3x3 matrix in a .txt, .npy or .mat file, and COLMAP's cameras.txt. Default: camera.json next to the images or in
         a folder above them. Without intrinsics, results in metres are left out.
     preset
-        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
+        Name of a preset, or a TOML file. Use OBJECTS for your own data, and SHELF, TABLE or CLUTTER for the paper's
+        data sets.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the depth scale in the camera file.
     roi
         Region of interest in pixels: first row, first column, last row + 1, last column + 1.
     roi_mask
-        Image file that marks the region of interest: all pixels that are not black.
+        Image file that marks the region of interest. All pixels that are not black belong to the region.
     roi_box
         Region of interest in metres in the camera's frame (X right, Y down, Z forward): minimum X Y Z, maximum X Y Z.
     check

@@ -72,7 +72,7 @@ class SimpleConfig(FixationConfig):
 class Found(NamedTuple):
     """Object found around a point.
 
-    mask: (H, W). strong: share of the contour that follows strong edges (`Judge.share`).
+    mask: mask (H, W) of the object. strong: share of the contour that follows strong edges (`Judge.share`).
     """
 
     mask: Mask

@@ -2,8 +2,9 @@
 table.
 
 Table 1 uses the data set Rutgers APC, table 2 UW RGB-D Scenes v1, and table 3 Tejani et al. With `--data FOLDER`, the
-frames of the published data set are evaluated. Without `--data`, similar frames are rendered in the layout of the data
-set. A run that was interrupted continues with the rendered frames and the scores that it has already written.
+frames of the published data set in this folder are evaluated. Without `--data`, similar frames are rendered in the
+layout of the data set. A run that was interrupted continues with the rendered frames and the scores that it has already
+written.
 """
 
 from __future__ import annotations

@@ -30,7 +30,8 @@ from spigolo.view.tuning_session import Answer, Pixel
 Vectors = npt.NDArray[np.float64]
 
 STAGES = ("objects", "objects and boxes", "rejected regions", "boundary map", "weights", "regions", "depth", "colour")
-"""Names of the images that the user can select. The 3-D scene shows the selected image, called the picture."""
+"""Names of the images that the user can select. The selected image is shown in the 3-D scene and is called the picture.
+"""
 CHOSEN, REFUSED = (255, 214, 10), (235, 64, 52)
 """RGB colours of the selected object or region (yellow), and of rejected regions (red)."""
 FAR = 1.6
@@ -78,7 +79,7 @@ def _stage(answer: Answer, stage: str) -> Color:
 def _objects(result: Segmentation) -> Color:
     """Draw `Segmentation.overlay` of a result, but with a brighter background."""
     drawn, behind = result.overlay(), result.labels == 0
-    near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # outlines and numbers are near
+    near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # pixels near outlines and numbers
     plain = (0.7 * result.frame.color).astype(np.uint8)
     return np.where((behind & ~near)[..., None], plain, drawn)
 

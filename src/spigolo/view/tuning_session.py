@@ -120,7 +120,7 @@ class Reel:
 class Correction:
     """Correction of a segmentation result by hand.
 
-    A corrected region is identified by one of its pixels. The correction can therefore be repeated after a change of
+    Each corrected region is identified by one of its pixels, so that the correction can be repeated after a change of
     parameters.
     """
 

@@ -61,8 +61,8 @@ def main() -> int:
 
 
 def stand_ins(family: str, count: int, seed: int, out: Path) -> Path:
-    """Render frames in the layout of a data set and return their folder. An existing folder is complete and is not
-    rendered again.
+    """Render frames in the layout of a data set and return their folder. If the folder exists, its frames are complete
+    and are not rendered again.
     """
     folder = out / f"{family}-{count}-seed-{seed}"
     if not folder.is_dir():

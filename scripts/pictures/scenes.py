@@ -92,7 +92,9 @@ def two_boxes(behind_m: float) -> sp.Frame:
 
 
 def packed_layer(raised_m: float) -> sp.Frame:
-    """Render a layer of packed boxes that is wider than the image. One box is `raised_m` higher than the others."""
+    """Render a layer of packed boxes that is wider than the image. One box is higher than all other boxes, by
+    `raised_m`.
+    """
     x, y, z = PACKED_M
     things = []
     for row, column in np.ndindex(9, 11):

@@ -212,8 +212,8 @@ def _prepare(do: Callable[[Any], Any]) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this worker process when its parent process ends. Without this function, a worker would wait forever after
-    its parent process was killed.
+    """End this worker process when its parent process ends. Without this function, a worker process would wait forever
+    after its parent process was killed.
     """
     parent = parent_process()
     if parent is not None:

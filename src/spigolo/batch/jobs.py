@@ -27,7 +27,7 @@ class Job(Protocol):
 
     def stamp(self) -> str:
         """Return a short text that describes the state of the input files. If the text is the same as in an earlier
-        run, the input files count as unchanged. The method must be fast and must not read the content of files.
+        run, the input files count as unchanged. The method `stamp` must be fast and must not read the content of files.
         """
         ...
 

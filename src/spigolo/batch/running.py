@@ -99,7 +99,7 @@ class _Run:
         self.failures: list[tuple[str, str]] = []
 
     def clean(self) -> None:
-        """Remove temporary files that a killed run left in the folder. Other files in the folder are kept."""
+        """Remove temporary files that a killed run left in the folder. All other files in the folder are kept."""
         left = [path for name in (FILE, *TABLES) for path in self.root.glob(f".{name}-*")]
         for folder, suffix in SUFFIXES.items():
             if not (self.root / folder).is_symlink():
@@ -142,8 +142,8 @@ class _Run:
         return True
 
     def compute(self, jobs: Sequence[Job], engine: Engine) -> None:
-        """Process jobs with an engine. The output files of a frame are written as soon as the engine returns the
-        outcome.
+        """Segment the frames of jobs with an engine, such as a pool of worker processes. The output files of a frame
+        are written as soon as the engine returns the outcome.
         """
         if not jobs:
             return

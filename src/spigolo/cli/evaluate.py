@@ -163,7 +163,7 @@ def report(
     rows
         Result files of `spigolo evaluate`. Give the files before all flags.
     frames
-        Folders of the evaluated frames. The page then shows images of the worst frames.
+        Folders of the evaluated frames. With the option `--frames`, the page shows images of the worst frames.
     against
         Reference method, with which the other methods are compared. Give the label of the reference method on the page,
         its preset, the digest of its preset, or its results file. Default: the first method.

@@ -26,12 +26,12 @@ TOLERANCE_PX = 4
 detection of object boundaries compares depth at a distance of 5 px from an image edge, on both sides of the edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
-"""Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
+"""Minimum share of contour pixels in the image. With fewer contour pixels, the alignment of depth and colour cannot be
 judged.
 """
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
-"""Minimum of `Fit.score` (`MIN_CONTRAST`) and minimum of `Fit.peak` (`MIN_PEAK`). If the score or the peak is smaller,
-the alignment of depth and colour cannot be judged.
+"""Minimum of `Fit.score` (`MIN_CONTRAST`) and minimum of `Fit.peak` (`MIN_PEAK`). If `Fit.score` or `Fit.peak` is below
+its minimum, the alignment of depth and colour cannot be judged.
 """
 SHIFTED = 0.95
 """Depth is reported as shifted against colour if the quotient `Fit.unshifted` / `Fit.score` is below this value."""

@@ -57,8 +57,8 @@ class AbramovConfig(MethodConfig):
     """
     step_per_m: NotNegative = 0.0083
     """Depth difference divided by the squared depth, in 1/m, above which neighbouring pixels repel each other. The
-    limit is the larger of two values: `step_m`, and `step_per_m` times the squared depth. The paper gives no value for
-    this parameter.
+    limit of the depth difference is the larger of two values: `step_m`, and `step_per_m` times the squared depth. The
+    paper gives no value for this parameter.
     """
     penalty: NotNegative = 20.0
     """Repulsion of two neighbouring pixels on different sides of a depth step. The default value is our choice. The
@@ -95,7 +95,7 @@ class AbramovConfig(MethodConfig):
     """
     piece_above: float = -2.0
     """Two small neighbouring regions join only if the mean interaction across their border is above this value (our
-    addition). Larger values join fewer regions.
+    addition). With larger values, fewer small regions are joined.
     """
     min_size_px2: Area_px2 = 1500.0
     """Minimum area of a region, px^2. Each smaller region joins the neighbouring region with the largest mean

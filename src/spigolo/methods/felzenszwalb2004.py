@@ -31,8 +31,8 @@ class FelzenszwalbConfig(MethodConfig):
     """
     k_xy: NotNegative = 0.0
     """Weight of the pixel coordinates in equation 1: the colour difference with the same effect as a distance of one
-    pixel. With 0, edge weights depend only on colour, as in Felzenszwalb & Huttenlocher 2004. The paper of Toscana &
-    Rosa 2016 gives the weight 1.
+    pixel. With 0, edge weights depend only on colour, as in the paper of Felzenszwalb & Huttenlocher 2004. The paper of
+    Toscana & Rosa 2016 gives the weight 1.
     """
     connectivity: Literal[4, 8] = 8
     """Number of neighbours of a pixel, 4 or 8. The paper uses 8 neighbours."""

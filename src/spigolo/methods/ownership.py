@@ -1,5 +1,5 @@
-"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The side of the edge on which
-this object lies is called the owner of the edge, and is also computed.
+"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The side of an edge on which the
+object lies is called the owner of the edge. The owner is also computed.
 
 In the papers, the mean disparity is computed in a half-disc on each side of an edge. The probability is a logistic
 function of the difference of both means. In this implementation, a line is fitted to the disparity in each half-disc,
@@ -30,13 +30,13 @@ ORIENTATIONS = 8
 NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) * (math.pi / ORIENTATIONS)])
 """Unit normals (n_y, n_x) of the eight edge orientations, with y downwards."""
 NOMINAL_FOCAL = 0.9
-"""Focal length divided by the image width. This value is assumed if the camera is unknown."""
+"""Focal length divided by the image width, which is assumed if the intrinsics are unknown."""
 NEAR_LINE_WEIGHT = 0.01
 """Weight of pixels close to an edge, where the depth map is blurred. The value is from the code of the paper's authors.
 """
 LEAST_WEIGHT = 20.0
 """Minimum total weight of the measured pixels in each half-disc of an edge. If the total weight in one half-disc is
-lower, no lines are fitted to this edge. The paper gives no value for this parameter.
+lower, no lines are fitted at this edge. The paper gives no value for this parameter.
 """
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
 """Constants for Canny edges of the disparity map. A disparity of 1 px corresponds to LEVELS_PER_PX grey levels. The
@@ -49,8 +49,8 @@ class BoundaryConfig(MethodConfig):
     virtual stereo pair with the focal length of the camera.
 
     The noise of triangulating depth cameras is constant in disparity, so that one threshold is valid at all distances.
-    Example: the baseline is 0.075 m, and the focal length is 570 px. Then a disparity step of 0.3 px corresponds to a
-    depth step of 7 mm at 1 m.
+    Example: the baseline is 0.075 m, and the focal length is 570 px. A disparity step of 0.3 px then corresponds to a
+    depth step of 7 mm at a distance of 1 m.
     """
 
     depth: bool = True
@@ -181,8 +181,8 @@ def _disparity_edges(disparity: Floats, slope: float) -> tuple[Mask, Gradient, G
 
 
 def _orientation(gx: Gradient, gy: Gradient) -> npt.NDArray[np.uint8]:
-    """Return, for each gradient, the index (H, W) of the nearest vector of NORMALS. Opposite gradients have the same
-    index.
+    """Return, for each gradient, the index (H, W) of the nearest vector of NORMALS. Gradients in opposite directions
+    have the same index.
     """
     angle = np.arctan2(gy.astype(np.float32), gx.astype(np.float32)) * np.float32(ORIENTATIONS / math.pi)
     return (np.rint(angle).astype(np.int32) % ORIENTATIONS).astype(np.uint8)

@@ -172,8 +172,8 @@ class SpigoloNode:
         return answer if fresh and answer is not None else self._segment(pair)
 
     def _lacking(self) -> str:
-        """Return a text that names the topics on which no message has arrived. If no such topic exists, the text says
-        that no colour and depth messages form a pair.
+        """Return a text that names the topics on which no message has arrived. If messages have arrived on all topics,
+        the text says that no colour and depth messages form a pair.
         """
         silent = [self.node.resolve_topic_name(name) for name, count in self._received.items() if not count]
         return f"no message on {', '.join(silent)}" if silent else "no pair of colour and depth within the tolerance"

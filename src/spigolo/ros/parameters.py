@@ -37,7 +37,7 @@ class Options(Settings):
     value below half of the time between two frames of the camera.
     """
     depth_scale: Positive = 0.001
-    """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard of ROS."""
+    """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard unit of ROS."""
     rectified: bool = False
     """Treat the images as rectified. If true, use the matrix P of CameraInfo and ignore the distortion D."""
     ids: bool = False

@@ -26,8 +26,7 @@ class Stamped(NamedTuple):
     number: int
     """Number of the message in its topic, from 0."""
     written_ns: int
-    """Time at which the recorder wrote the message, in nanoseconds. This time is used to find the message in the bag.
-    """
+    """Time at which the recorder wrote the message, in nanoseconds. The message is found in the bag by this time."""
 
 
 class Decoder:

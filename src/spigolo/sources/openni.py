@@ -46,8 +46,8 @@ class Image:
 
 
 class OpenNICamera(LiveSource):
-    """Source for an OpenNI2 camera: the camera with the given address, or the first connected camera. Each step of an
-    iteration returns the newest frame.
+    """Source for an OpenNI2 camera: the camera with the given address, or the first connected camera. By default, each
+    step of an iteration yields the newest frame.
     """
 
     def __init__(self, uri: str, options: Options) -> None:

@@ -14,7 +14,7 @@ from spigolo.frames.frame import Color
 from spigolo.objects.drawing import FONT, INK
 
 WIDTH, HEIGHT, FINER = 1120, 720, 3
-"""Width and height of the chart in pixels, and a scale factor. The chart is drawn larger by this factor and then
+"""Width and height of the chart in pixels, and a scale factor. The chart is drawn larger by the scale factor and then
 reduced, so that lines are smooth.
 """
 LEFT, RIGHT, TOP, BOTTOM = 90, 300, 80, 110

@@ -161,8 +161,8 @@ def range_of(leaf: Leaf, value: float) -> Range:
 
     If the parameter is a floating-point number with an upper limit of at most 180, the slider ends at this limit. Other
     sliders end at four times a typical value, rounded up to 1, 2 or 5 times a power of ten. No slider exceeds the upper
-    limit of its parameter. The typical value is the largest of `value` and those values in presets that are at most 10
-    * `value`.
+    limit of its parameter. The typical value is the largest of `value` and of the preset values that are at most ten
+    times as large as `value`.
 
     value: current value of the parameter.
     """

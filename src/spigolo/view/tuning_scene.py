@@ -1,5 +1,5 @@
 """Images and 3-D scene of the tuning page. The scene shows the point cloud of the frame, and above it one selected
-image. This image is called the picture.
+image. The selected image is called the picture.
 """
 
 from __future__ import annotations
@@ -51,8 +51,8 @@ larger angle.
 
 
 def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
-    """Draw the image named `stage` (one of `STAGES`) for a segmentation result. The selected object or region is
-    outlined.
+    """Draw the image named `stage` (one of `STAGES`) for a segmentation result. The object or region that the user has
+    selected is outlined.
     """
     drawn = fitted(_stage(answer, stage), answer.run.frame.shape).copy()
     if chosen is not None:

@@ -65,8 +65,8 @@ def support_plane(frame: sp.Frame) -> Color:
 
 
 def noise_floor(frame: sp.Frame) -> Color:
-    """Draw regions with and without the noise floor of eq. 9. The merging of regions is switched off, because merging
-    also removes most borders at depth quantisation steps.
+    """Draw regions with and without the noise floor of equation 9. The merging of regions is switched off, because
+    merging also removes most borders at depth quantisation steps.
     """
     pictures = {}
     for title, config in {

@@ -22,8 +22,8 @@ GROUND, CANNY, STEP = (30, 30, 30), (110, 110, 110), (255, 150, 30)
 
 
 def mean_of_windows(frame: sp.Frame) -> Color:
-    """Draw depth next to a shadow, smoothed with the plain mean of eq. 5 and with the mean over valid pixels of eq.
-    8.
+    """Draw depth next to a shadow, smoothed with the plain mean of equation 5 and with the mean over valid pixels of
+    equation 8.
     """
     plain, valid = (smooth(frame.depth, Smoothing(mean=mean)) for mean in ("plain", "valid"))
     depths = {"measured": frame.depth, "plain mean (eq. 5)": plain, "mean of valid pixels (eq. 8)": valid}
@@ -35,14 +35,14 @@ def mean_of_windows(frame: sp.Frame) -> Color:
 
 
 def sign_of_step(frame: sp.Frame) -> Color:
-    """Draw the depth boundaries of eq. 13, computed with the absolute and with the signed depth difference."""
+    """Draw the depth boundaries of equation 13, computed with the absolute and with the signed depth difference."""
     choices = {"absolute step": EdgesConfig(), "signed step (as printed)": EdgesConfig(signed_step=True)}
     return edge_choice(frame, BOXES, choices)
 
 
 def missing_samples(frame: sp.Frame) -> Color:
-    """Draw the depth boundaries of eq. 13 if missing depth samples are ignored, and if missing samples count as depth
-    steps.
+    """Draw the depth boundaries of equation 13 if missing depth samples are ignored, and if missing samples count as
+    depth steps.
     """
     choices = {
         "missing samples: no evidence": EdgesConfig(),
@@ -52,7 +52,7 @@ def missing_samples(frame: sp.Frame) -> Color:
 
 
 def sign_rule(frame: sp.Frame) -> Color:
-    """Draw the contact boundaries with both rules for the sign of the angle in eq. 19. The scene is rotated by 90
+    """Draw the contact boundaries with both rules for the sign of the angle in equation 19. The scene is rotated by 90
     degrees, as for a camera mounted on its side.
     """
     height, width = frame.shape[::-1]
@@ -66,7 +66,7 @@ def sign_rule(frame: sp.Frame) -> Color:
 
 
 def texture_edges(frame: sp.Frame) -> Color:
-    """Draw the Canny edges, and the Canny edges that eq. 20 keeps as boundaries."""
+    """Draw the Canny edges, and the Canny edges that equation 20 keeps as boundaries."""
     edges = edge_maps(frame, EdgesConfig())
     canny = np.where(edges.canny[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
     final = np.where(edges.final[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
@@ -79,7 +79,7 @@ def texture_edges(frame: sp.Frame) -> Color:
 
 
 def soft_boundary(frame: sp.Frame) -> Color:
-    """Draw the regions found with the cost function of eq. 23, once with a soft and once with a thin boundary map."""
+    """Draw the regions found with the cost function of equation 23, with a soft and with a thin boundary map."""
     pictures = {}
     for name in ("soft", "thin"):
         run = sp.trace(frame, sp.TABLE.replace(**{"edges.boundary": name}))
@@ -90,7 +90,7 @@ def soft_boundary(frame: sp.Frame) -> Color:
 
 
 def larger_end(frame: sp.Frame) -> Color:
-    """Draw the regions found with the cost function of eq. 23 and a thin boundary map, once for each value of
+    """Draw the regions found with the cost function of equation 23 and a thin boundary map, once for each value of
     `BoundaryCost.ends`.
 
     The pictures use the preset OBJECTS_1, in which each pixel has 8 neighbours. On a 4-connected grid, no graph edge

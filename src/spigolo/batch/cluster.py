@@ -138,8 +138,8 @@ class _ClusterRun(Generic[T, R]):
                 time.sleep(POLL_S)
 
     def _submit(self) -> list[Any]:
-        """Submit groups of items until `IN_FLIGHT` groups per thread of the cluster are running or waiting. Return the
-        new futures.
+        """Submit groups of items as tasks, until `IN_FLIGHT` tasks per thread of the cluster are running or waiting.
+        Return the Dask futures of the new tasks.
         """
         window = IN_FLIGHT * max(_threads(self.client), 1)
         futures = []

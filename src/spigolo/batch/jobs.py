@@ -53,7 +53,7 @@ class FrameFiles:
     camera: str | Path | None = None
     """Camera file, camera name or field of view, in a form that `read_frame` accepts."""
     depth_scale: float | None = None
-    """Metres per unit of the depth image. If None, the camera file gives the value."""
+    """Metres per unit of the depth image. If None, the depth scale in the camera file is used."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
 

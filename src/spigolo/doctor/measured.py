@@ -50,7 +50,7 @@ warning, or only a note if the camera may be a close-range camera.
 """
 TABLE_M = 0.8
 """Typical distance of a table from the camera, in metres. The advice on a wrong depth unit assumes that the median
-depth is near this value.
+depth is near `TABLE_M`.
 """
 COARSE_UNIT_M = 0.004
 """If the unit of the stored depth is at least this large, in metres, a warning is given. Cameras store depth in units

@@ -181,6 +181,6 @@ def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
 def _repulsion(planes: Planes) -> npt.NDArray[np.float32]:
     """Return the repulsion (H, W) between each pixel and its right or lower neighbour, from 0 to 1.
 
-    0 is the largest attraction, 1/2 is no interaction, and 1 is the largest repulsion.
+    The value 0 means the largest attraction, 1/2 no interaction, and 1 the largest repulsion.
     """
     return np.asarray(np.clip((1 - np.minimum(planes[0], planes[1])) / 2, 0, 1), np.float32)

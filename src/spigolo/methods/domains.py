@@ -35,8 +35,9 @@ def connected_areas(spins: Spins) -> Regions:
 class Borders(NamedTuple):
     """Borders between neighbouring domains. Every border is listed twice, once from each side.
 
-    - domain: (2, B), label of the domain on this side of the border, and label of the domain on the other side.
-    - area: (2, B), number of pixels of the domain on this side, and of the domain on the other side.
+    - domain: (2, B), labels of the two domains at the border: the domain on this side, and the domain on the other
+      side.
+    - area: (2, B), number of pixels of the two domains at the border, in the order of `domain`.
     - mean: (B,), mean interaction of the pixel pairs across the border.
     """
 

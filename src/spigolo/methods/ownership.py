@@ -1,10 +1,10 @@
-"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The side of an edge on which the
-object lies is called the owner of the edge. The owner is also computed.
+"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The module also computes the
+owner of an edge, which is the side of the edge on which the object lies.
 
-In the papers, the mean disparity is computed in a half-disc on each side of an edge. The probability is a logistic
-function of the difference of both means. In this implementation, a line is fitted to the disparity in each half-disc,
-and both lines are compared at the edge. With fitted lines, the slope of a table is not mistaken for a depth step. If
-the two fitted lines form a valley, the edge is a contact boundary.
+In the papers, the mean disparity is computed in a half-disc on each side of an edge. In the papers, the probability is
+a logistic function of the difference of the two means. In this implementation, a line is fitted to the disparity in
+each half-disc, and both lines are compared at the edge. With fitted lines, the slope of a table is not mistaken for a
+depth step. If the two fitted lines form a valley, the edge is a contact boundary.
 """
 
 from __future__ import annotations

@@ -183,8 +183,8 @@ def range_of(leaf: Leaf, value: float) -> Range:
 def first_value(leaf: Leaf) -> Any:
     """Return an initial value for a parameter that is None in the current configuration.
 
-    These sources are searched in order for a value: the preset OBJECTS, the other presets, the default value, and the
-    dict `UNSET`.
+    The value is taken from the preset OBJECTS, or else from another preset, from the default value of the parameter, or
+    from the dict `UNSET`.
     """
     if leaf.key == leaf.path:
         for config in (OBJECTS, *PRESETS.values()):

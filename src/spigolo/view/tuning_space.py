@@ -44,7 +44,7 @@ class Space:
     def look(self, client: viser.ClientHandle, view: str) -> None:
         """Point the camera of a browser window at a part of the scene.
 
-        view: "picture", "cloud" or "both".
+        view: part of the scene to look at, "picture", "cloud" or "both".
         """
         if self.stand is None:
             return

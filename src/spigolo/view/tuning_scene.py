@@ -85,7 +85,7 @@ def _objects(result: Segmentation) -> Color:
 
 
 def _rejected(result: Segmentation) -> Color:
-    """Draw each rejected region in its own colour. Objects have their original colours."""
+    """Draw each rejected region in its own colour. Objects keep the colours of the colour image."""
     drawn = draw_objects(result.frame.color, {k: r.mask for k, r in enumerate(result.rejected, start=1)})
     on = result.labels > 0
     drawn[on] = result.frame.color[on]

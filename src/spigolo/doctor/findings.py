@@ -33,7 +33,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """Findings of all checks of a frame, in the order of the checks."""
+    """Findings of all checks of a frame, in the order in which the checks run."""
 
     findings: tuple[Finding, ...]
 

@@ -21,8 +21,8 @@ FOCAL_LENGTH = "focal length"
 
 MAX_ASPECT = 0.05
 USUAL_SHARE = (0.7, 1.15)
-"""Minimum and maximum of focal length / image width for most RGB-D cameras. Examples: Kinect v1 and Xtion 0.82 to 0.9,
-RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
+"""Minimum and maximum of focal length / image width for most RGB-D cameras. Examples of this quotient: Kinect v1 and
+Xtion 0.82 to 0.9, RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
 """
 KNOWN_WIDE = (
     (16 / 9, 0.473, "Azure Kinect"),

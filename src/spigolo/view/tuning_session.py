@@ -1,5 +1,5 @@
 """State of a tuning session: frames, parameter values, corrections by hand, and the latest result. The module does not
-import the code of the web page.
+use viser, the package that shows the web page.
 """
 
 from __future__ import annotations

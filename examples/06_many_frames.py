@@ -1,7 +1,7 @@
 """Many frames.
 
-Segment many frames in two processes, and read the objects of all frames from one COCO file. If a run was stopped, the
-same call continues the run and produces the same files.
+Segment many frames in two processes, and read the objects of all frames from one COCO file. If a run was stopped, a
+repetition of the call continues the run, and produces the files of an uninterrupted run.
 
     python examples/06_many_frames.py [--out FOLDER]
 """

@@ -215,7 +215,7 @@ def wrong_flags() -> list[tuple[str, Words]]:
 
 
 def other_verbs() -> list[tuple[str, Words]]:
-    """Return the command-line cases of verbs other than `segment`."""
+    """Return the command-line cases of commands other than `segment`."""
     return [
         ("a folder without frames", ["segment", "no-frames"]),
         ("a folder that does not exist", ["segment", "nowhere"]),

@@ -2,8 +2,9 @@
 table.
 
 Table 1 uses the data set Rutgers APC, table 2 UW RGB-D Scenes v1, and table 3 Tejani et al. With `--data FOLDER`, the
-frames of the published data set are evaluated. Without `--data`, similar frames are rendered in the layout of the data
-set. A run that was interrupted continues with the rendered frames and the scores that it has already written.
+frames of the published data set in this folder are evaluated. Without `--data`, similar frames are rendered in the
+layout of the data set. A run that was interrupted continues with the rendered frames and the scores that it has already
+written.
 """
 
 from __future__ import annotations
@@ -60,8 +61,8 @@ def main() -> int:
 
 
 def stand_ins(family: str, count: int, seed: int, out: Path) -> Path:
-    """Render frames in the layout of a data set and return their folder. An existing folder is complete and is not
-    rendered again.
+    """Render frames in the layout of a data set and return their folder. If the folder exists, its frames are complete
+    and are not rendered again.
     """
     folder = out / f"{family}-{count}-seed-{seed}"
     if not folder.is_dir():

@@ -1,4 +1,4 @@
-"""Pictures that compare results of OBJECTS with and without an addition."""
+"""Pictures that compare results of the preset OBJECTS with and without one of our additions to the paper's method."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from spigolo.view.overlay import boundary_picture, region_picture, tile
 
 LEFT_HALF = (100, 92, 320, 352)
 NOISE_PER_M = 0.0028
-"""Value of `Additions.noise_per_m` in OBJECTS, 1/m."""
+"""Value of the parameter `Additions.noise_per_m` in the preset OBJECTS, in 1/m."""
 
 
 def additions(frame: sp.Frame) -> Color:
-    """Draw the objects that OBJECTS finds with all additions, and without one of the additions."""
+    """Draw the objects that the preset OBJECTS finds with all additions to the paper's method, without some additions,
+    and without any addition.
+    """
     configs = {"all additions": sp.OBJECTS}
     for name, off in {
         "no contours": {"additions.contours": None},
@@ -33,8 +35,8 @@ def additions(frame: sp.Frame) -> Color:
 def depth_contours(frame: sp.Frame) -> Color:
     """Draw boundaries and regions with and without depth contours.
 
-    The support plane is off, because it also adds contours at the feet of objects. Joining is off, because it requires
-    the support plane.
+    The support plane is switched off, because it also adds contours at the feet of objects. The joining of regions is
+    switched off, because it requires the support plane.
     """
     with_them = sp.OBJECTS.replace(additions={"joining": None, "support": None})
     pictures = {}
@@ -49,7 +51,7 @@ def depth_contours(frame: sp.Frame) -> Color:
 
 
 def support_plane(frame: sp.Frame) -> Color:
-    """Draw the support plane, and the objects that OBJECTS_1 finds with and without the support plane."""
+    """Draw the support plane, and the objects that the preset OBJECTS_1 finds with and without the support plane."""
     found = sp.segment(frame, sp.PRESETS["OBJECTS_1"])
     without = sp.segment(frame, sp.PRESETS["OBJECTS_1"].replace(**{"additions.support": None}))
     return tile(
@@ -63,8 +65,8 @@ def support_plane(frame: sp.Frame) -> Color:
 
 
 def noise_floor(frame: sp.Frame) -> Color:
-    """Draw regions with and without the noise floor of eq. 9. Merging is off, because it also removes most borders at
-    depth quantisation steps.
+    """Draw regions with and without the noise floor of equation 9. The merging of regions is switched off, because
+    merging also removes most borders at depth quantisation steps.
     """
     pictures = {}
     for title, config in {
@@ -77,7 +79,7 @@ def noise_floor(frame: sp.Frame) -> Color:
 
 
 def merging() -> Color:
-    """Draw the regions of a near table with noisy depth, with and without merging."""
+    """Draw the regions of a near table with noisy depth, with and without the merging of regions."""
     frame = scenes.groceries()
     pictures = {"colour": frame.color}
     for title, config in {

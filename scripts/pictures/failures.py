@@ -56,7 +56,7 @@ def touching_objects() -> Color:
 
 
 def flat_objects() -> Color:
-    """Draw the objects found among boxes of several heights. The lowest boxes are not found."""
+    """Draw the objects found among boxes of several heights. The boxes of the smallest height are not found."""
     flat = scenes.flat_boxes((3, 5, 7, 10, 15, 30), distance_m=0.7)
     result = sp.segment(flat.frame)
     return tile(

@@ -16,7 +16,7 @@ CONTACT = (60, 220, 90)
 
 
 def zoom(picture: npt.NDArray[np.uint8], window: Window, factor: float) -> Color:
-    """Return a window of a picture, enlarged by a factor without smoothing."""
+    """Return a rectangular part of a picture, enlarged by a factor without smoothing."""
     y0, x0, y1, x1 = window
     part = picture[y0:y1, x0:x1]
     return np.asarray(cv2.resize(part, None, fx=factor, fy=factor, interpolation=cv2.INTER_NEAREST), np.uint8)

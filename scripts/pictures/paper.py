@@ -22,8 +22,8 @@ GROUND, CANNY, STEP = (30, 30, 30), (110, 110, 110), (255, 150, 30)
 
 
 def mean_of_windows(frame: sp.Frame) -> Color:
-    """Draw depth next to a shadow, smoothed with the plain mean of eq. 5 and with the mean over valid pixels of eq.
-    8.
+    """Draw depth next to a shadow, smoothed with the plain mean of equation 5 and with the mean over valid pixels of
+    equation 8.
     """
     plain, valid = (smooth(frame.depth, Smoothing(mean=mean)) for mean in ("plain", "valid"))
     depths = {"measured": frame.depth, "plain mean (eq. 5)": plain, "mean of valid pixels (eq. 8)": valid}
@@ -35,13 +35,15 @@ def mean_of_windows(frame: sp.Frame) -> Color:
 
 
 def sign_of_step(frame: sp.Frame) -> Color:
-    """Draw the boundaries of eq. 13 with the absolute and with the signed depth difference."""
+    """Draw the depth boundaries of equation 13, computed with the absolute and with the signed depth difference."""
     choices = {"absolute step": EdgesConfig(), "signed step (as printed)": EdgesConfig(signed_step=True)}
     return edge_choice(frame, BOXES, choices)
 
 
 def missing_samples(frame: sp.Frame) -> Color:
-    """Draw the boundaries of eq. 13 if missing depth samples are ignored, and if they count as depth steps."""
+    """Draw the depth boundaries of equation 13 if missing depth samples are ignored, and if missing samples count as
+    depth steps.
+    """
     choices = {
         "missing samples: no evidence": EdgesConfig(),
         "missing samples: a boundary": EdgesConfig(missing_is_boundary=True),
@@ -50,8 +52,8 @@ def missing_samples(frame: sp.Frame) -> Color:
 
 
 def sign_rule(frame: sp.Frame) -> Color:
-    """Draw the boundaries of eq. 19 with both sign rules. The scene is rotated by 90 degrees, as for a camera mounted
-    on its side.
+    """Draw the contact boundaries with both rules for the sign of the angle in equation 19. The scene is rotated by 90
+    degrees, as for a camera mounted on its side.
     """
     height, width = frame.shape[::-1]
     camera = sp.Camera(525, 525, (width - 1) / 2, (height - 1) / 2, width, height)
@@ -64,7 +66,7 @@ def sign_rule(frame: sp.Frame) -> Color:
 
 
 def texture_edges(frame: sp.Frame) -> Color:
-    """Draw the Canny edges, and the edges that remain after eq. 20."""
+    """Draw the Canny edges, and the Canny edges that equation 20 keeps as boundaries."""
     edges = edge_maps(frame, EdgesConfig())
     canny = np.where(edges.canny[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
     final = np.where(edges.final[..., None], np.uint8(235), np.uint8(30)) * np.ones(3, np.uint8)
@@ -77,7 +79,7 @@ def texture_edges(frame: sp.Frame) -> Color:
 
 
 def soft_boundary(frame: sp.Frame) -> Color:
-    """Draw the regions of eq. 23 with a soft and with a thin boundary map."""
+    """Draw the regions found with the cost function of equation 23, with a soft and with a thin boundary map."""
     pictures = {}
     for name in ("soft", "thin"):
         run = sp.trace(frame, sp.TABLE.replace(**{"edges.boundary": name}))
@@ -88,9 +90,11 @@ def soft_boundary(frame: sp.Frame) -> Color:
 
 
 def larger_end(frame: sp.Frame) -> Color:
-    """Draw the regions of eq. 23 on a thin boundary map, with both values of `BoundaryCost.ends`.
+    """Draw the regions found with the cost function of equation 23 and a thin boundary map, once for each value of
+    `BoundaryCost.ends`.
 
-    The preset is OBJECTS_1, which is 8-connected. On a 4-connected grid, no graph edge crosses a thin line diagonally.
+    The pictures use the preset OBJECTS_1, in which each pixel has 8 neighbours. On a 4-connected grid, no graph edge
+    crosses a thin line diagonally.
     """
     pictures = {}
     for ends, title in (("max", "larger of both ends"), ("i", "first end, as printed")):
@@ -100,7 +104,7 @@ def larger_end(frame: sp.Frame) -> Color:
 
 
 def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, EdgesConfig]) -> Color:
-    """Draw a window of the colour image, and the boundaries of each setting in this window."""
+    """Draw a part of the colour image, and the boundaries in this part for each configuration of the edge detection."""
     pictures = {"colour": zoom(frame.color, window, 3)}
     for title, config in choices.items():
         pictures[title] = zoom(edge_picture(edge_maps(frame, config)), window, 3)
@@ -108,7 +112,7 @@ def edge_choice(frame: sp.Frame, window: Window, choices: dict[str, EdgesConfig]
 
 
 def edge_maps(frame: sp.Frame, config: EdgesConfig) -> EdgeMaps:
-    """Return the edge maps of the paper, computed from in-painted and smoothed depth as in TABLE."""
+    """Return the edge maps of the paper, computed from in-painted and smoothed depth as in the preset TABLE."""
     depth = smooth(inpaint_small_gaps(frame.depth, Inpainting()), Smoothing())
     return find_edges(frame.color, depth, frame.camera, config)
 

@@ -92,7 +92,9 @@ def two_boxes(behind_m: float) -> sp.Frame:
 
 
 def packed_layer(raised_m: float) -> sp.Frame:
-    """Render a layer of packed boxes that is wider than the image. One box is `raised_m` higher than the others."""
+    """Render a layer of packed boxes that is wider than the image. One box is higher than all other boxes, by
+    `raised_m`.
+    """
     x, y, z = PACKED_M
     things = []
     for row, column in np.ndindex(9, 11):
@@ -125,8 +127,8 @@ def _product(name: str, spot_m: Spot, yaw_deg: float, rest: int = 0) -> SceneObj
 
 
 def _photograph(things: Sequence[SceneObject], view: View, seed: int, noise_level: float = 1.0) -> sp.Frame:
-    """Render objects on a wooden table, with a sensor model of the first Kinect. noise_level: 1 is the noise of the
-    Kinect.
+    """Render objects on a wooden table, with a sensor model of the first Kinect. noise_level: depth noise as a multiple
+    of the noise of the Kinect.
     """
     top = block((0.0, 0.0, -TABLE_M[2] / 2), TABLE_M)
     wood, ground = surface("wood", np.random.default_rng(1)), surface("plain", np.random.default_rng(9))
@@ -139,7 +141,7 @@ def _photograph(things: Sequence[SceneObject], view: View, seed: int, noise_leve
 
 
 def _pixels(points_m: Sequence[tuple[float, float, float]], view: View) -> npt.NDArray[np.intp]:
-    """Project points in world axes, m, to pixels (N, 2) in the order (x, y)."""
+    """Project points, given in world axes in metres, to pixels (N, 2) in the order (x, y)."""
     x, y, z, _ = view.world_to_camera @ np.column_stack([points_m, np.ones(len(points_m))]).T
     camera = view.camera
     return np.stack([camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy], axis=1).round().astype(np.intp)

@@ -1,4 +1,5 @@
-"""Segmentation of many frames into one table of objects. Damaged frames and crashes do not stop a run.
+"""Segmentation of many frames, with one table of the objects of all frames. Damaged frames and crashes do not stop a
+run.
 
     jobs = [FrameFiles("a", Path("a/rgb.png"), Path("a/depth.png"), "kinect-v1", 0.001), ...]
     summary = run_batch(jobs, sp.OBJECTS, Path("out"), local(workers=2))

@@ -34,14 +34,14 @@ LOOPBACK = "127.0.0.1"
 FOREVER = "1000 days"
 LOST = "the connection to the Dask scheduler is lost: check that the scheduler runs, then start the run again"
 POLL_S = 0.005
-"""Time between two looks for finished tasks, in seconds."""
+"""Time between two checks for finished tasks, in seconds."""
 CHECK_S = 1.0
-"""Minimum time between two questions to the scheduler for its number of workers, in seconds."""
+"""Minimum time between two requests to the scheduler for its number of workers, in seconds."""
 WORKERLESS_S = 600.0
 """Maximum time to wait for a worker while the cluster has none, in seconds."""
 RECENT = 15
 """Number of recent cluster tasks over which the median time per item is computed. The number of items in the next task
-is `TASK_S` divided by this median.
+is `TASK_S` divided by the median time per item.
 """
 
 
@@ -95,9 +95,9 @@ class _ClusterRun(Generic[T, R]):
     """Run of a function on all items with a Dask cluster. Each task of the cluster processes a group of items.
 
     If the task of a group fails, each item of the group is repeated in a separate task. If a worker dies, Dask reports
-    all of its tasks as failed, although possibly only one of these tasks crashed the worker. If the separate task of an
-    item also fails because workers died, the item is repeated while no other item runs. The item counts as lost only if
-    the workers die again.
+    all tasks of the worker as failed, although possibly only one task caused the crash. If the separate task of an item
+    also fails because workers died, the item is repeated while no other item runs. The item counts as lost only if a
+    worker dies again during this repetition.
     """
 
     def __init__(self, client: Any, do: Callable[[T], R], items: Iterable[T], group: int | None) -> None:
@@ -113,7 +113,7 @@ class _ClusterRun(Generic[T, R]):
     def outcomes(self, distributed: Any) -> Iterator[tuple[T, R | Lost]]:
         # submit the function as a separate task, so that each worker keeps one copy and Dask restores a lost copy
         self.work = self.client.submit(_itself, self.do, pure=False)
-        # ask for the results, because a finished task starts again if its worker dies before the result is read
+        # request the results, because a finished task starts again if its worker dies before its result is read
         queue = distributed.as_completed(self._submit(), loop=self.client.loop, with_results=True, raise_errors=False)
         watch = _Watch(self.client)
         undelivered: set[Any] = set()
@@ -125,7 +125,7 @@ class _ClusterRun(Generic[T, R]):
                     queue.update(self._submit())
             elif watch.is_due():
                 watch.check_workers()
-                # the queue never gets a task whose result was lost while it was read
+                # the queue never returns a task whose result was lost while the result was read
                 ended = {future for future in self.in_flight if future.status in ("error", "finished")}
                 for future in ended & undelivered:
                     if future.status == "finished":
@@ -138,8 +138,8 @@ class _ClusterRun(Generic[T, R]):
                 time.sleep(POLL_S)
 
     def _submit(self) -> list[Any]:
-        """Submit groups of items until `IN_FLIGHT` groups per thread of the cluster are running or waiting. Return the
-        new futures.
+        """Submit groups of items as tasks, until `IN_FLIGHT` tasks per thread of the cluster are running or waiting.
+        Return the Dask futures of the new tasks.
         """
         window = IN_FLIGHT * max(_threads(self.client), 1)
         futures = []
@@ -163,7 +163,9 @@ class _ClusterRun(Generic[T, R]):
         return min(max(int(TASK_S / max(median(self.item_s), 1e-9)), 1), MAX_GROUP) if self.item_s else 1
 
     def _collect(self, future: Any, result: Any) -> Iterator[tuple[T, R | Lost]]:
-        """Yield the outcomes of the group of a finished task, or put the items of the group back if the task failed."""
+        """Yield each item of a finished task with its outcome. If a task with several items failed, its items are
+        repeated one by one.
+        """
         group = self.in_flight.pop(future)
         if isinstance(result, _Done):
             self.item_s.append(result.seconds / len(group))
@@ -186,7 +188,7 @@ class _ClusterRun(Generic[T, R]):
 
 
 class _Watch:
-    """Watch over a cluster that may lose all of its workers."""
+    """Monitor of a cluster, which detects that the cluster has lost all of its workers."""
 
     def __init__(self, client: Any) -> None:
         self.client = client
@@ -216,12 +218,12 @@ class _Watch:
 
 @dataclass(frozen=True, slots=True)
 class _Done(Generic[R]):
-    """Result of a task."""
+    """Result of a cluster task, which processes a group of items."""
 
     outcomes: list[R | Lost]
-    """Outcomes of the items, in the order of the group."""
+    """Outcomes of the items, in the order of the items in the group."""
     seconds: float
-    """Duration of the processing."""
+    """Duration of the processing of all items of the task, in seconds."""
 
 
 def _threads(client: Any) -> int:
@@ -239,7 +241,7 @@ def _itself(do: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 
 def _work(do: Callable[[Any], Any], group: list[Any]) -> _Done[Any]:
-    """Process a group of items."""
+    """Apply a function to a group of items, and return the outcomes with the duration."""
     cv2.setNumThreads(1)
     start = time.perf_counter()
     return _Done([_outcome(do, item) for item in group], time.perf_counter() - start)
@@ -266,9 +268,9 @@ def _reason(error: BaseException) -> str:
 def _local_settings() -> Iterator[None]:
     """Change two settings of Dask while a local cluster runs, and restore the environment variables that Dask sets.
 
-    By default, Dask removes a worker for good if, 15 s after an earlier crash, its process is just being started again.
-    A run with several crashes would lose all of its workers. Dask also makes workers return freed memory to the
-    operating system, which costs about 16,000 page faults for each frame.
+    By default, Dask removes a worker permanently if the process of the worker is being started again 15 s after an
+    earlier crash. A run with several crashes would therefore lose all of its workers. Dask also makes workers return
+    freed memory to the operating system, which costs about 16,000 page faults for each frame.
     """
     config = importlib.import_module("dask").config
     changes = {

@@ -205,15 +205,15 @@ _do: Callable[[Any], Any] | None = None
 def _prepare(do: Callable[[Any], Any]) -> None:
     """Initialise a new worker process: store the function `do`, ignore Ctrl-C and limit OpenCV to one thread."""
     global _do  # noqa: PLW0603
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the parent handles Ctrl-C
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # only the parent process handles Ctrl-C
     threading.Thread(target=_end_with_parent, daemon=True).start()
     cv2.setNumThreads(1)
     _do = do
 
 
 def _end_with_parent() -> None:
-    """End this worker process when its parent process ends. Without this function, a worker would wait forever after
-    its parent process was killed.
+    """End this worker process when its parent process ends. Without this function, a worker process would wait forever
+    after its parent process was killed.
     """
     parent = parent_process()
     if parent is not None:

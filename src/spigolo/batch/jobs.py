@@ -22,12 +22,12 @@ class Job(Protocol):
 
     @property
     def name(self) -> str:
-        """Name of the frame, unique in a run. `/` separates folders."""
+        """Name of the frame, unique in a run. The character `/` in the name separates folders."""
         ...
 
     def stamp(self) -> str:
         """Return a short text that describes the state of the input files. If the text is the same as in an earlier
-        run, the input files count as unchanged. The method must be fast and must not read the content of files.
+        run, the input files count as unchanged. The method `stamp` must be fast and must not read the content of files.
         """
         ...
 
@@ -53,7 +53,7 @@ class FrameFiles:
     camera: str | Path | None = None
     """Camera file, camera name or field of view, in a form that `read_frame` accepts."""
     depth_scale: float | None = None
-    """Metres per unit of the depth image. If None, the camera file gives the value."""
+    """Metres per unit of the depth image. If None, the depth scale in the camera file is used."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
 

@@ -25,8 +25,8 @@ class Entry:
     frame: str
     """Name of the frame."""
     stamp: str
-    """Short text from `Job.stamp` that describes the state of the input files. If the stamp is unchanged, the hash of
-    the inputs is not computed again.
+    """Short text from `Job.stamp` that describes the state of the input files. If the text is the same as in an earlier
+    run, the hash of the input files is not computed again.
     """
     inputs: str
     """Hash of the content of the input files, from `Job.fingerprint`."""
@@ -37,8 +37,7 @@ class Entry:
     objects: int
     """Number of objects in the frame."""
     files: Mapping[str, int]
-    """Size in bytes of each output file of the frame. The keys are the names of the output folders, such as `labels`.
-    """
+    """Size in bytes of each output file of the frame, indexed by the name of the output folder, such as `labels`."""
     warnings: tuple[str, ...]
     """Warnings about the frame."""
     error: str | None
@@ -96,8 +95,8 @@ class Manifest:
         self.entries[entry.frame] = entry
 
     def sort(self, names: Iterable[str]) -> None:
-        """Rewrite the manifest with one line per frame. The frames in `names` come first, in the order of `names`.
-        Other frames follow, sorted by name.
+        """Rewrite the manifest with one line per frame. The frames in `names` come first, in the order of `names`. All
+        other frames follow, sorted by name.
         """
         first = dict.fromkeys(name for name in names if name in self.entries)
         order = [*first, *sorted(self.entries.keys() - first.keys())]

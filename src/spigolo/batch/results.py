@@ -35,13 +35,13 @@ class Answer:
     stamp: str = ""
     """Short text from `Job.stamp` that describes the state of the input files before the files are read."""
     fingerprint: str = ""
-    """Hash of the content of the input files, from `Job.fingerprint`. The hash is an empty string if the input files
-    cannot be read.
+    """Hash of the content of the input files, from `Job.fingerprint`. The text is empty if the input files cannot be
+    read.
     """
     objects: int = 0
     """Number of objects in the frame."""
     files: Mapping[str, bytes] = field(default_factory=dict)
-    """Content of the output files of the frame. The keys are the names of the output folders, such as `labels`."""
+    """Content of the output files of the frame, indexed by the name of the output folder, such as `labels`."""
     warnings: tuple[str, ...] = ()
     """Warnings about the frame."""
     error: str | None = None

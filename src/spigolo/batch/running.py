@@ -62,8 +62,8 @@ def run_batch(
     table: str = "parquet",
     tell: Callable[[Progress], None] | None = None,
 ) -> Summary:
-    """Segment many frames, one for each job. Write labels/FRAME.png, objects/FRAME.json and one table of all objects
-    into a folder.
+    """Segment many frames, where each job describes one frame. Write labels/FRAME.png, objects/FRAME.json and one table
+    of all objects into a folder.
 
     Frames with results from an earlier run are skipped if inputs, preset, region of interest and version of spigolo are
     the same. Failed frames are repeated.
@@ -105,7 +105,7 @@ class _Run:
         self.failures: list[tuple[str, str]] = []
 
     def clean(self) -> None:
-        """Remove temporary files that a killed run left in the folder. Other files in the folder are kept."""
+        """Remove temporary files that a killed run left in the folder. All other files in the folder are kept."""
         left = [path for name in (FILE, *TABLES) for path in self.root.glob(f".{name}-*")]
         for folder, suffix in SUFFIXES.items():
             if not (self.root / folder).is_symlink():
@@ -148,8 +148,8 @@ class _Run:
         return True
 
     def compute(self, jobs: Sequence[Job], engine: Engine) -> None:
-        """Process jobs with an engine. The output files of a frame are written as soon as the engine returns the
-        outcome.
+        """Segment the frames of jobs with an engine, such as a pool of worker processes. The output files of a frame
+        are written as soon as the engine returns the outcome.
         """
         if not jobs:
             return

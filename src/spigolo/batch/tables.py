@@ -68,7 +68,7 @@ def write_parquet(shards: Iterable[Shard], path: Path, about: Mapping[str, str])
 
 def _groups(shards: Iterable[Shard]) -> Iterator[list[dict[str, Any]]]:
     """Yield the rows of the table in groups of `ROWS` rows. A group can contain objects of several frames. The last
-    group has the remaining rows and can be empty.
+    group of rows contains the remaining rows and can be empty.
     """
     rows: list[dict[str, Any]] = []
     for shard in shards:
@@ -86,8 +86,8 @@ def _rows(shard: Shard) -> list[dict[str, Any]]:
 
 
 def _schema(pa: Any) -> Any:
-    """Return the schema of the Parquet file. The columns with measurements have the same names and the same order as
-    the fields in objects.json.
+    """Return the schema of the Parquet file. The columns with measurements of an object have the same names and the
+    same order as the fields in objects.json.
     """
     numbers, whole = pa.list_(pa.float64()), pa.list_(pa.int32())
     kinds = dict.fromkeys(TEXTS, pa.string()) | dict.fromkeys(INTEGERS, pa.int32())

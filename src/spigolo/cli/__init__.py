@@ -34,7 +34,7 @@ def main() -> None:
         print(f"spigolo: {error}", file=sys.stderr)
         code = FAILED
     except cyclopts.CycloptsError:
-        code = FAILED  # already printed
+        code = FAILED  # the error message is already printed
     except BrokenPipeError:  # for example, `| head` closed the pipe of the output
         _write_no_more()
         code = DONE

@@ -64,8 +64,8 @@ def bench(
         Number of frames that are segmented in a row to measure the median, the 99th percentile and the maximum of the
         latency.
     startup
-        Also measure how long the program takes to start if its numerical kernels are not compiled yet. This measurement
-        takes up to a minute more.
+        Also measure how long the program takes to start if its numerical kernels are not compiled yet. The measurement
+        of the start takes up to a minute more.
     json
         JSON file to write, with all measured values of every round.
     plot

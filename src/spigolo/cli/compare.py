@@ -33,7 +33,7 @@ def compare(
     depth_scale
         Metres per unit of the depth image. Default: the depth scale in the camera file.
     methods
-        Methods to compare with toscana2016. Default: all methods.
+        Names of the methods to compare with toscana2016, the method of this package. Default: all methods.
     out
         PNG file to write, or a folder in which compare.png is written.
 

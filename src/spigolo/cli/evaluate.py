@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from spigolo.lab.experiments import Contender
 
 FULL = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
-"""Default name patterns of data sets in which every object is labelled. Precision is reported only for these data sets.
+"""Default name patterns of data sets in which every object is labelled. Precision is reported only for data sets whose
+name matches a pattern.
 """
 
 Folders = Annotated[tuple[Path, ...], Parameter(consume_multiple=True, negative=())]
@@ -162,14 +163,14 @@ def report(
     rows
         Result files of `spigolo evaluate`. Give the files before all flags.
     frames
-        Folders of the evaluated frames. The page then shows images of the worst frames.
+        Folders of the evaluated frames. With the option `--frames`, the page shows images of the worst frames.
     against
         Reference method, with which the other methods are compared. Give the label of the reference method on the page,
         its preset, the digest of its preset, or its results file. Default: the first method.
     paper
         Write the paper's Tables I, II and III instead of the page index.html. Each table cell shows the value from the
-        paper and the measured value. The files must contain results on the paper's data sets or on rendered frames in
-        the layout of these data sets.
+        paper and the measured value. The result files must contain results on the paper's data sets or on rendered
+        frames in the layout of these data sets.
     out
         Output folder for index.html, report.md and the images of the worst frames.
 
@@ -183,7 +184,7 @@ def report(
         if frames or against is not None:
             raise ConfigError("expected --paper without --frames and --against: leave out --frames and --against")
         return _report_paper(contenders, out)
-    find_references(contenders, against)  # report an unknown reference before drawing
+    find_references(contenders, against)  # reports an unknown reference method before images are drawn
     folders = find_labelled_frames(frames) if frames else []
     with progress() as bar:
         task = bar.add_task("drawing", total=None)

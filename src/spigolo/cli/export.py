@@ -81,7 +81,7 @@ def export(
         Number of frames after which the program stops. Default: all frames.
     trim_m
         For `ply` and `pcd`: maximum distance, in metres, of a point from the oriented box of its object. Points farther
-        from the box count as flying pixels and are left out. Default: all measured points.
+        from the box count as flying pixels and are left out. Default: all measured points are written.
 
     """
     words, flags = split_flags(inputs)

@@ -23,7 +23,7 @@ def progress(*columns: ProgressColumn, **options: Any) -> Iterator[Progress]:
 
     shown = sys.stderr.isatty()
     with Progress(*columns, console=Console(stderr=True), disable=not shown, **options) as bar:
-        if shown or options.get("auto_refresh") is False:  # measurements must not be disturbed
+        if shown or options.get("auto_refresh") is False:  # text from a background thread would disturb measurements
             yield bar
             return
         with _lines(bar):
@@ -32,7 +32,7 @@ def progress(*columns: ProgressColumn, **options: Any) -> Iterator[Progress]:
 
 @contextmanager
 def _lines(bar: Progress) -> Iterator[None]:
-    """Print the text columns of all tasks as a line from time to time."""
+    """Print the text columns of each task as a line of text every `LINE_S` seconds."""
     from rich.text import Text
 
     def run() -> None:

@@ -26,7 +26,7 @@ class Region:
     roi
         Region of interest in pixels: first row, first column, last row + 1, last column + 1.
     roi_mask
-        Image file that marks the region of interest: all pixels that are not black.
+        Image file that marks the region of interest. All pixels that are not black belong to the region.
     roi_box
         Region of interest in metres in the camera's frame (X right, Y down, Z forward): minimum X Y Z, maximum X Y Z.
 

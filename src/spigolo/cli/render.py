@@ -21,8 +21,8 @@ def render(
     objects.
 
     Examples: `spigolo render table --out rendered`, then `spigolo evaluate rendered --presets TABLE`. To imitate a
-    published data set in its own layout, use `spigolo render shelf --count 72 --layout original`. This command requires
-    `pip install "spigolo[synthetic]"`.
+    published data set in its own layout, use `spigolo render shelf --count 72 --layout original`. The command `render`
+    requires `pip install "spigolo[synthetic]"`.
 
     Parameters
     ----------

@@ -30,11 +30,12 @@ def ros(
     color
         Topic of the colour image. Default: the topic `color`, which can be remapped with ROS arguments.
     depth
-        Topic of the depth image, which must be registered to colour. Default: `depth`.
+        Topic of the depth image, which must be registered to colour. Default: the topic `depth`.
     camera_info
-        Topic of the CameraInfo of the colour image. Default: `camera_info`.
+        Topic of the CameraInfo of the colour image. Default: the topic `camera_info`.
     preset
-        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
+        Name of a preset, or a TOML file. Use OBJECTS for your own data, and SHELF, TABLE or CLUTTER for the paper's
+        data sets.
 
     """
     from spigolo.ros.kinds import find_kinds

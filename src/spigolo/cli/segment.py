@@ -56,7 +56,8 @@ def segment(
         3x3 matrix in a .txt, .npy or .mat file, and COLMAP's cameras.txt. Default: camera.json next to the images or in
         a folder above them. Without intrinsics, results in metres are left out.
     preset
-        Preset: OBJECTS for your own data, SHELF, TABLE or CLUTTER for the paper's data sets, or a TOML file.
+        Name of a preset, or a TOML file. Use OBJECTS for your own data, and SHELF, TABLE or CLUTTER for the paper's
+        data sets.
     depth_scale
         Metres per unit of the depth image: 0.001 for millimetres. Default: the depth scale in the camera file.
     region

@@ -26,8 +26,8 @@ def tune(
     """Open a web page to tune a preset interactively. The page shows the masks, the point cloud and a slider for each
     parameter.
 
-    This command requires `pip install "spigolo[tune]"`. Ctrl-C stops the program. Example: `spigolo tune recordings/
-    --camera kinect-v1`.
+    The command `tune` requires `pip install "spigolo[tune]"`. Ctrl-C stops the program. Example: `spigolo tune
+    recordings/ --camera kinect-v1`.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-"""Checks of a frame: image size, depth unit, missing depth, alignment and intrinsics. The checks also advise which cost
-function fits the frame.
+"""Checks of a frame: image size, depth unit, missing depth, alignment and intrinsics. The checks also recommend a cost
+function, which computes the weights of graph edges in the segmentation.
 """
 
 from spigolo.doctor.checkup import diagnose

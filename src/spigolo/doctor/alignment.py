@@ -1,7 +1,8 @@
 """Check that depth is aligned with colour. At a depth step, colour usually changes too.
 
-Depth contours are the near sides of depth steps. The contours are shifted over the colour image, and for every shift
-the mean colour gradient at the contour pixels is computed. In an aligned frame, this mean is largest without a shift.
+A depth contour consists of the pixels on the near side of a depth step. The contours are shifted over the colour image.
+For every shift, the mean colour gradient at the contour pixels is computed. In an aligned frame, the mean gradient is
+largest without a shift.
 """
 
 from __future__ import annotations
@@ -25,20 +26,18 @@ TOLERANCE_PX = 4
 detection of object boundaries compares depth at a distance of 5 px from an image edge, on both sides of the edge.
 """
 MIN_CONTOUR_SHARE = 500 / (640 * 480)
-"""Minimum share of contour pixels in the image. With a smaller share, the alignment of depth and colour cannot be
+"""Minimum share of contour pixels in the image. With fewer contour pixels, the alignment of depth and colour cannot be
 judged.
 """
 MIN_CONTRAST, MIN_PEAK = 0.2, 3.0
-"""Minimum of `Fit.score` (`MIN_CONTRAST`) and minimum of `Fit.peak` (`MIN_PEAK`). If the score or the peak is smaller,
-the alignment of depth and colour cannot be judged.
+"""Minimum of `Fit.score` (`MIN_CONTRAST`) and minimum of `Fit.peak` (`MIN_PEAK`). If `Fit.score` or `Fit.peak` is below
+its minimum, the alignment of depth and colour cannot be judged.
 """
 SHIFTED = 0.95
-"""Minimum of `Fit.unshifted` divided by `Fit.score`. If the quotient is smaller, depth is reported as shifted against
-colour.
-"""
+"""Depth is reported as shifted against colour if the quotient `Fit.unshifted` / `Fit.score` is below this value."""
 MIRRORED = 0.8
-"""Minimum of the score of the contours as they are, divided by the score of the mirrored contours. If the quotient is
-smaller, depth is reported as mirrored.
+"""Depth is reported as mirrored if the score of the unchanged contours, divided by the score of the mirrored contours,
+is below this value.
 """
 
 STEP_OFFSET_PX = 2
@@ -47,8 +46,8 @@ STEP_M, STEP_PER_M = 0.02, 0.012
 MAX_SHADOW_PX = 60
 GRADIENT_SIGMA_PX, AROUND_PX = 1.2, 33
 FLAT_GRADIENT = 2.0
-"""Constant, in grey levels per pixel, that is added to the mean gradient around a pixel before the division. Image
-noise in areas of uniform colour therefore has little weight.
+"""Constant, in grey levels per pixel, that is added to the mean gradient around a pixel before gradients are divided by
+this mean gradient. Image noise in areas of uniform colour therefore has little weight.
 """
 MAX_GRADIENT = 3.0
 """Colour gradients are limited to this multiple of the mean gradient around the pixel, so that a few strong image edges
@@ -132,8 +131,8 @@ def depth_contours(depth: DepthMap) -> Pair:
     """Return two maps (H, W), one for depth steps along x and one for depth steps along y. A map is 1 on the near side
     of a depth step, and 0 elsewhere. Pixels near the image border are 0.
 
-    Shadows are first filled with the depth of the background. A depth step counts only if its near side is flat. A
-    slanted surface therefore does not count as a step.
+    Missing depth next to objects (shadows) is first filled with the depth of the background. A depth step counts only
+    if its near side is flat. A slanted surface therefore does not count as a step.
     """
     limit = np.maximum(np.float32(STEP_M), np.float32(STEP_PER_M) * depth * depth)
     pair = []

@@ -85,8 +85,8 @@ def check_size(frame: Frame) -> Finding:
 
 
 def advise_cost(filled: DepthMap) -> Finding:
-    """Return the cost function that `AutoCost` chooses, as advice. filled: depth map (H, W) in metres, in which small
-    gaps are in-painted.
+    """Return a finding that recommends the cost function that `AutoCost` chooses for a frame. filled: depth map (H, W)
+    in metres, in which small gaps are in-painted.
     """
     auto, inside = AutoCost(), missing_share(filled)
     elsewhere = float(missing_mask(filled).mean()) - inside

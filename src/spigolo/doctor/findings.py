@@ -7,8 +7,8 @@ from enum import Enum
 
 
 class Severity(str, Enum):
-    """Severity of a finding. OK: as expected. NOTE: useful information, or a check that is not possible with this
-    frame. WARNING: a fault to fix.
+    """Severity of a finding. OK: the result is as expected. NOTE: useful information, or a check that is not possible
+    with this frame. WARNING: a fault to fix.
     """
 
     OK = "ok"
@@ -33,7 +33,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """Findings of all checks of a frame, in the order of the checks."""
+    """Findings of all checks of a frame, in the order in which the checks run."""
 
     findings: tuple[Finding, ...]
 

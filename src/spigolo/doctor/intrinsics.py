@@ -1,7 +1,8 @@
 """Check that the intrinsics are plausible for the camera of a frame.
 
 With a wrong focal length, planes stay planar, but the angles between planes change. Most objects on a table have
-upright sides. The check therefore tries many focal lengths and selects the one with which most surfaces are upright.
+upright sides. The check therefore tries many focal lengths and selects the focal length with which most surfaces are
+upright.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ FOCAL_LENGTH = "focal length"
 
 MAX_ASPECT = 0.05
 USUAL_SHARE = (0.7, 1.15)
-"""Minimum and maximum of focal length / image width for most RGB-D cameras. Examples: Kinect v1 and Xtion 0.82 to 0.9,
-RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
+"""Minimum and maximum of focal length / image width for most RGB-D cameras. Examples of this quotient: Kinect v1 and
+Xtion 0.82 to 0.9, RealSense D415, D435 and SR300 0.96 (4:3) and 0.72 (16:9), Zivid 0.92.
 """
 KNOWN_WIDE = (
     (16 / 9, 0.473, "Azure Kinect"),
@@ -36,15 +37,15 @@ image width, and the names of the cameras.
 """
 KNOWN_WITHIN = 0.03
 POSSIBLE_SHARE = (0.42, 1.3)
-"""Minimum and maximum of focal length / image width for all RGB-D cameras. An estimated focal length outside of these
-limits is ignored.
+"""Minimum and maximum of focal length / image width for all RGB-D cameras. An estimated focal length is ignored if the
+quotient is outside of these limits.
 """
 
 TRIED = np.exp(np.linspace(np.log(0.4), np.log(2.5), 45))
-"""Factors by which the focal length is multiplied in the search."""
+"""Factors by which the given focal length is multiplied in the search for the best focal length."""
 RIGHT_WITHIN = 1.25
-"""The given focal length is accepted if it differs from the estimated focal length by at most this factor, up or down.
-The estimate is inaccurate because some surfaces are slightly slanted.
+"""The given focal length is accepted if it differs from the estimated focal length by at most this factor, in either
+direction. The estimated focal length is inaccurate because some surfaces are slightly slanted.
 """
 MIN_TILT_DEG = 20.0
 """Minimum angle between the viewing direction and the normal of the support plane, in degrees. At smaller angles the
@@ -52,11 +53,11 @@ camera looks straight down, and upright sides look upright with any focal length
 """
 UPRIGHT_COS = 0.07
 """A surface is upright if the absolute cosine of the angle between its normal and the normal of the support plane is at
-most this value. The value 0.07 allows a tilt of 4 degrees.
+most this value. The value 0.07 allows surfaces that are tilted by up to 4 degrees.
 """
 MIN_UPRIGHT = 0.05
-"""Minimum share of upright surfaces among the sampled surfaces, counted with the best factor of `TRIED`. With a smaller
-share, the focal length cannot be judged.
+"""Minimum share of upright surfaces among the sampled surfaces, counted with the best factor of `TRIED`. With fewer
+upright surfaces, the focal length cannot be judged.
 """
 CLEAR = 2.0
 """One focal length is clearly better than another if it makes at least `CLEAR` times as many surfaces upright."""
@@ -121,10 +122,11 @@ def check_focal_length(filled: DepthMap, camera: Camera) -> Finding:
 def upright_factor(filled: DepthMap, camera: Camera) -> float | None:
     """Return the factor by which the focal length must be multiplied so that most surfaces are upright.
 
-    The factor is 1 if focal lengths near the given focal length are clearly the best, as defined by `CLEAR`.
+    The factor is 1 if focal lengths near the given focal length make at least `CLEAR` times as many surfaces upright as
+    very different focal lengths.
 
     Returns None if the scene has no support plane, is seen straight from above, or has too few upright surfaces. Also
-    returns None if no factor is clearly the best.
+    returns None if very different focal lengths make similar numbers of surfaces upright.
     """
     support = find_support(filled, camera, Support())
     if support is None or np.degrees(np.arccos(min(abs(support.normal[2]), 1.0))) < MIN_TILT_DEG:

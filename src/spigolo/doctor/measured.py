@@ -15,12 +15,12 @@ from spigolo.stages.depth import find_gaps, missing_mask, sampling_holes
 MISSING, UNIT, REACH = "missing depth", "depth unit", "reach of depth"
 
 FEW_BEYOND = 0.001
-"""If at least this share of the pixels has a depth that no camera can measure, a warning is given. If the share is
-smaller, a note is given.
+"""If at least this share of the pixels has a depth that no camera can measure, a warning is given. If fewer pixels have
+such a depth, only a note is given.
 """
 
 FEW_VALID = 0.02
-"""Minimum share of pixels with measured depth in a frame. With a smaller share, a warning is given."""
+"""Minimum share of pixels with measured depth in a frame. If fewer pixels have measured depth, a warning is given."""
 MUCH_MISSING = 0.2
 HOLES = 0.02
 """Sampling holes are gaps in depth that are one or two pixels wide. Sampling holes are reported if they contain more
@@ -40,17 +40,17 @@ PLAUSIBLE = math.log(3.0)
 may differ from `TABLE_M` by a factor of less than 3, stored here as a logarithm.
 """
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
-"""CLOSEST_M: minimum working distance of a RealSense D405, in metres. CLOSE_UNIT_M: depth unit of this camera, in
+"""CLOSEST_M: minimum working distance of a RealSense D405, in metres. CLOSE_UNIT_M: depth unit of a RealSense D405, in
 metres.
 """
 SAME_VIEW = 0.05
 NEAR_M, FAR_M = 0.2, 6.0
-"""Minimum and maximum plausible median depth of a frame, in metres. Other median depths give a warning, or a note if
-the camera may be a close-range camera.
+"""Minimum and maximum plausible median depth of a frame, in metres. A median depth outside of the range gives a
+warning, or only a note if the camera may be a close-range camera.
 """
 TABLE_M = 0.8
 """Typical distance of a table from the camera, in metres. The advice on a wrong depth unit assumes that the median
-depth is near this value.
+depth is near `TABLE_M`.
 """
 COARSE_UNIT_M = 0.004
 """If the unit of the stored depth is at least this large, in metres, a warning is given. Cameras store depth in units
@@ -78,8 +78,8 @@ def check_negative(frame: Frame) -> Finding:
 
 
 def check_reach(frame: Frame) -> Finding:
-    """Check for depths that no camera can measure. Return a warning if the share of pixels with such depths is at least
-    `FEW_BEYOND`.
+    """Check for depths that no camera can measure. Return a warning if at least the share `FEW_BEYOND` of the pixels
+    has a depth that no camera can measure.
     """
     found = frame.out_of_reach
     if found is not None:
@@ -118,7 +118,8 @@ def check_missing(depth: DepthMap, filled: DepthMap) -> list[Finding]:
 
 
 def check_unit(frame: Frame, filled: DepthMap) -> Finding:
-    """Check that depth is in metres. The check judges the median depth, the unit of the stored values and the noise.
+    """Check that depth is in metres. The check judges the median depth, the unit of the stored depth values and the
+    depth noise.
 
     filled: depth map (H, W) in metres, in which small gaps are in-painted. The noise is measured in `filled`.
     """
@@ -190,16 +191,17 @@ def sees_close(frame: Frame) -> bool:
 def stored_unit_m(depth: DepthMap) -> float:
     """Return the largest unit, in metres, of which all depths are whole multiples. The unit is at least 0.1 mm.
 
-    If depth in millimetres was multiplied by ten by mistake, the unit is 10 mm. No camera uses this unit. The result is
-    0.1 mm for most floating-point depth, and for depth with fewer than 20 different values.
+    If depth in millimetres was multiplied by ten by mistake, the unit is 10 mm. No camera uses a depth unit of 10 mm.
+    The returned unit is 0.1 mm for most floating-point depth maps, and for depth maps with fewer than 20 different
+    values.
     """
     ticks = np.unique(np.rint(depth[depth > 0] / FINEST_TICK_M).astype(np.int64))
     return float(np.gcd.reduce(ticks)) * FINEST_TICK_M if len(ticks) >= 20 else FINEST_TICK_M
 
 
 def noise_per_m(filled: DepthMap) -> float | None:
-    """Return the depth noise on smooth surfaces, divided by the squared distance, in 1/m. The result is None if every
-    square of 7x7 pixels contains missing depth.
+    """Return the depth noise on smooth surfaces, divided by the squared distance, in 1/m. The returned value is None if
+    every square of 7x7 pixels contains missing depth.
 
     For one sensor, depth noise divided by the squared distance is nearly constant. If all depth values are ten times
     too large, the result is ten times too small.

@@ -21,29 +21,29 @@ DOWN = 0.5
 faces sideways may be a wall and gives a note.
 """
 MORE = 1.15
-"""Limit for a warning that depth is the distance along the ray. The warning requires that this quotient is larger than
-the limit: pixels on the largest plane with depth read as distance, divided by those with depth read as Z.
+"""Limit for a warning that depth is the distance along the ray. The warning is given if the largest plane has more than
+`MORE` times as many pixels with depth read as distance as with depth read as Z.
 """
 MORE_RAW, MIN_RAW = 1.5, 0.3
-"""Limits for a warning that depth is raw disparity. MORE_RAW: minimum of this quotient: pixels on the largest plane
-with depth read as disparity, divided by those with depth read as Z. MIN_RAW: minimum share of the measured pixels that
-lie on the largest plane if depth is read as disparity.
+"""Limits for a warning that depth is raw disparity. MORE_RAW: factor by which the largest plane must have more pixels
+with depth read as disparity than with depth read as Z. MIN_RAW: minimum share of the measured pixels that lie on the
+largest plane if depth is read as disparity.
 """
 MIN_SHARE = 0.12
-"""Minimum share of the measured pixels that lie on the largest plane. If the share is smaller, the frame has no large
-plane, and the check cannot judge the depth.
+"""Minimum share of the measured pixels that lie on the largest plane. If fewer pixels lie on the plane, the frame has
+no large plane, and the check cannot judge the depth.
 """
 RAW_KINECT = (-0.0030711016, 3.3309495161)
 """Slope and offset of the linear function that converts the raw disparity of a Kinect v1 to inverse depth in 1/m."""
 LARGEST_RAW_M = 2.047
-"""Largest raw disparity of a Kinect v1. The value is 2047, and reads as 2.047 m if disparity is mistaken for
-millimetres.
+"""Largest raw disparity of a Kinect v1. The largest raw disparity is 2047, and reads as 2.047 m if disparity is
+mistaken for millimetres.
 """
 
 
 def check_planarity(filled: DepthMap, camera: Camera) -> Finding:
-    """Check if depth is really the distance along the ray, or the raw disparity of a Kinect v1. With such depth, planes
-    become flat only after conversion to Z.
+    """Check if depth is really the distance along the ray, or the raw disparity of a Kinect v1. Planes in such a depth
+    map become flat only after depth is converted to Z coordinates.
 
     filled: depth map (H, W) in metres, in which small gaps are in-painted.
     """

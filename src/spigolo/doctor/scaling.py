@@ -29,12 +29,12 @@ TRIED = np.exp(np.arange(np.log(0.86), np.log(1.9), 0.04))
 camera.
 """
 MIN_SCORE, MAX_UNSCALED = 0.1, 0.82
-"""Conditions for a clear result. MIN_SCORE: minimum of `ScaleFit.score`. MAX_UNSCALED: maximum of `ScaleFit.unscaled` /
-`ScaleFit.score`.
+"""Conditions for a clear best scale. MIN_SCORE: minimum of `ScaleFit.score`. MAX_UNSCALED: maximum of
+`ScaleFit.unscaled` / `ScaleFit.score`.
 """
 MIN_EVIDENCE, UNSCALED_COSTS = 2.45, 4.0
-"""A clear result requires that `ScaleFit.peak` - UNSCALED_COSTS * ratio is at least `MIN_EVIDENCE`. The ratio is
-`ScaleFit.unscaled` / `ScaleFit.score`.
+"""A clear best scale requires that `ScaleFit.peak` - UNSCALED_COSTS * `ScaleFit.unscaled` / `ScaleFit.score` is at
+least `MIN_EVIDENCE`.
 """
 SAME = 0.07
 """A scale counts as 1 (no scaling) if the absolute value of its natural logarithm is at most this limit."""

@@ -26,10 +26,13 @@ are therefore never reported.
 """
 ALONE = 0.8
 """Depth is reported as coarse if at least this share of the pixels with similar depth have exactly the same depth. The
-share is computed for the depth of each pixel, and the median over all pixels is compared with the limit.
+share of pixels with exactly the same depth is computed for each pixel, and the median over all pixels is compared with
+`ALONE`.
 """
 FEWEST = 8
-"""Minimum number of different depth values in a frame. With fewer values, the depth steps cannot be judged."""
+"""Minimum number of different depth values in a frame. With fewer different values, the steps between depth values
+cannot be judged.
+"""
 SATURATED_SHARE = 0.005
 """The largest depth value is reported only if at least this share of the frame's pixels has this value."""
 SATURATED_RATIO = 1.4
@@ -76,8 +79,8 @@ def check_steps(depth: DepthMap) -> Finding:
 
 
 def check_saturated(depth: DepthMap) -> Finding:
-    """Check if many pixels have the same depth value, and if this value is much larger than all other depth values.
-    Such a value is probably a code for missing depth.
+    """Check if many pixels have the same depth value, and if this value is much larger than all other depth values. A
+    single value far beyond all others is probably a code for missing depth.
     """
     levels = levels_of(depth)
     if levels.ticks.size >= FEWEST:
@@ -95,7 +98,7 @@ def check_saturated(depth: DepthMap) -> Finding:
 
 def _alone(levels: Levels) -> float:
     """For each pixel, divide the number of pixels with equal depth by the number of pixels with similar depth. Return
-    the median of this quotient over all pixels.
+    the median of the quotients of all pixels.
     """
     half = np.maximum(GAP_PER_M * TICK_M * levels.ticks.astype(np.float64) ** 2, GAP_UNITS * levels.unit)
     total = np.concatenate([[0], np.cumsum(levels.counts)])

@@ -35,33 +35,34 @@ class AbramovConfig(MethodConfig):
     """
 
     shrink: Annotated[int, Field(ge=1, le=8)] = 2
-    """Factor by which the width and height of the image are reduced before segmentation. The paper reduces 640x480 to
-    320x240.
+    """Factor by which the width and height of the image are reduced before segmentation. The paper reduces images of
+    640x480 pixels to 320x240 pixels.
     """
     sigma_px: NotNegative = 0.0
-    """Standard deviation of the Gaussian smoothing of colour, in pixels of the reduced image. 0 switches smoothing off
-    (our choice).
+    """Standard deviation of the Gaussian smoothing of colour, in pixels of the reduced image. The value 0 switches
+    smoothing off (our choice).
     """
     alpha: Positive = 2.5
     """Colour difference at which two neighbouring pixels neither attract nor repel each other, divided by the mean
-    colour difference of all neighbouring pixels. Larger values make larger regions. The default is our choice. The
-    public re-implementation uses 1 to 1.35.
+    colour difference of all neighbouring pixels. Larger values make larger regions. The default value is our choice.
+    The public re-implementation uses values from 1 to 1.35.
     """
     repulsion: NotNegative = 1.0
     """Maximum repulsion of two neighbouring pixels with different colours. Smaller values make larger regions. The
-    paper gives no value.
+    paper gives no value for this parameter.
     """
     step_m: Positive | None = 0.02
     """Depth difference, in metres, above which neighbouring pixels repel each other, even if they have the same colour.
-    With None, depth is not used. The default is our choice. The public re-implementation uses 0.3.
+    With None, depth is not used. The default value is our choice. The public re-implementation uses the value 0.3.
     """
     step_per_m: NotNegative = 0.0083
     """Depth difference divided by the squared depth, in 1/m, above which neighbouring pixels repel each other. The
-    limit is the larger of two values: `step_m`, and `step_per_m` times the squared depth. The paper gives no value.
+    limit of the depth difference is the larger of two values: `step_m`, and `step_per_m` times the squared depth. The
+    paper gives no value for this parameter.
     """
     penalty: NotNegative = 20.0
-    """Repulsion of two neighbouring pixels on different sides of a depth step. The default is our choice. The public
-    re-implementation uses 250.
+    """Repulsion of two neighbouring pixels on different sides of a depth step. The default value is our choice. The
+    public re-implementation uses the value 250.
     """
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
     """Number of different spins. The initial spins divide the depth range into this number of levels. The default is
@@ -69,12 +70,15 @@ class AbramovConfig(MethodConfig):
     """
     temperature: Positive = 1.0
     """Temperature of the first Metropolis sweep. Higher temperatures accept more changes of spins that increase the
-    energy. The paper gives no value.
+    energy. The paper gives no value for this parameter.
     """
     cooling: Annotated[float, Field(gt=0, le=1)] = 0.9
-    """Factor by which the temperature is multiplied after each Metropolis sweep. The paper gives no value."""
+    """Factor by which the temperature is multiplied after each Metropolis sweep. The paper gives no value for this
+    parameter.
+    """
     sweeps: Annotated[int, Field(ge=0, le=10_000)] = 60
-    """Number of Metropolis sweeps before domains (connected areas of equal spin) are joined. The paper gives no value.
+    """Number of Metropolis sweeps before domains (connected areas of equal spin) are joined. The paper gives no value
+    for this parameter.
     """
     last_sweeps: Annotated[int, Field(ge=0, le=10_000)] = 10
     """Number of Metropolis sweeps after domains (connected areas of equal spin) are joined. The default is that of the
@@ -82,19 +86,20 @@ class AbramovConfig(MethodConfig):
     """
     last_temperature: Positive = 0.05
     """Temperature of the Metropolis sweeps after domains (connected areas of equal spin) are joined. The paper gives no
-    value.
+    value for this parameter.
     """
     piece_px2: Area_px2 = 20000.0
     """Area below which a region is small, px^2. Two small neighbouring regions can join, for example two parts of a
-    textured object. 0 switches this joining off (our addition).
+    textured object. The value 0 switches the joining of small regions off. The joining of small regions is our
+    addition.
     """
     piece_above: float = -2.0
     """Two small neighbouring regions join only if the mean interaction across their border is above this value (our
-    addition). Larger values join fewer regions.
+    addition). With larger values, fewer small regions are joined.
     """
     min_size_px2: Area_px2 = 1500.0
-    """Minimum area of a region, px^2. Smaller regions join a neighbouring region: the region with the largest mean
-    interaction across the border (our choice).
+    """Minimum area of a region, px^2. Each smaller region joins the neighbouring region with the largest mean
+    interaction across their border (our choice).
     """
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 7
     """Seed of the random numbers. Equal seeds give equal labels."""
@@ -176,6 +181,6 @@ def _start(depth: DepthMap, spins: int, seed: int) -> Spins:
 def _repulsion(planes: Planes) -> npt.NDArray[np.float32]:
     """Return the repulsion (H, W) between each pixel and its right or lower neighbour, from 0 to 1.
 
-    0 is the largest attraction, 1/2 is no interaction, and 1 is the largest repulsion.
+    The value 0 means the largest attraction, 1/2 no interaction, and 1 the largest repulsion.
     """
     return np.asarray(np.clip((1 - np.minimum(planes[0], planes[1])) / 2, 0, 1), np.float32)

@@ -24,7 +24,9 @@ from spigolo.stages.regions import Regions
 
 _ADDED = OBJECTS_2.additions or Additions()
 RULES = Additions(support=_ADDED.support, rules=_ADDED.rules.replace(min_contour=None, min_contour_holes=None))
-"""Support plane and rejection rules of the preset OBJECTS_2, without the rule that requires a boundary map."""
+"""Parameters of the support plane and of the rejection rules in the preset OBJECTS_2, without the rule that requires a
+boundary map.
+"""
 
 C = TypeVar("C", bound="MethodConfig")
 
@@ -54,8 +56,8 @@ class Division(NamedTuple):
 
 @dataclass(frozen=True)
 class Baseline(Configured[C], ABC):
-    """Base class of methods that divide a frame into regions. The same rules then select the objects among these
-    regions.
+    """Base class of methods that divide a frame into regions. The rules that select objects among the regions are the
+    same for all these methods.
     """
 
     name: ClassVar[str]
@@ -73,7 +75,7 @@ class Baseline(Configured[C], ABC):
         plane = find_support(frame.depth, frame.camera, additions.support)
         scene = Scene(
             frame=frame,
-            depth=inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape)),  # as in the preset OBJECTS
+            depth=inpaint_small_gaps(frame.depth, Inpainting().at_size(frame.shape)),  # in-painted as in OBJECTS
             contour=contour,
             plane=plane,
             rejection=self.config.rejection.at_size(frame.shape),

@@ -35,8 +35,9 @@ def connected_areas(spins: Spins) -> Regions:
 class Borders(NamedTuple):
     """Borders between neighbouring domains. Every border is listed twice, once from each side.
 
-    - domain: (2, B), label of the domain on this side of the border, and label of the domain on the other side.
-    - area: (2, B), number of pixels of each of these two domains.
+    - domain: (2, B), labels of the two domains at the border: the domain on this side, and the domain on the other
+      side.
+    - area: (2, B), number of pixels of the two domains at the border, in the order of `domain`.
     - mean: (B,), mean interaction of the pixel pairs across the border.
     """
 
@@ -49,7 +50,7 @@ def join_domains(domains: Regions, planes: Planes, may_join: Callable[[Borders],
     """Join neighbouring domains until `may_join` does not allow any of the remaining borders to be removed.
 
     The domains are joined in rounds. In each round, each domain joins the neighbour with the largest mean interaction,
-    among the neighbours that `may_join` allows. Then the mean interactions are computed again.
+    among the neighbours that `may_join` allows. After each round, the mean interactions are computed again.
 
     planes: interactions (4, H, W). may_join: function that returns a mask (B,) of the borders that may be removed.
     """

@@ -24,7 +24,7 @@ def color_features(image: Color, sigma_px: float) -> Features:
 
 def depth_feature(depth: DepthMap, sigma_px: float, levels_per_m: float) -> Features:
     """Return depth as a feature (H, W). Valid pixels are smoothed by a Gaussian with a standard deviation of `sigma_px`
-    pixels. NaN is missing.
+    pixels. The value NaN marks missing depth.
 
     depth: (H, W) in metres. levels_per_m: number of colour levels with the same weight as one metre of depth.
     """
@@ -45,8 +45,8 @@ def smooth(image: npt.NDArray[np.float32], sigma_px: float) -> npt.NDArray[np.fl
 def feature_graph(features: Features, connectivity: int, k_xy: float = 0.0) -> Graph:
     """Return the graph whose edge weights are the distances of features (C, H, W) of neighbours (equation 1).
 
-    connectivity: 4 or 8 neighbours. k_xy: feature difference with the same effect on an edge weight as a distance of
-    one pixel.
+    connectivity: number of neighbours of a pixel, 4 or 8. k_xy: feature difference with the same effect on an edge
+    weight as a distance of one pixel.
     """
     weights = np.empty((connectivity // 2, *features.shape[1:]), np.float32)
     for plane, (dy, dx) in zip(weights, OFFSETS, strict=False):

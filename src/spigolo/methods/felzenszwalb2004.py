@@ -22,23 +22,23 @@ class FelzenszwalbConfig(MethodConfig):
     """Parameters of the method `felzenszwalb2004`. Colours range from 0 to 255."""
 
     sigma_px: NotNegative = 0.8
-    """Standard deviation of the Gaussian smoothing of colour, in pixels. 0 does not smooth. The default value is that
-    of the paper.
+    """Standard deviation of the Gaussian smoothing of colour, in pixels. With the value 0, colour is not smoothed. The
+    default is that of the paper.
     """
     k: NotNegative = 800.0
     """Threshold gamma of equation 3, in colour levels times pixels. Larger values make larger regions. The paper uses
-    150 to 500. The default gave the best segmentation of several values in tests on real frames.
+    values from 150 to 500. Of several values tested on real frames, the default gave the best segmentation.
     """
     k_xy: NotNegative = 0.0
     """Weight of the pixel coordinates in equation 1: the colour difference with the same effect as a distance of one
-    pixel. With 0, edge weights depend only on colour, as in Felzenszwalb & Huttenlocher 2004. Toscana & Rosa 2016 print
-    the weight 1.
+    pixel. With 0, edge weights depend only on colour, as in the paper of Felzenszwalb & Huttenlocher 2004. The paper of
+    Toscana & Rosa 2016 gives the weight 1.
     """
     connectivity: Literal[4, 8] = 8
     """Number of neighbours of a pixel, 4 or 8. The paper uses 8 neighbours."""
     min_size_px2: Area_px2 = 1500.0
-    """Minimum area of a region, px^2. Each smaller region joins the neighbouring region to which its lightest edge
-    leads.
+    """Minimum area of a region, px^2. Each smaller region is merged with the neighbouring region to which its graph
+    edge of lowest weight leads.
     """
 
 
@@ -55,7 +55,9 @@ class Felzenszwalb2004(Baseline[FelzenszwalbConfig]):
         return feature_graph(features, self.config.connectivity, self.config.k_xy)
 
     def divide(self, frame: Frame) -> Division:
-        """Return the regions of a frame, found by merging pixels by internal difference (equations 2, 3)."""
+        """Return the regions of a frame. Pixels are merged into regions by comparing edge weights with internal
+        differences (equations 2, 3).
+        """
         graph = self.graph(frame)
         config = self.config.at_size(frame.shape)
         return Division(partition(graph, config.k, config.min_size_px2), weight_contour(graph))

@@ -3,7 +3,7 @@
 The boundary map is transformed to polar coordinates around the point. In these coordinates, the contours of small and
 large objects have equal lengths. The contour of the object is the closed path of lowest cost in the polar map.
 
-Costs follow the paper and its released code. In this implementation, two details differ from the released code. The
+Costs follow the paper and the authors' code. In this implementation, two details differ from the authors' code. The
 contour crosses each ray only once, so that dynamic programming replaces a minimum cut. The polar map is computed from a
 boundary map with widened edges.
 """
@@ -29,7 +29,7 @@ from spigolo.stages.regions import Regions
 Points = npt.NDArray[np.float64]
 
 RAYS = 360
-"""Number of rays of the polar map, one for each degree. The value is from the authors' code."""
+"""Number of rays of the polar map, one for each degree. The value is from the code of the paper's authors."""
 LEAST_RADIUS_PX = 4
 """Minimum distance between a contour and the given point inside the contour, in pixels."""
 
@@ -41,20 +41,20 @@ class FixationConfig(BoundaryConfig):
     """Standard deviation of the Gaussian that widens edges before the polar transform, in pixels."""
     frame_edge: Share = 20 / 255
     """Minimum boundary value at the image border, from 0 to 1. Larger values let contours follow the image border at a
-    lower cost. The value is from the authors' code.
+    lower cost. The default value is from the code of the paper's authors.
     """
     weakest: Share = 5 / 255
-    """Minimum boundary value of an edge, from 0 to 1. Contour points with a smaller value cost `gap_cost`. The value is
-    from the authors' code.
+    """Minimum boundary value of an edge, from 0 to 1. Contour points with a smaller boundary value have the cost
+    `gap_cost`. The default value is from the code of the paper's authors.
     """
     gap_cost: NotNegative = 50.0
-    """Cost of a contour point without an edge. Larger values lead to fewer such points. The value is from the authors'
-    code.
+    """Cost of a contour point without an edge. Larger values lead to fewer contour points without an edge. The default
+    value is from the code of the paper's authors.
     """
     sharpness: NotNegative = 5.0
     """Factor in the cost of a contour point on an edge. The cost is exp(-sharpness p), where p is the boundary value of
-    the edge. Larger values make strong edges cheaper. The default is that of a public re-implementation. The released
-    code uses 20.
+    the edge. Larger values make strong edges cheaper. The default is that of a public re-implementation. The authors'
+    code uses the value 20.
     """
 
 
@@ -85,7 +85,8 @@ class _Around(Baseline[FixationConfig]):
 
 def edge_map(boundary: Boundary, config: FixationConfig) -> Floats:
     """Return the boundary map (H, W) from 0 to 1 with widened edges, where the image border counts as an edge."""
-    gain = np.float32(math.sqrt(2 * math.pi) * config.blur_px)  # keeps the boundary value of a straight line
+    # the factor gain makes sure that smoothing keeps the boundary value of a straight line
+    gain = np.float32(math.sqrt(2 * math.pi) * config.blur_px)
     edges = np.minimum(cv2.GaussianBlur(boundary.value, (0, 0), config.blur_px) * gain, np.float32(1))
     for border in (edges[0], edges[-1], edges[:, 0], edges[:, -1]):
         np.maximum(border, np.float32(config.frame_edge), out=border)

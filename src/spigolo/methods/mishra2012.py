@@ -1,7 +1,7 @@
 """Mishra et al., 2012, *Segmenting "Simple" Objects Using RGB-D*: segmentation around automatically chosen points.
 
 A depth border belongs to the surface on its nearer side, called the owner of the border. A point on the nearer side of
-a border probably lies inside an object. The method `mishra2009` finds the region around such a point. A region is
+a border probably lies inside an object. The method `mishra2009` finds the region around each point. A region is
 accepted as an object if its contour consists mostly of contact boundaries and of depth borders whose nearer side is the
 region.
 
@@ -28,7 +28,7 @@ from spigolo.settings.parameters import Area_px2, NotNegative, Positive, Share
 
 HARDLY = 0.5
 """Factor of `min_strong`. A region is dropped at once if strong edges form less than HARDLY times `min_strong` of its
-contour. Other regions can be segmented again from their innermost point.
+contour. All other regions can be segmented again, around their innermost point.
 """
 BESIDE_PX = 3.0
 """Maximum distance between a contour point and the edge that the contour follows, in pixels."""
@@ -66,13 +66,13 @@ class SimpleConfig(FixationConfig):
     min_area_px2: Area_px2 = 500.0
     """Minimum area of an object, px^2."""
     max_area: Share = 0.2
-    """Maximum area of an object as a share of the frame. Larger regions are probably tables or walls."""
+    """Maximum area of an object as a share of the frame. Regions with a larger area are probably tables or walls."""
 
 
 class Found(NamedTuple):
     """Object found around a point.
 
-    mask: (H, W). strong: share of the contour that follows strong edges (`Judge.share`).
+    mask: mask (H, W) of the object. strong: share of the contour that follows strong edges (`Judge.share`).
     """
 
     mask: Mask
@@ -176,7 +176,7 @@ class Judge:
         """Return the share of a contour that follows strong edges, without edges whose nearer side lies outside the
         contour.
 
-        The share is measured by length along the contour.
+        The share of strong edges is measured by length along the contour.
         """
         height, width = self.distance.shape
         y, x = np.rint(contour).astype(int).T

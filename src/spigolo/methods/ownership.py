@@ -1,10 +1,10 @@
-"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The side of the edge on which
-this object lies is called the owner of the edge, and is also computed.
+"""Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The module also computes the
+owner of an edge, which is the side of the edge on which the object lies.
 
-In the papers, the mean disparity is computed in a half-disc on each side of an edge. The probability is a logistic
-function of the difference of both means. In this implementation, a line is fitted to the disparity in each half-disc,
-and both lines are compared at the edge. With fitted lines, the slope of a table is not mistaken for a depth step. If
-the two fitted lines form a valley, the edge is a contact boundary.
+In the papers, the mean disparity is computed in a half-disc on each side of an edge. In the papers, the probability is
+a logistic function of the difference of the two means. In this implementation, a line is fitted to the disparity in
+each half-disc, and both lines are compared at the edge. With fitted lines, the slope of a table is not mistaken for a
+depth step. If the two fitted lines form a valley, the edge is a contact boundary.
 """
 
 from __future__ import annotations
@@ -30,12 +30,13 @@ ORIENTATIONS = 8
 NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) * (math.pi / ORIENTATIONS)])
 """Unit normals (n_y, n_x) of the eight edge orientations, with y downwards."""
 NOMINAL_FOCAL = 0.9
-"""Focal length divided by the image width. This value is assumed if the camera is unknown."""
+"""Focal length divided by the image width, which is assumed if the intrinsics are unknown."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels close to an edge, where the depth map is blurred. The value is from the authors' code."""
+"""Weight of pixels close to an edge, where the depth map is blurred. The value is from the code of the paper's authors.
+"""
 LEAST_WEIGHT = 20.0
 """Minimum total weight of the measured pixels in each half-disc of an edge. If the total weight in one half-disc is
-lower, no lines are fitted to this edge. The paper gives no value.
+lower, no lines are fitted at this edge. The paper gives no value for this parameter.
 """
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
 """Constants for Canny edges of the disparity map. A disparity of 1 px corresponds to LEVELS_PER_PX grey levels. The
@@ -44,12 +45,12 @@ Scharr filter returns SCHARR_UNIT for a slope of 1. The high threshold is HIGH_P
 
 
 class BoundaryConfig(MethodConfig):
-    """Parameters of the boundary probability. Disparities are in pixels. They are computed from depth for a virtual
-    stereo pair with the focal length of the camera.
+    """Parameters of the boundary probability. Disparities are in pixels. Disparities are computed from depth for a
+    virtual stereo pair with the focal length of the camera.
 
     The noise of triangulating depth cameras is constant in disparity, so that one threshold is valid at all distances.
-    Example: the baseline is 0.075 m, and the focal length is 570 px. Then a disparity step of 0.3 px corresponds to a
-    depth step of 7 mm at 1 m.
+    Example: the baseline is 0.075 m, and the focal length is 570 px. A disparity step of 0.3 px then corresponds to a
+    depth step of 7 mm at a distance of 1 m.
     """
 
     depth: bool = True
@@ -57,36 +58,39 @@ class BoundaryConfig(MethodConfig):
     object lies stays unknown.
     """
     baseline_m: Positive = 0.075
-    """Baseline of the virtual stereo pair, in metres. The default value is the baseline of a Kinect. The paper gives no
-    value.
+    """Baseline of the virtual stereo pair, in metres. The default is the baseline of a Kinect. The paper gives no value
+    for this parameter.
     """
     half_disc: Positive = 0.015
-    """Radius of the half-discs on both sides of an edge, as a fraction of the image diagonal. The value is from the
-    authors' code.
+    """Radius of the half-discs on both sides of an edge, as a fraction of the image diagonal. The default value is from
+    the code of the paper's authors.
     """
     near_line: Share = 0.4
     """Distance from an edge, divided by the radius of the half-discs. Pixels closer to the edge have a small weight.
-    The value is from the authors' code.
+    The default value is from the code of the paper's authors.
     """
     steepness: Positive = 10.0
     """Steepness beta_1, in 1/px, of the logistic function that converts a disparity step to a border probability. The
-    value is from the authors' code.
+    default value is from the code of the paper's authors.
     """
     step_px: Positive = 0.3
-    """Disparity step beta_2 in px at which the border probability is 0.5. The value is from the authors' code."""
+    """Disparity step beta_2 in px at which the border probability is 0.5. The default value is from the code of the
+    paper's authors.
+    """
     valley_px: Positive | None = 0.6
     """Depth of a valley at which the contact probability is 1/2, px of disparity. The disparity rises on both sides of
     a valley, and the depth of the valley is the sum of the two rises. Each rise is measured on the fitted line, from
     the edge to the end of the half-disc. With None, no contact boundaries are found.
     """
     texture: Share = 50 / 255
-    """Minimum boundary value of every image edge, even without a depth difference. The value is from the authors' code.
+    """Minimum boundary value of every image edge, even without a depth difference. The default value is from the code
+    of the paper's authors.
     """
     max_shadow_px: Length_px = 60
     """Maximum width, in pixels, of a shadow that is filled with the depth of its farther side."""
     disparity_slope: Positive = 0.08
     """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are
-    added to the image edges. The paper does not use such edges.
+    added to the image edges. The paper does not use edges of the disparity map.
     """
 
 
@@ -154,7 +158,9 @@ def _by_contrast(canny: Mask, gx: Gradient, gy: Gradient) -> Boundary:
 
 
 def _disparity(depth: DepthMap, camera: Camera | None, config: BoundaryConfig) -> Floats:
-    """Return the disparity (H, W) in pixels, 0 where missing. Shadows get the disparity of the background."""
+    """Return the disparity (H, W) in pixels, 0 where missing. Missing depth next to objects (shadows) gets the
+    disparity of the background.
+    """
     filled = np.empty_like(depth)
     contours.fill_shadows(depth, config.max_shadow_px, filled)
     focal = NOMINAL_FOCAL * depth.shape[1] if camera is None else camera.fx
@@ -175,8 +181,8 @@ def _disparity_edges(disparity: Floats, slope: float) -> tuple[Mask, Gradient, G
 
 
 def _orientation(gx: Gradient, gy: Gradient) -> npt.NDArray[np.uint8]:
-    """Return, for each gradient, the index (H, W) of the nearest vector of NORMALS. Opposite gradients have the same
-    index.
+    """Return, for each gradient, the index (H, W) of the nearest vector of NORMALS. Gradients in opposite directions
+    have the same index.
     """
     angle = np.arctan2(gy.astype(np.float32), gx.astype(np.float32)) * np.float32(ORIENTATIONS / math.pi)
     return (np.rint(angle).astype(np.int32) % ORIENTATIONS).astype(np.uint8)

@@ -22,8 +22,8 @@ class RaoConfig(FelzenszwalbConfig):
     """Parameters of the method `rao2010`: the parameters of `felzenszwalb2004` and the scale of depth."""
 
     levels_per_m: NotNegative = 1200.0
-    """Colour difference that corresponds to a depth difference of one metre, in levels of a colour channel. 0 ignores
-    depth.
+    """Colour difference that corresponds to a depth difference of one metre, in levels of a colour channel. With the
+    value 0, depth is ignored.
     """
 
 

@@ -16,9 +16,7 @@ from spigolo.stream import Segmenter
 
 @dataclass(frozen=True, repr=False)
 class Toscana2016(Configured[Config]):
-    """Method of Toscana & Rosa 2016 with one configuration. Each thread reuses its scratch memory from frame to
-    frame.
-    """
+    """Method of Toscana & Rosa 2016 with one configuration. Each thread reuses its memory buffers for all frames."""
 
     name: ClassVar[str] = "toscana2016"
     config: Config = OBJECTS
@@ -40,5 +38,5 @@ class Toscana2016(Configured[Config]):
         return f"Toscana2016({self.preset} {self.digest})"
 
     def __reduce__(self) -> tuple[type[Toscana2016], tuple[Config]]:
-        """Pickle the configuration without the scratch memory."""
+        """Pickle the configuration without the memory buffers."""
         return type(self), (self.config,)

@@ -24,8 +24,8 @@ MAX_NUMBER = 65535
 
 
 def number_of(o: ObjectMask) -> int:
-    """Return the number of an object in all messages. The number is the id of the object, or its label if objects have
-    no ids. After 65535, numbers restart at 1.
+    """Return the number that identifies an object in all ROS messages. The number is the id of the object. If ids are
+    switched off, the number is the label. After 65535, the numbers restart at 1.
     """
     return (o.number - 1) % MAX_NUMBER + 1
 
@@ -39,7 +39,7 @@ def label_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
 
 
 def overlay_image(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return an rgb8 Image of the colour image with tinted and numbered objects."""
+    """Return an rgb8 Image: the colour image, in which each object is tinted and numbered."""
     return fill_image(kinds.sensor.Image(), header, result.overlay(), "rgb8")
 
 
@@ -68,9 +68,7 @@ def _records(result: Segmentation) -> Iterator[Any]:
 
 
 def markers(kinds: Kinds, header: Any, result: Segmentation) -> Any:
-    """Return a MarkerArray with a box and a number for each object, and a first marker that deletes all earlier
-    markers.
-    """
+    """Return a MarkerArray with a box and a number for each object. The first marker deletes all earlier markers."""
     assert kinds.visualization is not None
     kind = kinds.visualization.Marker
     clear = kind()
@@ -123,8 +121,8 @@ def _boxes(result: Segmentation) -> Iterator[tuple[ObjectMask, OrientedBox]]:
 
 
 class Answers:
-    """Publishers of segmentation results. The labels are always published. All other messages are created only if their
-    topic has subscribers.
+    """Publishers of segmentation results. The label image is always published. The overlay, point clouds, markers and
+    detections are created only if their topic has subscribers.
     """
 
     def __init__(self, node: Any, kinds: Kinds, qos: Any) -> None:
@@ -144,7 +142,7 @@ class Answers:
         self._others = [(node.create_publisher(kind, f"~/{name}", qos), make) for name, (kind, make) in topics.items()]
 
     def publish(self, header: Any, result: Segmentation) -> None:
-        """Publish a segmentation result, labels first. header: header of the segmented colour image."""
+        """Publish a segmentation result, with the label image first. header: header of the segmented colour image."""
         self._labels.publish(label_image(self._kinds, header, result))
         for publisher, make in self._others:
             if publisher.get_subscription_count():

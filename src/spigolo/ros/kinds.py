@@ -16,22 +16,22 @@ MISSING = (
 
 @dataclass(frozen=True, slots=True)
 class Kinds:
-    """Python packages of ROS 2 that the node uses. An optional package is None if it is not installed."""
+    """Python packages of ROS 2 that the node of spigolo uses. An optional package is None if it is not installed."""
 
     rclpy: Any
-    """Client library rclpy."""
+    """Package rclpy, the Python client library of ROS 2."""
     interfaces: Any
-    """Module rcl_interfaces.msg with the messages for parameters."""
+    """Module rcl_interfaces.msg with the message types for parameters."""
     sensor: Any
-    """Module sensor_msgs.msg with images, camera information and point clouds."""
+    """Module sensor_msgs.msg with the message types for images, camera information and point clouds."""
     geometry: Any
-    """Module geometry_msgs.msg with clicked points."""
+    """Module geometry_msgs.msg with the message type for clicked points."""
     services: Any | None
-    """Module std_srvs.srv for the service `segment`."""
+    """Module std_srvs.srv with the type of the service `segment`, which segments the newest images."""
     visualization: Any | None
-    """Module visualization_msgs.msg with markers."""
+    """Module visualization_msgs.msg with the message types for markers."""
     vision: Any | None
-    """Module vision_msgs.msg with detections."""
+    """Module vision_msgs.msg with the message types for detections."""
 
 
 def find_kinds() -> Kinds:

@@ -74,7 +74,7 @@ def fill_pose(message: Any, center_m: npt.NDArray[np.float64], R: npt.NDArray[np
 
 def quaternion(R: npt.NDArray[np.float64]) -> tuple[float, float, float, float]:
     """Convert a rotation matrix (3, 3) to a unit quaternion (x, y, z, w)."""
-    # eigenvector of the largest eigenvalue of this symmetric matrix (Bar-Itzhack 2000), stable at every angle
+    # the quaternion is the eigenvector of the largest eigenvalue of K (Bar-Itzhack 2000), stable at every angle
     K = np.array(
         [
             [R[0, 0] - R[1, 1] - R[2, 2], R[1, 0] + R[0, 1], R[2, 0] + R[0, 2], R[2, 1] - R[1, 2]],

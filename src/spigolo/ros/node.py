@@ -36,14 +36,14 @@ TOPICS = ("color", "depth", "camera_info")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Answer:
-    """Newest segmentation result. A click of the user selects an object of this result."""
+    """Newest segmentation result of the node. A click of the user selects an object in the newest result."""
 
     pair: Pair
     """Colour and depth message from which the result was computed."""
     result: Segmentation
-    """Segmentation result of the pair."""
+    """Segmentation result of the pair of colour and depth images."""
     state: State
-    """Parameters of the node and of the method at the time of the segmentation."""
+    """Parameter values of the node and of the segmentation method at the time of the segmentation."""
 
 
 class SpigoloNode:
@@ -88,7 +88,7 @@ class SpigoloNode:
         node.create_timer(STATUS_S, self._report)
 
     def start(self) -> None:
-        """Compile the kernels, and then start the segmentation thread."""
+        """Compile the numerical kernels, and then start the segmentation thread."""
         warm_up(self._parameters.state.config)
         self._worker.start()
         config = self._parameters.state.config
@@ -163,7 +163,7 @@ class SpigoloNode:
         """Return the segmentation result in which a click selects an object. If no result exists, return the reason as
         text.
 
-        If `continuous` is off, the newest pair of images is segmented first.
+        If the node parameter `continuous` is false, the newest pair of images is segmented first.
         """
         state, answer, pair = self._parameters.state, self._answer, self._newest
         if pair is None or self._info is None:
@@ -172,7 +172,9 @@ class SpigoloNode:
         return answer if fresh and answer is not None else self._segment(pair)
 
     def _lacking(self) -> str:
-        """Return a sentence that names the topics without messages."""
+        """Return a text that names the topics on which no message has arrived. If messages have arrived on all topics,
+        the text says that no colour and depth messages form a pair.
+        """
         silent = [self.node.resolve_topic_name(name) for name, count in self._received.items() if not count]
         return f"no message on {', '.join(silent)}" if silent else "no pair of colour and depth within the tolerance"
 
@@ -213,8 +215,8 @@ class SpigoloNode:
         )
 
     def _hint(self) -> str:
-        """Return advice for a topic without messages: no publisher exists, or the publisher's quality of service does
-        not match that of the node.
+        """Return advice about a topic on which no message has arrived. Either the topic has no publisher, or the
+        publisher's quality of service does not match that of the node.
         """
         for name in (topic for topic, count in self._received.items() if not count):
             publishers = self.node.get_publishers_info_by_topic(self.node.resolve_topic_name(name))

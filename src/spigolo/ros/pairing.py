@@ -15,7 +15,7 @@ class Pair:
     color: Any
     """Colour image message, whose header is copied to the results."""
     depth: Any
-    """Depth image message, registered to colour."""
+    """Depth image message. The depth image is registered to the colour image."""
     arrived_s: float
     """Arrival time of the later message of the pair, in seconds, on the clock `time.perf_counter`."""
 

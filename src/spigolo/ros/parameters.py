@@ -1,4 +1,4 @@
-"""ROS parameters of the node: its options, and all fields of the configuration."""
+"""ROS parameters of the node: the options of the node, and all fields of the segmentation configuration."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from spigolo.settings.presets import OBJECTS, PRESETS, preset
 FIXED = ("queue", "reliable")
 """Names of options that cannot change while the node runs."""
 ON, OFF = "on", "none"
-"""Values of a parameter that switches a stage on or off."""
+"""Values of a ROS parameter that switches a stage of the segmentation on or off."""
 
 
 class Options(Settings):
-    """Parameters of the node, in addition to the parameters of the method."""
+    """Parameters of the node, in addition to the parameters of the segmentation method."""
 
     preset: str = "OBJECTS"
     """Preset: OBJECTS, SHELF, TABLE, CLUTTER or a TOML file. A new preset replaces the values of all parameters of the
-    method.
+    segmentation method.
     """
     continuous: bool = True
     """Segment every pair of colour and depth images. If false, segment only if the service `segment` is
@@ -37,7 +37,7 @@ class Options(Settings):
     value below half of the time between two frames of the camera.
     """
     depth_scale: Positive = 0.001
-    """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard of ROS."""
+    """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard unit of ROS."""
     rectified: bool = False
     """Treat the images as rectified. If true, use the matrix P of CameraInfo and ignore the distortion D."""
     ids: bool = False
@@ -46,11 +46,11 @@ class Options(Settings):
     """
     queue: Annotated[int, Field(ge=1, le=1000)] = 1
     """Maximum number of pairs of images that wait for segmentation. The value 1 keeps only the newest pair, which gives
-    the shortest delay. Read-only.
+    the shortest delay. This parameter is read-only.
     """
     reliable: bool = True
     """Subscribe with the quality of service RELIABLE. Set this parameter to false for camera drivers that publish with
-    BEST_EFFORT. Read-only.
+    BEST_EFFORT. This parameter is read-only.
     """
 
 
@@ -78,8 +78,8 @@ def descriptions(config: Config = OBJECTS) -> dict[str, str]:
 
 
 def values_of(state: State) -> dict[str, Any]:
-    """Return the values of all parameters in the types of ROS, indexed by parameter name. The value None of a field is
-    converted to the text "none".
+    """Return the values of all parameters, converted to types of ROS parameters and indexed by parameter name. The
+    value None of a field is converted to the text "none".
     """
     options = state.options.model_dump()
     return {name: options[name] if name in options else _stored(state, name) for name in descriptions(state.config)}
@@ -95,7 +95,8 @@ def _stored(state: State, name: str) -> Any:
 
 
 def changed(state: State, changes: Mapping[str, Any]) -> State:
-    """Return the values of all parameters after some parameters were changed. A change of the preset is applied first.
+    """Return the values of all parameters after some parameters were changed. If the preset changes, it is applied
+    before all other new values.
 
     changes: new values, indexed by parameter name. Raises ConfigError for an unknown name or an invalid value.
     """
@@ -120,7 +121,7 @@ def _given(config: Config, name: str, value: Any) -> Any:
 
 
 class NodeParameters:
-    """Parameters of a node that are declared in ROS.
+    """Parameters that the node declares in ROS.
 
     state: current values of all parameters.
     """

@@ -5,7 +5,8 @@
             result = segmenter(frame)
     print(source.report())
 
-| source | example | required extra | |---|---|---|
+| source | example | required extra |
+|---|---|---|
 | image files and folders | `recordings/` | |
 | published data sets and TUM lists | `dataset:rgbd-scenes/` | |
 | ROS 1 and ROS 2 bags (.bag, .db3, .mcap) | `recording.mcap` | `spigolo[bags]` |

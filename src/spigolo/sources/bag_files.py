@@ -1,4 +1,4 @@
-"""Reader of ROS 1 and ROS 2 bag files: messages, their stamps and their content, without ROS."""
+"""Functions that read messages and their time stamps from ROS 1 and ROS 2 bag files. ROS need not be installed."""
 
 from __future__ import annotations
 
@@ -26,8 +26,7 @@ class Stamped(NamedTuple):
     number: int
     """Number of the message in its topic, from 0."""
     written_ns: int
-    """Time at which the recorder wrote the message, in nanoseconds. This time is used to find the message in the bag.
-    """
+    """Time at which the recorder wrote the message, in nanoseconds. The message is found in the bag by this time."""
 
 
 class Decoder:
@@ -45,18 +44,18 @@ class Decoder:
             raise FrameError(f"the {kind.rpartition('/')[2]} message cannot be read ({_told(error)})") from None
 
     def first(self, connections: Sequence[Any]) -> Any:
-        """Return the first readable message of the rosbags connections, or None. A connection is a topic with its
-        message type.
+        """Return the first readable message of the given connections, or None. A connection of the package rosbags is a
+        topic with its message type.
         """
-        with suppress(Exception):  # errors in the file are reported by the first pass over all stamps
+        with suppress(Exception):  # `read_stamps` reports errors in the file
             for connection, _, data in self._reader.messages(connections=connections) if connections else ():
                 with suppress(FrameError):
                     return self.message(data, connection.msgtype)
         return None
 
     def holds_depth(self, connection: Any) -> bool:
-        """Return True if the first readable image of a topic is depth. If no image is readable, return True if the
-        topic name contains "depth".
+        """Return True if the first readable image of a topic is a depth image. If no image is readable, return True if
+        the topic name contains "depth".
         """
         message = self.first([connection])
         return "depth" in connection.topic if message is None else is_depth(message)

@@ -30,9 +30,11 @@ class Content:
     """Content of a bag, found by a first pass over the file."""
 
     topics: Topics
-    """Topics of colour, depth and CameraInfo."""
+    """Topics of the colour images, of the depth images and of CameraInfo."""
     partner: dict[tuple[str, int], int]
-    """Pair number of each message that belongs to a pair. The keys are topic and message number."""
+    """Number of the pair to which an image message belongs, indexed by topic and message number. A pair consists of a
+    colour and a depth message.
+    """
     pairs: tuple[tuple[Stamped, Stamped], ...]
     """Colour and depth message of each pair."""
     headless: frozenset[tuple[str, int]]
@@ -46,8 +48,8 @@ class Content:
 
 
 class BagSource(SizedSource):
-    """Source for ROS bags. A frame is a pair of a colour and a depth image whose stamps differ by at most the
-    tolerance.
+    """Source for ROS bags. A frame is a pair of a colour and a depth image whose time stamps differ by at most the
+    option `tolerance_ms`.
     """
 
     def __init__(self, path: Path, options: Options) -> None:
@@ -79,7 +81,9 @@ class BagSource(SizedSource):
         return tuple(listed(self._path)) if self._path.is_dir() else (self._path,)
 
     def report(self) -> Report:
-        """Return the numbers of frames and images since the start of the last iteration, and the pairing tolerance."""
+        """Return the numbers of frames and images since the start of the last iteration, and the maximum stamp
+        difference of a pair.
+        """
         counts = super().report()
         return replace(counts, tolerance_ms=self.options.tolerance_ms)
 

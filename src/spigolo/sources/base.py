@@ -31,16 +31,21 @@ class Report:
     frames: int
     """Number of frames that the source has yielded."""
     unmatched: int = 0
-    """Number of colour images without a depth image, and of depth images without a colour image, within the tolerance.
+    """Number of colour and depth images that belong to no pair, for example because their time stamps differ by more
+    than `tolerance_ms`.
     """
     broken: int = 0
     """Number of unreadable frames or messages."""
     dropped: int = 0
     """Number of frames of a live source that were replaced by newer frames before use."""
     tolerance_ms: float | None = None
-    """Maximum difference between the stamps of a pair, in milliseconds. None if images are not paired by stamp."""
+    """Maximum difference between the stamps of a pair, in milliseconds. The value is None if images are not paired by
+    their stamps.
+    """
     pace: Pace | None = None
-    """Frame rate, and latency from the arrival of a frame until the next frame is requested. None for a recording."""
+    """Frame rate, and latency from the arrival of a frame until the next frame is requested. The value is None for a
+    recording.
+    """
 
     def __str__(self) -> str:
         within = "" if self.tolerance_ms is None else f" (no partner within {self.tolerance_ms:g} ms)"

@@ -21,7 +21,7 @@ Bytes = npt.NDArray[np.uint8]
 
 
 def unpacked_rvl(data: Bytes, max_pixels: int) -> npt.NDArray[np.uint16]:
-    """Decode an RVL message with its headers to integers (H, W). Raises FrameError."""
+    """Decode a depth image in RVL format, including its headers, to integers (H, W). Raises FrameError."""
     start = CONFIG.size + SIZE.size
     if data.size < start:
         raise FrameError(f"expected at least {start} bytes of RVL depth, got {data.size}")

@@ -1,4 +1,6 @@
-"""Sources for live cameras. A separate thread receives frames, and old frames are dropped if the reader is slow."""
+"""Sources for live cameras. A separate thread receives frames, and old frames are dropped if the program reads frames
+too slowly.
+"""
 
 from __future__ import annotations
 
@@ -34,14 +36,16 @@ class Mailbox(Generic[T]):
         """Number of items that were replaced before they were taken."""
 
     def put(self, item: T) -> None:
-        """Put the newest item."""
+        """Put a new item into the mailbox."""
         with self._ready:
             self.dropped += len(self._items) == self._items.maxlen
             self._items.append(item)
             self._ready.notify()
 
     def end(self, error: BaseException | None = None) -> None:
-        """Signal the end of the items to the reader, optionally with an error."""
+        """Signal to the reading thread that no more items follow. If an error is given, it is raised on the reading
+        thread.
+        """
         with self._ready:
             self._ended = error or True
             self._ready.notify()
@@ -59,7 +63,7 @@ class Mailbox(Generic[T]):
 
 class LiveSource(Source):
     """Source for a live camera. While the caller processes a frame, only the newest frames are kept. The option `queue`
-    is the maximum number of these frames.
+    is the maximum number of frames that are kept.
 
     `report()` includes the latency from the arrival of a frame until the caller requests the next frame.
     """

@@ -93,7 +93,7 @@ def _open(
 @lru_cache(maxsize=1)
 def _read(job: NumberedFrame, stamp: str) -> Frame:
     """Read the frame of a job. The last frame is cached, because the fingerprint and the segmentation of a job both
-    read the frame. stamp: stamp of the job. If the stamp changes, the frame is read again.
+    read the frame. stamp: text of `NumberedFrame.stamp`. If the input files change, the frame is read again.
     """
     return job._opened()[job.number]
 

@@ -96,7 +96,7 @@ def _published(path: Path, options: Options, error: FileError) -> Source:
     try:
         return PublishedSource(path, options)
     except FileError:
-        raise error from None  # the first error message describes folders of frames
+        raise error from None  # the error of `_folders` explains which folders are accepted
 
 
 def _bag(path: Path, options: Options) -> Source:

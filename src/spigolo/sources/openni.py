@@ -28,8 +28,7 @@ LIBRARY = "install OpenNI2 (apt install libopenni2-0), or set OPENNI2_REDIST64 t
 MILLIMETRES = 0.001
 """Unit of the depth values in metres. The device is set to this unit."""
 WAIT_S = 0.5
-"""Interval in seconds. While no image arrives, the receiving thread checks at this interval if the source was closed.
-"""
+"""Interval in seconds at which the receiving thread checks if the source was closed, while no image arrives."""
 PATIENCE_S = 10.0
 """Maximum time without images, in seconds. After `PATIENCE_S` without an image, iteration raises an error."""
 
@@ -47,8 +46,8 @@ class Image:
 
 
 class OpenNICamera(LiveSource):
-    """Source for an OpenNI2 camera: the camera with the given address, or the first connected camera. Each step of an
-    iteration returns the newest frame.
+    """Source for an OpenNI2 camera: the camera with the given address, or the first connected camera. By default, each
+    step of an iteration yields the newest frame.
     """
 
     def __init__(self, uri: str, options: Options) -> None:
@@ -60,7 +59,9 @@ class OpenNICamera(LiveSource):
             self.intrinsics = "the field of view that the device reports"
 
     def report(self) -> Report:
-        """Return the numbers of frames and images since the start of the last iteration, and the pairing tolerance."""
+        """Return the numbers of frames and images since the start of the last iteration, and the maximum stamp
+        difference of a pair.
+        """
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
     def _receive(self) -> Iterator[Frame]:

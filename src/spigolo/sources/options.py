@@ -42,7 +42,8 @@ class Options:
     """Frames per second of a live camera."""
     queue: int = 1
     """Maximum number of frames of a live camera that wait while the caller is busy. Newer frames replace older ones.
-    With 1, each step yields the newest frame. With more, a short delay of the caller drops no frame.
+    With the value 1, each step of the iteration yields the newest frame. With larger values, no frame is lost if the
+    caller is busy for a short time.
     """
     filters: tuple[str, ...] = field(default=())
     """Names of RealSense SDK filters, applied in the given order: decimation, threshold, spatial, temporal, holes."""
@@ -51,7 +52,8 @@ class Options:
 
 
 def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
-    """Return the options from text values (`words`) and from Python values (`given`), which take precedence.
+    """Create the options from text values (`words`) and Python values (`given`). If an option has both values, the
+    Python value is used.
 
     Raises FileError for an unknown option, or if `queue` is less than 1.
     """

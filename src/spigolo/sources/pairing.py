@@ -9,16 +9,16 @@ from typing import Any
 KEPT = 30
 """Maximum number of images of one topic that wait for a partner. 30 images are one second at 30 Hz."""
 RESTART_NS = 1_000_000_000
-"""If the stamps jump back by more than this time, in nanoseconds, the recording was restarted, for example because it
-is played in a loop.
+"""If the stamps jump back by more than this time, in nanoseconds, the recording counts as restarted, for example
+because it is played in a loop.
 """
 
 
 def pair_stamps(colors_ns: Sequence[int], depths_ns: Sequence[int], tolerance_ns: float) -> list[tuple[int, int]]:
     """Return pairs (colour index, depth index) in the order of the colour stamps. Each index occurs at most once.
 
-    The nearest stamps are paired first. The stamps of a pair differ by at most the tolerance. The input stamps need not
-    be sorted.
+    The nearest stamps are paired first. The two stamps of a pair differ by at most the given tolerance. The input
+    stamps need not be sorted.
     """
     later = sorted((stamp, k) for k, stamp in enumerate(depths_ns))
     candidates: list[tuple[int, int, int]] = []
@@ -44,8 +44,8 @@ def pair_stamps(colors_ns: Sequence[int], depths_ns: Sequence[int], tolerance_ns
 class StampMatcher:
     """Pairing of messages of two topics by their stamps. Each message belongs to at most one pair.
 
-    A message is paired with the message of the other topic that has the nearest stamp within the tolerance. When a new
-    pair is found, older waiting messages are dropped and counted in `unmatched`.
+    A message is paired with the message of the other topic that has the nearest stamp, if both stamps differ by at most
+    the tolerance. When a new pair is found, older waiting messages are dropped and counted in `unmatched`.
     """
 
     def __init__(self, tolerance_ns: int) -> None:

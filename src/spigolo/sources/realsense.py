@@ -20,7 +20,7 @@ from spigolo.sources.options import Options
 
 PIP = 'pip install "spigolo[realsense]"'
 WAIT_MS = 500
-"""Maximum time of one wait for a frame, in milliseconds. After this time without a frame, the receiving thread checks
+"""Maximum time of one wait for a frame, in milliseconds. After each wait without a frame, the receiving thread checks
 if the source was closed.
 """
 PATIENCE_S = 10.0
@@ -49,13 +49,15 @@ class _RealSense(Source):
             yield frame
 
     def report(self) -> Report:
-        """Return the numbers of frames and images since the start of the last iteration, and the pairing tolerance."""
+        """Return the numbers of frames and images since the start of the last iteration, and the maximum stamp
+        difference of a pair.
+        """
         return replace(super().report(), tolerance_ms=self.options.tolerance_ms)
 
 
 class RealSenseCamera(_RealSense, LiveSource):
-    """Source for a RealSense camera: the camera with the given serial number, or the first connected camera. Each step
-    of an iteration yields the newest frame.
+    """Source for a RealSense camera: the camera with the given serial number, or the first connected camera. By
+    default, each step of an iteration yields the newest frame.
     """
 
     def __init__(self, serial: str, options: Options) -> None:
@@ -134,8 +136,8 @@ class RealSenseRecording(_RealSense):
 class _Converter:
     """Converter from framesets of the SDK to frames.
 
-    The SDK repeats an image if the other image of the pair is late. Each image is used in at most one pair. The stamps
-    of a pair differ by at most the tolerance.
+    The SDK repeats an image if the other image of the pair is late. Each image is used in at most one pair. If both
+    images have stamps of the same clock, the stamps differ by at most the option `tolerance_ms`.
     """
 
     def __init__(self, rs: Any, options: Options) -> None:
@@ -146,8 +148,8 @@ class _Converter:
         self._taken: dict[str, int] = {}
         self._images = self._pairs = 0
         self.lost = 0
-        """Number of image pairs that the SDK replaced by newer pairs, counted from gaps in the numbers of colour
-        images.
+        """Number of image pairs that the SDK replaced by newer pairs, counted from gaps in the frame numbers of the
+        colour images.
         """
 
     @property
@@ -156,7 +158,9 @@ class _Converter:
         return max(self._images - 2 * self._pairs, 0)
 
     def take(self, frames: Any) -> bool:
-        """Return True if a frameset is a new pair of images whose stamps differ by at most the tolerance."""
+        """Return True if a frameset is a new pair of images. The stamps of the images must differ by at most
+        `tolerance_ms`, if both stamps come from the same clock.
+        """
         images = {"color": frames.get_color_frame(), "depth": frames.get_depth_frame()}
         numbers = {kind: image.get_frame_number() for kind, image in images.items() if image}
         self._images += sum(self._seen.get(kind) != number for kind, number in numbers.items())

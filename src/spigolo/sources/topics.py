@@ -29,7 +29,7 @@ class Topics:
 
 
 def choose_topics(depth_of: Mapping[str, bool], infos: Sequence[str], options: Options, name: str) -> Topics:
-    """Choose the topics of a bag. Topics that are not in the options are guessed.
+    """Choose the topics of a bag. Topics that the options do not give are guessed from their names.
 
     depth_of: dict with True for each image topic that contains depth, and False for the other image topics. infos:
     CameraInfo topics. Raises FileError.

@@ -14,7 +14,7 @@ from spigolo.frames.frame import Color
 from spigolo.objects.drawing import FONT, INK
 
 WIDTH, HEIGHT, FINER = 1120, 720, 3
-"""Width and height of the chart in pixels, and a scale factor. The chart is drawn larger by this factor and then
+"""Width and height of the chart in pixels, and a scale factor. The chart is drawn larger by the scale factor and then
 reduced, so that lines are smooth.
 """
 LEFT, RIGHT, TOP, BOTTOM = 90, 300, 80, 110
@@ -68,7 +68,7 @@ class Axis:
 def log_log(curves: Sequence[Curve], title: str, x_label: str, y_label: str, note: str = "") -> Color:
     """Draw a chart (H, W, 3) with two logarithmic axes.
 
-    A dashed line with slope 1 passes through the first point of the first curve. On this dashed line, y is proportional
+    A dashed line with slope 1 passes through the first point of the first curve. On the dashed line, y is proportional
     to x.
     """
     x = _axis([v for c in curves for v in c.x], LEFT, WIDTH - RIGHT)
@@ -144,7 +144,7 @@ def _line(picture: Color, a: Point, b: Point, tint: Tint, width: float = 1.0) ->
 def _text(picture: Color, text: str, at: Point, size: float, tint: Tint, align: float = 0.0, weight: int = 1) -> None:
     """Write a text at the position `at` in pixels.
 
-    align: 0 to begin the text at this position, 0.5 to centre it, and 1 to end it there.
+    align: 0 if the text begins at the position `at`, 0.5 if it is centred at `at`, and 1 if it ends at `at`.
     """
     thickness = round((0.6 + 0.5 * weight) * FINER)
     (width, _), _ = cv2.getTextSize(text, FONT, size * FINER, thickness)

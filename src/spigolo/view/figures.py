@@ -25,7 +25,9 @@ Window = tuple[int, int, int, int]
 
 MISSING_BLUE = (0, 0, 110)
 DETAIL_SHARE = 5
-"""Width of the image divided by the width of a detail that is drawn enlarged. The heights have the same ratio."""
+"""Width of the image divided by the width of a detail that is drawn enlarged. The heights of the image and of the
+detail have the same ratio.
+"""
 TURN_DEG = 55.0
 """Angle between the viewing direction of the camera and that of the side view of a point cloud, in degrees."""
 CURVED = 2
@@ -36,8 +38,9 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
     """Draw the results of two smoothing methods next to missing depth: equation 5 on the left, and equation 8 on the
     right.
 
-    The rows show the smoothed depth map, its point cloud from the side, and an enlarged detail. At this detail, the
-    depth maps of both methods differ most. Equation 5 counts missing depth as 0, and equation 8 ignores missing depth.
+    The rows show the smoothed depth map, its point cloud from the side, and an enlarged detail. The enlarged detail is
+    the part of the image in which the two smoothed depth maps differ most. Equation 5 counts missing depth as 0, and
+    equation 8 ignores missing depth.
     """
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")

@@ -34,7 +34,7 @@ WIDTH_PX = 360
 PHONE = """<style>@media (max-width: 600px) {
 .mantine-Paper-root[style*="position: fixed"][style*="bottom: 0px"], .mantine-Paper-root div[style*="width: 20em"]
 { width: 100% !important; } }</style>"""
-"""Style sheet for phones, with which the controls have the width of the screen."""
+"""Style sheet that makes the controls as wide as the screen of a phone."""
 BRAND = (46, 134, 222)
 
 
@@ -211,7 +211,7 @@ class TuningPage:
             self._status.content = text.trouble(error)
 
     def _go(self, position: int) -> None:
-        if self.session.go(position):  # False if `_show_place` set the slider
+        if self.session.go(position):  # `go` returns False if `_show_place` moved the slider
             self.worker.ask()
 
     def _show_place(self) -> None:
@@ -245,7 +245,7 @@ class TuningPage:
             first = self.session.answer is None
             self.session.run()
             self._draw()
-            if first:  # the first run loaded the kernels, so that its time is measured again
+            if first:  # the first run also loaded the kernels: measure the time again
                 return True
         except SpigoloError as error:
             self._status.content = text.trouble(error)
@@ -280,5 +280,5 @@ def _server(host: str, port: int) -> viser.ViserServer:
         import viser
     except ImportError:
         raise SpigoloError('the tuning page needs viser: pip install "spigolo[tune]"') from None
-    with contextlib.redirect_stdout(io.StringIO()):  # hides the start message of viser
+    with contextlib.redirect_stdout(io.StringIO()):  # suppresses the start message of viser
         return viser.ViserServer(host=host, port=port, label="spigolo", verbose=False)

@@ -52,7 +52,7 @@ class Controls:
         self.follow()
 
     def follow(self, moved: Any = None) -> None:
-        """Show which stages are switched on. If a parameter has two controls, set both to the same value.
+        """Show which stages are switched on. If a parameter has two controls, set both controls to the same value.
 
         moved: control that the user is moving, which is not changed.
         """

@@ -69,9 +69,9 @@ class Leaf:
     kind: Literal["number", "integer", "switch", "choice", "list"]
     """Type of the control."""
     optional: bool
-    """True if the parameter may be None. None switches off the rule of the parameter."""
+    """True if the parameter may be None. The value None switches off the rule to which the parameter belongs."""
     limits: tuple[float | None, float | None]
-    """Minimum and maximum of the parameter. None means no limit."""
+    """Minimum and maximum of the parameter. The value None means no limit."""
     choices: tuple[str | int, ...]
     """Allowed values of the parameter if its kind is "choice"."""
     above: bool
@@ -79,7 +79,7 @@ class Leaf:
     odd: bool
     """True if the parameter must be an odd number."""
     default: Any
-    """Default value of the parameter in its class. None if the class has no default value."""
+    """Default value of the parameter in its class. The value is None if the class gives no default value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ class Stage:
     help: str
     """Help text of the stage."""
     optional: bool
-    """True if the stage may be None. None switches the stage off."""
+    """True if the stage may be None. The value None switches the stage off."""
     model: type[BaseModel]
     """Class that contains the parameters of the stage."""
     parts: tuple[Leaf | Stage | Variants, ...]
@@ -161,8 +161,8 @@ def range_of(leaf: Leaf, value: float) -> Range:
 
     If the parameter is a floating-point number with an upper limit of at most 180, the slider ends at this limit. Other
     sliders end at four times a typical value, rounded up to 1, 2 or 5 times a power of ten. No slider exceeds the upper
-    limit of its parameter. The typical value is the largest of `value` and those values in presets that are at most 10
-    * `value`.
+    limit of its parameter. The typical value is the largest of `value` and of the preset values that are at most ten
+    times as large as `value`.
 
     value: current value of the parameter.
     """
@@ -183,8 +183,8 @@ def range_of(leaf: Leaf, value: float) -> Range:
 def first_value(leaf: Leaf) -> Any:
     """Return an initial value for a parameter that is None in the current configuration.
 
-    The value comes from the first of these that has one: the preset OBJECTS, another preset, the default value,
-    `UNSET`.
+    The value is taken from the preset OBJECTS, or else from another preset, from the default value of the parameter, or
+    from the dict `UNSET`.
     """
     if leaf.key == leaf.path:
         for config in (OBJECTS, *PRESETS.values()):

@@ -22,7 +22,8 @@ GREY, RED, YELLOW = (73, 80, 87), (235, 64, 52), (200, 160, 0)
 
 
 class Lists:
-    """Lists of buttons. A click on a button selects an object or a rejected region.
+    """Two lists of buttons, one button for each object and each rejected region. A click on a button selects an object
+    or a rejected region.
 
     - gui: interface of the page.
     - select: function that is called with a pixel (y, x) of the selected object or region.

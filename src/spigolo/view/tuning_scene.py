@@ -1,5 +1,5 @@
 """Images and 3-D scene of the tuning page. The scene shows the point cloud of the frame, and above it one selected
-image. This image is called the picture.
+image. The selected image is called the picture.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ from spigolo.view.tuning_session import Answer, Pixel
 Vectors = npt.NDArray[np.float64]
 
 STAGES = ("objects", "objects and boxes", "rejected regions", "boundary map", "weights", "regions", "depth", "colour")
-"""Names of the images that the user can select. The 3-D scene shows the selected image, called the picture."""
+"""Names of the images that the user can select. The selected image is shown in the 3-D scene and is called the picture.
+"""
 CHOSEN, REFUSED = (255, 214, 10), (235, 64, 52)
 """RGB colours of the selected object or region (yellow), and of rejected regions (red)."""
 FAR = 1.6
@@ -50,8 +51,8 @@ larger angle.
 
 
 def picture(answer: Answer, stage: str, chosen: RegionFacts | None = None) -> Color:
-    """Draw the image named `stage` (one of `STAGES`) for a segmentation result. The selected object or region is
-    outlined.
+    """Draw the image named `stage` (one of `STAGES`) for a segmentation result. The object or region that the user has
+    selected is outlined.
     """
     drawn = fitted(_stage(answer, stage), answer.run.frame.shape).copy()
     if chosen is not None:
@@ -78,13 +79,13 @@ def _stage(answer: Answer, stage: str) -> Color:
 def _objects(result: Segmentation) -> Color:
     """Draw `Segmentation.overlay` of a result, but with a brighter background."""
     drawn, behind = result.overlay(), result.labels == 0
-    near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # outlines and numbers are near
+    near = cv2.dilate((~behind).astype(np.uint8), np.ones((9, 9), np.uint8)) > 0  # pixels near outlines and numbers
     plain = (0.7 * result.frame.color).astype(np.uint8)
     return np.where((behind & ~near)[..., None], plain, drawn)
 
 
 def _rejected(result: Segmentation) -> Color:
-    """Draw each rejected region in its own colour. Objects have their original colours."""
+    """Draw each rejected region in its own colour. Objects keep the colours of the colour image."""
     drawn = draw_objects(result.frame.color, {k: r.mask for k, r in enumerate(result.rejected, start=1)})
     on = result.labels > 0
     drawn[on] = result.frame.color[on]

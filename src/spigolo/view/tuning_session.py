@@ -1,5 +1,5 @@
-"""State of a tuning session: frames, parameter values, corrections by hand, and the latest result. This module does not
-depend on the page.
+"""State of a tuning session: frames, parameter values, corrections by hand, and the latest result. The module does not
+use viser, the package that shows the web page.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ class Reel:
 class Correction:
     """Correction of a segmentation result by hand.
 
-    A corrected region is identified by one of its pixels. The correction can therefore be repeated after a change of
+    Each corrected region is identified by one of its pixels, so that the correction can be repeated after a change of
     parameters.
     """
 

@@ -26,7 +26,8 @@ class Space:
 
     def __init__(self, server: viser.ViserServer, select: Callable[[Pixel | None], None]) -> None:
         self.stand: scene.Stand | None = None
-        """Positions of the picture and the point cloud in the scene. None before the first frame."""
+        """Positions of the picture and the point cloud in the scene. The value is None before the first frame is shown.
+        """
         self._server, self._select = server, select
         self._frame: Frame | None = None
         server.scene.set_up_direction("-y")
@@ -43,7 +44,7 @@ class Space:
     def look(self, client: viser.ClientHandle, view: str) -> None:
         """Point the camera of a browser window at a part of the scene.
 
-        view: "picture", "cloud" or "both".
+        view: part of the scene to look at, "picture", "cloud" or "both".
         """
         if self.stand is None:
             return

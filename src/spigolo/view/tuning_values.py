@@ -102,7 +102,7 @@ class Values:
 
     def _is_of(self, part: Leaf, config: Config) -> bool:
         """Return False if a parameter belongs to an alternative class, such as a cost function, that the configuration
-        does not use. Return True for all other parameters.
+        does not use, and True for other parameters.
         """
         if part.key == part.path:
             return True

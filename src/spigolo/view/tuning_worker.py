@@ -12,7 +12,7 @@ class Latest:
     """Worker thread that calls a function on request. If several requests arrive during a call, the function is called
     only once more.
 
-    work: function that is called. If the function returns True, it is called again.
+    work: function that is called. If the function returns True, it is called once more.
     """
 
     def __init__(self, work: Callable[[], bool]) -> None:
@@ -31,7 +31,9 @@ class Latest:
             self._changed.notify_all()
 
     def idle(self, timeout_s: float | None = None) -> bool:
-        """Wait until no call is requested or running. Return False if this does not happen within the timeout."""
+        """Wait until no call is requested or running. Return False if a call is still requested or running when the
+        timeout ends.
+        """
         with self._changed:
             return self._changed.wait_for(lambda: not (self._wanted or self._busy), timeout_s)
 

@@ -24,7 +24,7 @@ def time_stages(
 ) -> dict[str, dict[str, list[Sample]]]:
     """Measure the time of each stage of the segmentation `rounds` times, after one warm-up run.
 
-    The result is indexed by configuration and stage.
+    Return the measured times, indexed by the name of the configuration and the name of the stage.
     """
     segmenters = {name: Segmenter(config) for name, config in configs.items()}
     samples: dict[str, dict[str, list[Sample]]] = {name: {} for name in configs}

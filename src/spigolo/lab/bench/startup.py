@@ -41,7 +41,8 @@ class Startup:
     opencv_s: float
     """Median time of `import cv2`, in seconds."""
     cold_s: float | None
-    """Start-up time without compiled kernels in the cache, in seconds. None if not measured."""
+    """Start-up time without compiled kernels in the cache, in seconds. The value is None if this time was not measured.
+    """
     samples: list[tuple[float, float]]
     """Start-up time and time of `import cv2` in each repeat, in seconds."""
 

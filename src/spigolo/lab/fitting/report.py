@@ -32,7 +32,8 @@ def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tup
 
     Raises FileError if a file cannot be written.
 
-    For the method `toscana2016`, the TOML file is a preset. For other methods, the TOML file holds their parameters.
+    For the method `toscana2016`, the TOML file is a preset. For any other method, the TOML file holds the parameters of
+    the method.
     """
     method = fitted(search, start)
     preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"

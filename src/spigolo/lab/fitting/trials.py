@@ -1,9 +1,9 @@
 """Files of tested parameter values (trials), with their scores on each frame.
 
 The first line of a file describes the search (`Subject`) and names the frames. Each further line is a trial with one
-list of numbers per frame. The list holds the measures in `SHARES` (multiplied by 1000) and in `COUNTS`. The list also
-holds the maximum IoU of each object over predicted objects and over all regions (multiplied by 1000). The last number
-in the list is the CPU time in milliseconds, null after an error.
+list of numbers per frame. The list holds the accuracy measures in `SHARES` (multiplied by 1000) and in `COUNTS`. The
+list also holds two maximum IoUs of each object, multiplied by 1000: over the predicted objects and over all regions.
+The last number in the list is the CPU time in milliseconds, null after an error.
 """
 
 from __future__ import annotations

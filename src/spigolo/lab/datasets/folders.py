@@ -87,7 +87,7 @@ class FrameFolder(Entry):
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
         """Return the camera if its lens distortion must be removed from the label image, else None.
 
-        The result is also None if the camera file cannot be read. An unreadable camera file raises an error in `read`.
+        Also return None if the camera file cannot be read. In this case, the method `read` raises an error.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)
@@ -138,7 +138,7 @@ def _groups(root: Path) -> Mapping[str, str]:
     """Read the groups of near-identical frames from splits.json.
 
     Return the name of the group of each frame, indexed by the frame name. A group has the name of its first frame.
-    Frames without near-identical frames are not in the result.
+    Frames that belong to no group are not in the returned dictionary.
 
     Warns if splits.json names a frame that does not exist.
     """
@@ -173,5 +173,5 @@ def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], defaul
 
 
 def _mapping(path: Path) -> Mapping[str, Any]:
-    """Read the fields of a JSON file. The result is empty if the file does not exist."""
+    """Read the fields of a JSON file. The returned dictionary is empty if the file does not exist."""
     return read_mapping(path) if path.is_file() else {}

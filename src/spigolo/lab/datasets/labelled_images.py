@@ -19,7 +19,7 @@ SURFACES = ("table", "floor")
 
 @dataclass(frozen=True, slots=True)
 class LabelledImages(ImageEntry):
-    """Frame with a label image. background: label values, in addition to 0, that are background."""
+    """Frame with a label image. background: label values, in addition to 0, that count as background."""
 
     labels: Path
     background: tuple[int, ...]
@@ -99,7 +99,7 @@ def _stands_on(sequence: Path, folder: Path) -> str:
     """Return the surface below the objects, "table" or "floor", according to the folder names in the path of a
     sequence.
 
-    Return "" if no folder inside the data set is named "table" or "floor".
+    Return an empty string if no folder inside the data set is named "table" or "floor".
     """
     parts = [part.lower() for part in sequence.parts]
     start = max((k for k, part in enumerate(parts) if part in SETS), default=len(folder.parts) - 1)

@@ -1,8 +1,8 @@
 """Writers of rendered frames in the file layouts of published data sets. `spigolo.lab.datasets` reads these files.
 
 The file rendered.json marks the frames as rendered. The file camera.json contains the camera intrinsics if the layout
-has no other file for them. File names are derived from frame names. Use `rutgers_name`, `uw_scenes_name` and
-`tejani_name` to create frame names.
+has no other file for camera intrinsics. File names are derived from frame names. Use `rutgers_name`, `uw_scenes_name`
+and `tejani_name` to create frame names.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from spigolo.lab.datasets.uw_scenes import MASK_COLORS, MASK_FOLDER, category_of
 
 
 def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int, shot: int) -> str:
-    """Return the frame name for `write_rutgers`.
+    """Return the name that a frame must have for `write_rutgers`.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int,
     bin_letter
         Letter of the shelf bin, A..L.
     clutter
-        Degree of clutter in the bin, 0..2.
+        Degree of clutter in the shelf bin, 0..2.
     position
         Number of the camera position, 0..2.
     shot
@@ -51,7 +51,7 @@ def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int,
 
 
 def uw_scenes_name(sequence: str, number: int) -> str:
-    """Return the frame name for `write_uw_scenes`.
+    """Return the name that a frame must have for `write_uw_scenes`.
 
     Parameters
     ----------
@@ -65,9 +65,9 @@ def uw_scenes_name(sequence: str, number: int) -> str:
 
 
 def tejani_name(object_name: str, number: int) -> str:
-    """Return the frame name for `write_tejani`.
+    """Return the name that a frame must have for `write_tejani`.
 
-    Raises FrameError if `object_name` is not an object of this data set.
+    Raises FrameError if `object_name` is not an object of the data set by Tejani et al.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
 
 
 class _Images:
-    """Writer of the colour and depth images of frames. All frames must have the same camera."""
+    """Writer of the colour and depth images of frames. All frames must have the same camera intrinsics."""
 
     def __init__(self, folder: Path, about: str) -> None:
         self.count = 0
@@ -222,7 +222,7 @@ def _poses_of(sample: Sample, name: str, models: Sequence[Model]) -> list[Pose]:
 
 
 def _shown(sample: Sample) -> list[Instance]:
-    """Return the objects that have a colour in QuickFind's masks and at least one pixel in this frame."""
+    """Return the objects that have a colour in `MASK_COLORS` and at least one pixel in the frame."""
     present = set(np.unique(sample.labels).tolist())
     shown = [i for i in sample.instances if i.model in MASK_COLORS and i.label in present]
     names = [instance.model for instance in shown]

@@ -31,7 +31,7 @@ class _Scene:
     view: View
     lighting: Lighting
     exposure: float = 1.0
-    """Factor on the brightness of the colour image, 1 = unchanged."""
+    """Factor by which the brightness of the colour image is multiplied, 1 = unchanged."""
     noise_levels: float = 1.0
     """Standard deviation of the colour noise in grey levels, 0..255."""
 
@@ -39,7 +39,7 @@ class _Scene:
 def empty_scene(family: str, seed: int) -> Frame:
     """Render a frame without objects.
 
-    family: kind of scene, a key of `FAMILIES`. Raises ValueError for an unknown family.
+    family: kind of scene, a key of `FAMILIES`. Raises ValueError for an unknown kind of scene.
     """
     return _render(family, seed, lambda view: None)[0]
 
@@ -49,8 +49,8 @@ def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
 
     Return the frame, and the mask (H, W) of the box.
 
-    A method that never finds an object has no false detections in empty scenes. The box reveals such a method, because
-    the method does not find the box.
+    A method that never finds an object has no false detections in empty scenes. The box reveals a method that never
+    finds an object, because the method does not find the box either.
     """
     return _render(family, seed, lambda view: _box(family, seed, view))
 
@@ -190,4 +190,4 @@ def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 FAMILIES: Mapping[str, Callable[[np.random.Generator, str], _Scene]] = {"table": _table, "bin": _bin, "shelf": _shelf}
-"""For each kind of scene (family): function that creates a random scene."""
+"""Functions that create a random scene, indexed by the kind of scene (family)."""

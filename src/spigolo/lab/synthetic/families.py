@@ -40,7 +40,7 @@ FloatArray = npt.NDArray[np.float64]
 
 LEAST_IOU = 0.98
 """Minimum IoU between the exact mask of an object and the mask rendered from its model and pose. A scene is discarded
-if the IoU of an object is smaller.
+if the IoU of an object is below `LEAST_IOU`.
 """
 
 

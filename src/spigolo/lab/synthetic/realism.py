@@ -70,8 +70,8 @@ def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
     """Return the depth noise in each depth range in millimetres: the median deviation of pixels from a locally fitted
     plane.
 
-    Planes are fitted to inverse depth. To convert a residual of inverse depth to a residual of depth, it is multiplied
-    by the squared depth.
+    Planes are fitted to inverse depth. Residuals of inverse depth are multiplied by the squared depth, which gives
+    residuals of depth.
     """
     planes = fit_local_planes(depth)
     residual_mm = 1000 * planes.residual[planes.whole] * depth[planes.whole].astype(np.float64) ** 2

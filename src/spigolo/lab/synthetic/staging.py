@@ -26,7 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 LEAST_VISIBLE_PX = 150
 """Minimum number of visible pixels of a labelled object.
 
-Objects with fewer visible pixels are labelled as background.
+Objects with fewer than `LEAST_VISIBLE_PX` visible pixels are labelled as background.
 """
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0

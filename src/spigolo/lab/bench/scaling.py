@@ -51,7 +51,7 @@ class Growth:
 def rescaled(frame: Frame, size: Size) -> Frame:
     """Resize the images of a frame, and scale its camera intrinsics.
 
-    Colours are averaged over areas if the image becomes smaller. They are interpolated linearly if the image becomes
+    Colours are averaged over areas if the image becomes smaller. Colours are interpolated linearly if the image becomes
     larger. The depth of a pixel in the new image is the depth of the nearest pixel in the old image.
     """
     width, height = size

@@ -16,7 +16,9 @@ STAGES = (
 )  # fmt: skip
 """Names of the stages of `pipeline.trace`, in the order in which they run."""
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}
-"""Steps of a stage that are also timed separately. Each step is mapped to the stage that contains it."""
+"""Steps of a stage that are also timed separately. The dictionary maps the name of each step to the name of the stage
+that contains the step.
+"""
 
 
 def time_stages(

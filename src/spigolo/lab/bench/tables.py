@@ -32,7 +32,7 @@ def tables(report: Report) -> Iterator[Table]:
 
 
 def machine_table(report: Report) -> Table:
-    """Return the table of the machine, the package versions and the missing packages."""
+    """Return the table that describes the machine, the package versions and the missing packages."""
     machine = report.machine
     rows = [
         ("processor", f"{machine.cpu}, {machine.cores} cores"),
@@ -176,7 +176,7 @@ def _ms(value: float) -> str:
 def _exponent(law: PowerLaw | None, sizes: int) -> str:
     """Format the exponent of a fitted power law with the residual of the fit.
 
-    For two image sizes, the residual of the fit is always 0 and is left out.
+    A power law fitted to only two image sizes always has a residual of 0, so the residual is left out.
     """
     if law is None:
         return "-"

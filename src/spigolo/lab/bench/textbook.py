@@ -15,7 +15,7 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 
 def sort_and_merge(graph: Graph, gamma: float) -> npt.NDArray[np.int32]:
-    """Segment a graph with equations 2 and 3 of the paper.
+    """Segment a graph with equations 2 and 3 of the paper (Toscana & Rosa 2016).
 
     Return region labels (H, W). Regions are numbered from 0 in the order of their first pixels.
     """

@@ -12,8 +12,8 @@
 The file `docs/bop_datasets_format.md` of bop_toolkit defines the format. Label k is the k-th object in the list of
 objects in scene_gt.json. If the folder mask_visib is missing, masks are rendered from models and poses.
 
-If a pattern in `full` matches the name of the data set, all objects count as labelled. If no pattern matches, the
-labels count as incomplete (`part`). The frames of one scene form a group of near-identical frames.
+If a pattern in `full` matches the name of the data set, all objects count as labelled. If no pattern in `full` matches
+the name, the labels count as incomplete (`part`). The frames of one scene form a group of near-identical frames.
 """
 
 from __future__ import annotations

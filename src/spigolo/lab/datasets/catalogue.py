@@ -22,7 +22,7 @@ class Archive:
 
     @property
     def file_name(self) -> str:
-        """Return the file name, which is the last part of the URL."""
+        """Return the name of the zip file, which is the last part of its URL."""
         return self.url.rpartition("/")[2]
 
 

@@ -61,7 +61,7 @@ class Entry(ABC):
     @property
     @abstractmethod
     def files(self) -> tuple[Path, ...]:
-        """Paths of all files of the frame. Files with ground truth are last."""
+        """Paths of all files of the frame. Files with ground truth are at the end of the returned tuple."""
 
     @property
     def reading(self) -> str:
@@ -130,7 +130,7 @@ class Entry(ABC):
 class ImageEntry(Entry):
     """Frame stored as a colour image and a depth image.
 
-    Subclasses add ground truth.
+    Subclasses of `ImageEntry` also read ground truth.
     """
 
     color: Path

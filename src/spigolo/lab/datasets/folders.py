@@ -87,7 +87,8 @@ class FrameFolder(Entry):
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
         """Return the camera if its lens distortion must be removed from the label image, else None.
 
-        Also return None if the camera file cannot be read. In this case, the method `read` raises an error.
+        Also return None if the camera file cannot be read. If the camera file cannot be read, the method `read` raises
+        an error.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)
@@ -104,7 +105,7 @@ class Folders(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if there is a file rgb.png in the folder or up to two levels below."""
+        """Return True if there is a file rgb.png in the folder or up to two folder levels below."""
         return next(_places(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:

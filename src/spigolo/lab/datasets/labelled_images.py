@@ -40,12 +40,14 @@ class LabelledImages(ImageEntry):
 
 
 class Osd(DataSet):
-    """Object Segmentation Database (Richtsfeld et al., 2012): scenes on tables, with every object labelled by hand.
+    """Object Segmentation Database (Richtsfeld et al., 2012): scenes on tables.
 
-    OSD/image_color/learn0.png            8 bits
-    OSD/disparity/learn0.png              16 bits, depth in millimetres in spite of the name, 0 = missing
-    OSD/annotation/learn0.png             0 = background, other values = objects
-    OSD/camera.json                       optional: camera intrinsics, by default of a nominal Kinect v1
+        OSD/image_color/learn0.png            8 bits
+        OSD/disparity/learn0.png              16 bits, depth in millimetres in spite of the name, 0 = missing
+        OSD/annotation/learn0.png             0 = background, other values = objects
+        OSD/camera.json                       optional: camera intrinsics, by default of a nominal Kinect v1
+
+    Every object is labelled by hand.
     """
 
     layout = "image_color/, disparity/ and annotation/ with equally named images (OSD)"

@@ -22,7 +22,7 @@ STEEPEST = 1e6
 fitted.
 """
 MAX_MISFIT_PX = 0.5
-"""Maximum residual of the camera fit, in pixels. A larger residual raises CameraError."""
+"""Maximum residual of the camera fit, in pixels. A larger residual of the camera fit raises CameraError."""
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:
@@ -48,7 +48,7 @@ def colors_of(points: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
 
 
 def camera_of(points: npt.NDArray[Any]) -> Camera:
-    """Fit a pinhole camera to an organised point cloud (H, W). Raises CameraError if the fit is poor."""
+    """Fit a pinhole camera to an organised point cloud (H, W). Raises CameraError if no camera fits the points well."""
     height, width = points.shape
     seen = np.isfinite(points["z"]) & (points["z"] > 0)
     y, x = np.nonzero(seen)
@@ -65,7 +65,8 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
 
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
-    """Fit pixels = f * slopes + c by least squares. The slopes are X / Z or Y / Z of the points.
+    """Fit the equation pixels = f * slopes + c by least squares. The slopes are the ratios X / Z or Y / Z of the
+    points.
 
     Return f, c and the maximum residual of the fit in pixels. The residual is infinite if no fit is possible.
     """

@@ -67,7 +67,7 @@ class Rutgers(DataSet):
             )
 
     def _model(self, name: str) -> Path:
-        """Return the path of an object's model. If the file is missing, return its expected path."""
+        """Return the path of an object's model. If the model file is missing, return the expected path of the file."""
         return find_model(self.folder / "models", name) or self.folder / "models" / f"{name}.ply"
 
 

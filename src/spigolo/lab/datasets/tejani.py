@@ -69,7 +69,7 @@ class Tejani(DataSet):
         return next((path for path in places if path.is_file()), None)
 
     def _model(self, number: int, name: str) -> Path:
-        """Return the path of the object's model. If the file is missing, return its expected path."""
+        """Return the path of the object's model. If the model file is missing, return the expected path of the file."""
         stems = (f"obj_{number:02d}", name)
         found = (find_model(self.folder / folder, stem) for folder in MODELS for stem in stems)
         return next((path for path in found if path), self.folder / MODELS[0] / f"obj_{number:02d}.ply")

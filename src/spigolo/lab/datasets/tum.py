@@ -29,18 +29,21 @@ MAX_APART_S = 0.02
 UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 """Units of timestamps that count from 1970, as pairs (minimum median timestamp, unit in seconds).
 
-The pairs are tested in the given order. The unit is taken from the first pair whose minimum is not above the median of
-the timestamps.
+The pairs of minimum and unit are tested in the given order. The unit of the timestamps is taken from the first pair
+with a minimum that is at most the median of the timestamps.
 """
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
 """Units of timestamps that start at 0, as pairs (minimum median difference between successive timestamps, unit in
 seconds).
 
-The pairs are tested in the given order. The unit is taken from the first pair whose minimum is not above the median
-difference. If there is no such pair, the unit of the timestamps is seconds.
+The pairs of minimum and unit are tested in the given order. The unit of the timestamps is taken from the first pair
+with a minimum that is at most the median difference. If every minimum is above the median difference, the unit of the
+timestamps is seconds.
 """
 MANY_ALONE = 0.5
-"""Maximum share of colour images without a depth image. A larger share causes a warning."""
+"""Maximum share of colour images without a depth image. If the share of colour images without a depth image is larger,
+a warning is given.
+"""
 
 Stamped = list[tuple[float, Path]]
 
@@ -69,7 +72,7 @@ def _sequences(folder: Path) -> list[Path]:
 
 
 def _listed(path: Path) -> Stamped:
-    """Read a list such as rgb.txt.
+    """Read a list of image files with timestamps, such as rgb.txt.
 
     Return the time in seconds and the image file of each line, sorted by time. Raises FileError if the file cannot be
     read.

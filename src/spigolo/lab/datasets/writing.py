@@ -1,4 +1,5 @@
-"""Writers of rendered frames in the file layouts of published data sets. `spigolo.lab.datasets` reads these files.
+"""Writers of rendered frames in the file layouts of published data sets. The readers in `spigolo.lab.datasets` can read
+the written files.
 
 The file rendered.json marks the frames as rendered. The file camera.json contains the camera intrinsics if the layout
 has no other file for camera intrinsics. File names are derived from frame names. Use `rutgers_name`, `uw_scenes_name`
@@ -83,11 +84,12 @@ def tejani_name(object_name: str, number: int) -> str:
 
 
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write frames in the file layout of the reader `Rutgers`. Only the object in the frame name gets a pose.
+    """Write frames in the file layout of the reader `Rutgers`. A pose is written only for the object that the frame
+    name contains.
 
     Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
     name does not have the form of `rutgers_name`, or if two frames have different cameras. Also raises FrameError if a
-    frame does not show the object in its name exactly once.
+    frame does not show the object that the frame name contains exactly once.
 
     Parameters
     ----------
@@ -115,8 +117,8 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
 
 
 def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
-    """Write frames in the file layout of the reader `UwScenes`. Masks and boxes are written for the objects in
-    `MASK_COLORS`.
+    """Write frames in the file layout of the reader `UwScenes`. Masks and bounding boxes are written for the objects in
+    the table `MASK_COLORS`.
 
     about: one-sentence description of the rendering, which is written to rendered.json. Returns the number of written
     frames. Raises FileError if a file cannot be written. Raises FrameError if a frame name does not have the form of

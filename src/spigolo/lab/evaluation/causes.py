@@ -30,7 +30,7 @@ class Cause(str, Enum):
     REJECTED = "rejected"
     """A rejected region has an IoU above 0.7 with the labelled object."""
     MERGED = "merged"
-    """One region covers more than 70 % of the object. At least 20 % of the region's pixels are on other objects."""
+    """One region covers more than 70 % of the object, and at least 20 % of the region's pixels are on other objects."""
     FLOODED = "flooded"
     """One region covers more than 70 % of the object. At least 30 % of the region's pixels are outside the object, but
     less than 20 % are on other objects.

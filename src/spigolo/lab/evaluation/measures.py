@@ -26,8 +26,8 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""An object counts as found if its IoU, or its share of covered pixels, is above `FOUND_SHARE`. If the value is equal
-to `FOUND_SHARE`, the object does not count as found.
+"""An object counts as found if its IoU, or its share of covered pixels, is above `FOUND_SHARE`. An object with a value
+of exactly `FOUND_SHARE` does not count as found.
 """
 
 GOOD_F = 0.75
@@ -123,8 +123,8 @@ def score_frame(
     ignore
         Mask (H, W) of pixels that are set to background in both images.
     radius_px
-        Maximum distance between matching boundary pixels, in pixels. By default 0.3 % of the image diagonal, rounded
-        up.
+        Maximum distance between matching boundary pixels, in pixels. The default is 0.3 % of the image diagonal,
+        rounded up to pixels.
 
     Raises
     ------

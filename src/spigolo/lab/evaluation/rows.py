@@ -46,7 +46,7 @@ class Key(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RowScore(Measures):
-    """Accuracy measures of one method on one frame. `FrameScore` defines most measures."""
+    """Accuracy measures of one method on one frame. The class `FrameScore` describes most of the measures."""
 
     n_objects: int
     """Number N of labelled objects."""
@@ -99,7 +99,7 @@ class RowScore(Measures):
     covered_by_regions: tuple[float, ...] = ()
     """Share (N,) of each labelled object that one region covers, maximum over all regions.
 
-    Rejected regions are included.
+    The maximum includes rejected regions.
     """
 
     names: tuple[str, ...] = ()
@@ -169,7 +169,7 @@ def score_row(
 ) -> RowScore:
     """Compute the scores of a predicted label image by comparison with the ground truth.
 
-    `score_frame` defines the measures.
+    The function `score_frame` defines the accuracy measures.
 
     Parameters
     ----------

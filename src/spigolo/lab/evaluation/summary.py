@@ -17,14 +17,15 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 class DatasetScore(Measures):
     """Mean accuracy measures over many frames.
 
-    Each mean F measure is the mean of the F measures of all frames. It is not computed from the mean precision and the
-    mean recall.
+    Each mean F measure is the mean of the F measures of all frames. A mean F measure is not computed from the mean
+    precision and the mean recall.
     """
 
     found_70_recall: float
     """Share of true objects with more than 70 % of their pixels in one segment, NaN if there are no objects.
 
-    Large segments that cover several objects increase `found_70_recall`. Therefore, also compare `overlap_precision`.
+    Large segments that cover several objects increase `found_70_recall`. Therefore, compare both `found_70_recall` and
+    `overlap_precision`.
     """
 
     found_70_both: float

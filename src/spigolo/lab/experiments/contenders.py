@@ -1,4 +1,6 @@
-"""Contenders of a comparison. A contender is a method with one set of parameters, its scores and a unique name."""
+"""Contenders of a comparison of segmentation methods. A contender is a method with one set of parameters, its scores
+and a unique name.
+"""
 
 from __future__ import annotations
 
@@ -98,8 +100,8 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
     """Pair each evaluated method with its reference.
 
-    The reference is the element of `references` with the same method and parameters. If no element has them, the
-    reference is the first element. A reference is not paired with itself.
+    The reference is the element of `references` with the same method and parameters. If no element has the same method
+    and parameters, the reference is the first element of `references`. A reference is not paired with itself.
     """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]

@@ -16,7 +16,7 @@ from spigolo.methods import Method
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Labelled object, with the cause if the object was not found."""
+    """Labelled object, and the reason if the object was not found."""
 
     data_set: str
     """Name of the data set."""
@@ -62,7 +62,8 @@ def loss_table(losses: Sequence[Loss]) -> Table:
 
 
 def lost_objects(losses: Sequence[Loss]) -> Table:
-    """Return a table of all objects that were not found. Columns are the cause, the IoU and the reason for rejection.
+    """Return a table of all objects that were not found. The columns of the table are the cause, the IoU and the reason
+    for rejection.
 
     IoU and reason for rejection are those of the region (`Fate.region`) from which the cause was determined.
     """

@@ -61,7 +61,7 @@ class Measured:
     """True if the frames are rendered."""
     n_frames: int
     tallies: Mapping[str, Mapping[Place, Tally]]
-    """Numbers of objects, indexed by method and table cell. The first method uses the paper's preset."""
+    """Numbers of objects, indexed by method and table cell. The first method runs with the preset of the paper."""
     reference: str | None
     """Name of the method whose values are printed in parentheses, or None."""
 

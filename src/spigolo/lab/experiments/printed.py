@@ -17,7 +17,7 @@ class Figure:
     found: str
     """Printed share of found objects, per cent."""
     beside: str = ""
-    """Value that is printed in parentheses. The text is empty if the paper prints no such value."""
+    """Value that is printed in parentheses. The text is empty if the paper prints no value in parentheses."""
     objects: int = 0
     """Printed number of objects, 0 if not printed."""
 
@@ -66,8 +66,8 @@ CATEGORIES = {
 def _run(frame: str, name: str) -> Place:
     """Return the cell of Table I for an object of a Rutgers APC frame.
 
-    Frames are named OBJECT-BIN-CLUTTER-POSITION-SHOT. Table I has one line per run. The number of the run is CLUTTER +
-    1.
+    The names of frames have the form OBJECT-BIN-CLUTTER-POSITION-SHOT. Table I has one line per run. The number of the
+    run is CLUTTER + 1, where CLUTTER is a number in the frame name.
     """
     found = re.fullmatch(r".+-[A-L]-(\d+)-\d+-\d+", frame)
     return (f"Run_{int(found[1]) + 1}" if found else ""), ALL
@@ -76,7 +76,7 @@ def _run(frame: str, name: str) -> Place:
 def _scene(frame: str, name: str) -> Place:
     """Return the cell of Table II for an object in UW RGB-D Scenes.
 
-    Frames are named SCENE_K_N, and objects CATEGORY_NUMBER.
+    The names of frames have the form SCENE_K_N, and the names of objects have the form CATEGORY_NUMBER.
     """
     return frame.rpartition("_")[0].capitalize(), CATEGORIES.get(name.rpartition("_")[0], "")
 

@@ -27,7 +27,7 @@ Tell = Callable[[int, int, Row | None], None]
 """Progress callback.
 
 The arguments of the callback are the number of finished evaluations, the number of evaluations to run, and the latest
-result (None at the start). Evaluations with a result in the file are not counted.
+result (None at the start). Evaluations that already have a result in the output file are not counted.
 """
 
 
@@ -132,7 +132,7 @@ def evaluate(
     tell
         Progress callback.
     engine
-        Executor that runs the tasks. If an executor is given, `jobs` is ignored.
+        Executor that runs the evaluation tasks. If an executor is given, `jobs` is ignored.
 
     """
     if importlib.util.find_spec("scipy") is None:
@@ -157,7 +157,7 @@ def evaluate(
 
 
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
-    """Return the existing results that are still valid, with `group` and `labelling` of the current frames.
+    """Return the existing results that are still valid, with the fields `group` and `labelling` of the current frames.
 
     A result with an error is left out if the files of its frame have changed. Raises FileError if a frame was evaluated
     without an error, and its files have changed since then.
@@ -206,7 +206,7 @@ def _as_described(row: Row, frame: Entry | None) -> Row:
 
 
 def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -> Generator[Row]:
-    """Execute the tasks, and yield the results in the order of the tasks."""
+    """Execute evaluation tasks, and yield the results in the order of the tasks."""
     work = Worker(methods)
     with closing(in_order(engine, work, tasks)) as outcomes:
         for task, outcome in zip(tasks, outcomes, strict=True):

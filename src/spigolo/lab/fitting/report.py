@@ -28,7 +28,8 @@ def score_table(search: Search, held: HeldOut) -> Table:
 
 
 def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
-    """Write the fitted parameters as a TOML file, and the report as report.md. Return the paths of both files.
+    """Write the fitted parameters as a TOML file, and the report as report.md. Return the paths of the two written
+    files.
 
     Raises FileError if a file cannot be written.
 

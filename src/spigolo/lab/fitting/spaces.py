@@ -213,7 +213,7 @@ def _ours(config: Config) -> Space:
 
 
 def _has(config: Config, place: str) -> bool:
-    """Return True if a configuration has the optional stage with this dotted name."""
+    """Return True if a configuration has the optional stage with the dotted name `place`."""
     value: object = config
     for name in place.split("."):
         value = getattr(value, name, None)

@@ -1,9 +1,9 @@
 """Files of tested parameter values (trials), with their scores on each frame.
 
-The first line of a file describes the search (`Subject`) and names the frames. Each further line is a trial with one
-list of numbers per frame. The list holds the accuracy measures in `SHARES` (multiplied by 1000) and in `COUNTS`. The
-list also holds two maximum IoUs of each object, multiplied by 1000: over the predicted objects and over all regions.
-The last number in the list is the CPU time in milliseconds, null after an error.
+The first line of a file describes the search (`Subject`) and names the frames. Each further line describes a trial (set
+of parameter values), with one list of numbers per frame. Each list holds the accuracy measures in `SHARES` (multiplied
+by 1000) and in `COUNTS`. Each list also holds two maximum IoUs of each object, multiplied by 1000: over the predicted
+objects and over all regions. The last number in each list is the CPU time in milliseconds, null after an error.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class TrialFile:
     def append(self, trial: Trial) -> None:
         """Append tested parameter values and their scores to the file and to `trials`.
 
-        Scores in `trials` are rounded like the scores in the file.
+        The scores in the list `trials` are rounded like the scores in the file.
         """
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)

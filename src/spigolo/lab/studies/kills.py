@@ -42,8 +42,8 @@ directly after it has added a frame to the list of finished frames.
 
 @dataclass(frozen=True, kw_only=True)
 class Logged(FrameFiles):
-    """Frame of a batch. Each time the frame is read, its name and the id of the reading process are appended to a log
-    file.
+    """Frame of a batch run. Each time the frame is read, its name and the id of the reading process are appended to a
+    log file.
     """
 
     log: Path
@@ -122,14 +122,14 @@ class Study:
 
     def moments(self, count: int) -> list[int]:
         """Return `count` random moments for interruptions. Each moment is given by the number of frames that are
-        finished at this moment. The numbers are in ascending order.
+        finished at this moment. The moments are returned in ascending order.
         """
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
         """Wait until the manifest (list of finished frames) has `lines` lines, or the process has ended.
 
-        After that, wait for a random time of up to `SETTLING_S`.
+        Wait for an additional random time of up to `SETTLING_S` seconds.
         """
         while process.poll() is None and lines_in(out / FILE) < lines:
             time.sleep(0.002)

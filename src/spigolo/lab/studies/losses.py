@@ -7,9 +7,9 @@ surroundings", the area of the region is at least three times the area of the ob
 the area of the region is less than three times the area of the object.
 
 The script also prints the share of labelled objects with more than 30 % missing depth. The script also prints the share
-of labelled objects that a rule of the preset rejects even if the region is exactly the ground-truth mask of the object.
-With `--gammas`, the script also segments every second frame with each given value of `partition.gamma`. For each value
-of `partition.gamma`, it prints the share of labelled objects for which a region has an IoU above 0.7.
+of labelled objects whose exact ground-truth mask would be rejected by a rule of the preset. With `--gammas`, the script
+also segments every second frame with each given value of `partition.gamma`. For each value of `partition.gamma`, it
+prints the share of labelled objects for which a region has an IoU above 0.7.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ MAY_GROW_MIB = 5.0
 MAY_SLOW = 1.05
 """Maximum CPU time of the last thousand frames, divided by the CPU time of the first thousand frames.
 
-The limit is above 1, because CPU times vary by a few per cent on a busy machine.
+The maximum ratio is above 1, because CPU times vary by a few per cent on a busy machine.
 """
 EVERY = 50
 """Step between the frames whose results are compared with the result of `spigolo.segment` (50 = every 50th frame)."""
@@ -55,8 +55,8 @@ class Soak:
     range_mib: float
     """Difference between maximum and minimum resident memory after the first quarter of the frames, MiB."""
     slower: float
-    """CPU time of a scene in the last thousand frames divided by its CPU time in the first thousand frames. Median over
-    all scenes.
+    """CPU time of a scene in the last thousand frames divided by its CPU time in the first thousand frames. The value
+    is a median over all scenes.
     """
     first_ms: float
     """Median CPU time per frame in the first thousand frames, in milliseconds."""

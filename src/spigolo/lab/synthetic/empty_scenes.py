@@ -133,8 +133,8 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create a plastic container with slanted walls, round corners and a flange at the top. Return its outer surface,
-    its inner surface and its floor.
+    """Create a plastic container with slanted walls, round corners and a flange at the top. Return the outer surface,
+    the inner surface and the floor of the container.
     """
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))
@@ -154,7 +154,9 @@ def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Genera
 
 
 def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create a carton or crate with vertical walls. Return its outer surface, its inner surface and its floor."""
+    """Create a carton or crate with vertical walls. Return the outer surface, the inner surface and the floor of the
+    container.
+    """
     thick, radius_m = rng.uniform(0.004, 0.018), 0.001
     skirt = [line((thick, 0.0), (thick, height_m)), line((thick, height_m), (0.0, height_m))]
     floor = prism(rounded_rectangle(size_m, radius_m, 2)[0], 0.0005, 0.005)

@@ -51,7 +51,7 @@ class Family:
     stage: Callable[[str, np.random.Generator], Stage]
     """Function that creates a random scene from a scene name and a random number generator."""
     scenes: tuple[str, ...]
-    """Names of the scenes in the family. Consecutive frames show consecutive scenes of this list."""
+    """Names of the scenes in the family. Consecutive frames of the family show consecutive scenes."""
     objects: tuple[str, ...]
     """Names of all objects that may be labelled in the family's scenes."""
     fully_labelled: bool
@@ -121,7 +121,7 @@ def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: floa
     """Return the IoU (N,) between the exact mask of each object and the mask rendered from its model and pose.
 
     If the family labels only one object per frame (`first_alone`), the mask of the first object is rendered twice: with
-    and without the other objects. For this object, the smaller of the two IoUs is returned.
+    and without the other objects. For the first object, the smaller IoU of the two rendered masks is returned.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def write_family(
     layout
         File layout of the written frames. The layout "folders" is one folder per frame, read by `Folders`. The layout
         "bop" is the BOP format, read by `Bop`. The layout "original" is that of the real data set that is similar to
-        the family of scenes. It is read by `Rutgers`, `UwScenes` or `Tejani`.
+        the family of scenes. The layout "original" is read by `Rutgers`, `UwScenes` or `Tejani`.
     tell
         Function that is called after each frame with the number of finished frames.
 

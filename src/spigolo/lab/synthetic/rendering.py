@@ -102,7 +102,7 @@ class Rendering:
     light: FloatArray
     """Colour image (H, W, 3), linear RGB."""
     lamp_light: FloatArray
-    """Colour image (H, W, 3) of the scene in the light of `lamp`, the argument of `render_all`. Linear RGB."""
+    """Colour image (H, W, 3) of the scene in the lighting `lamp`, which is an argument of `render_all`. Linear RGB."""
     depth_m: FloatMap
     """Depth map (H, W), metres."""
     geoms: npt.NDArray[np.int32]

@@ -49,7 +49,7 @@ class Stage:
     """Additional objects that are not labelled."""
     grey: float = 110.0
     """Median grey level of the colour image, 0..255. The exposure of the simulated camera is adjusted so that the image
-    has this median.
+    has about this median grey level.
     """
     noise_levels: float = 1.5
     """Standard deviation of the colour noise, in grey levels 0..255."""

@@ -55,8 +55,8 @@ CLUTTER = (
 _CLEAR_M = TOLERANCE_M + 0.001
 """Minimum distance between labelled and unlabelled objects, in metres.
 
-A model up to `TOLERANCE_M` behind another surface counts as visible. Masks rendered from models are therefore wrong if
-objects are closer to each other than `TOLERANCE_M`.
+An object model up to `TOLERANCE_M` behind another surface counts as visible. Masks rendered from models are therefore
+wrong if objects are closer to each other than `TOLERANCE_M`.
 """
 
 

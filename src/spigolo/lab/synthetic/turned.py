@@ -93,7 +93,7 @@ def coffee_cup(rng: np.random.Generator) -> Parts:
 
 
 def flashlight(rng: np.random.Generator) -> Parts:
-    """Create a flashlight, 17 cm long, whose head is wider than its barrel. The rear end is at z = 0."""
+    """Create a flashlight, 17 cm long, whose head is wider than its barrel. Its rear end is at z = 0."""
     long, r, head = 0.17, 0.014, 0.021
     profile = [
         line((0.0, 0.0), (r - 0.002, 0.0)),

@@ -138,8 +138,8 @@ def _places(folder: Path) -> Iterator[Path]:
 def _groups(root: Path) -> Mapping[str, str]:
     """Read the groups of near-identical frames from splits.json.
 
-    Return the name of the group of each frame, indexed by the frame name. A group has the name of its first frame.
-    Frames that belong to no group are not in the returned dictionary.
+    Return the name of the group of each frame, indexed by the frame name. A group of near-identical frames has the name
+    of its first frame. Frames that belong to no group are not in the returned dictionary.
 
     Warns if splits.json names a frame that does not exist.
     """

@@ -52,7 +52,7 @@ class RowScore(Measures):
     """Number N of labelled objects."""
 
     n_segments: int
-    """Number of predicted objects. Objects with only ignored pixels are not counted."""
+    """Number of predicted objects. Predicted objects that contain only ignored pixels are not counted."""
 
     best_iou: tuple[float, ...]
     """Maximum IoU (N,) of each labelled object over all predicted objects."""
@@ -136,7 +136,7 @@ class Row:
     wall_s: float | None
 
     n_predicted: int
-    """Number of predicted objects. Objects with only ignored pixels are also counted."""
+    """Number of predicted objects. Predicted objects that contain only ignored pixels are also counted."""
 
     rejected: dict[str, int]
     """Number of rejected regions, indexed by the reason for rejection."""
@@ -254,8 +254,8 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
 class RowFile:
     """File of evaluation results, open for appending. Each new result is written to disk immediately.
 
-    The attribute `rows` holds all results in the file. An incomplete last line is removed from the file on opening.
-    Raises FileError if the file cannot be opened, or if a line is not a valid result.
+    The attribute `rows` holds all results in the file. If the last line is incomplete, it is removed when the file is
+    opened. Raises FileError if the file cannot be opened, or if a line is not a valid result.
     """
 
     rows: list[Row]

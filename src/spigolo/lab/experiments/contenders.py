@@ -101,7 +101,7 @@ def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) ->
     """Pair each evaluated method with its reference.
 
     The reference is the element of `references` with the same method and parameters. If no element has the same method
-    and parameters, the reference is the first element of `references`. A reference is not paired with itself.
+    and parameters, the reference is the first element of `references`. A reference method is not paired with itself.
     """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]

@@ -10,8 +10,8 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.experiments.tables import FEW_GROUPS
 
 MOST = 0.5
-"""Maximum share of all frames that one data set may have. If a data set has a larger share, the report warns that this
-data set dominates the mean.
+"""Maximum share of all frames that one data set may have. If a data set has a larger share of the frames, the report
+warns that this data set dominates the mean.
 """
 
 

@@ -2,8 +2,9 @@
 
 The first line of a file describes the search (`Subject`) and names the frames. Each further line describes a trial (set
 of parameter values), with one list of numbers per frame. Each list holds the accuracy measures in `SHARES` (multiplied
-by 1000) and in `COUNTS`. Each list also holds two maximum IoUs of each object, multiplied by 1000: over the predicted
-objects and over all regions. The last number in each list is the CPU time in milliseconds, null after an error.
+by 1000) and in `COUNTS`. For each object, the list also holds the maximum IoU over the predicted objects and the
+maximum IoU over all regions, multiplied by 1000. The last number in each list is the CPU time in milliseconds, null
+after an error.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """Count the reasons why labelled objects are not found: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
 The script divides the labelled objects into four classes. The class "covered" contains objects of which a predicted
-object covers more than 70 %. The class "split" contains objects of which no region covers more than 70 %. In the two
-other classes, a region covers more than 70 % of the object, but no predicted object does. In the class "joined with its
-surroundings", the area of the region is at least three times the area of the object. In the class "rejected otherwise",
-the area of the region is less than three times the area of the object.
+object covers more than 70 %. The class "split" contains objects of which no region covers more than 70 %. For objects
+of the two other classes, a region covers more than 70 % of the object, but no predicted object covers that much. In the
+class "joined with its surroundings", the area of the region is at least three times the area of the object. In the
+class "rejected otherwise", the area of the region is less than three times the area of the object.
 
 The script also prints the share of labelled objects with more than 30 % missing depth. The script also prints the share
 of labelled objects whose exact ground-truth mask would be rejected by a rule of the preset. With `--gammas`, the script

@@ -51,7 +51,9 @@ class Family:
     stage: Callable[[str, np.random.Generator], Stage]
     """Function that creates a random scene from a scene name and a random number generator."""
     scenes: tuple[str, ...]
-    """Names of the scenes in the family. Consecutive frames of the family show consecutive scenes."""
+    """Names of the scenes in the family. Consecutive frames of a family show consecutive scenes in the order of
+    `scenes`.
+    """
     objects: tuple[str, ...]
     """Names of all objects that may be labelled in the family's scenes."""
     fully_labelled: bool

@@ -249,8 +249,8 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
     """Return the difference between adjacent points of a grid (H, W, K) along one axis.
 
     Each point has two differences: to the previous point and to the next point. The function returns the difference
-    with the smaller change of the last coordinate (depth or disparity). In this way, the difference is not taken across
-    a depth discontinuity.
+    with the smaller change of the last coordinate (depth or disparity). The smaller change avoids a difference across a
+    depth discontinuity.
     """
     steps = np.diff(points, axis=axis)
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)

@@ -47,7 +47,7 @@ class Plan:
     repeats: int = 3
     """Number of measurements of the throughput and of the start-up time."""
     latency: int = 0
-    """Number of frames in the measurement of latency. If the number is 0, latency is not measured."""
+    """Number of frames in the measurement of latency. If `latency` is 0, the latency is not measured."""
     cold: bool = False
     """True to also measure the start-up time of a process that must first compile the kernels (Numba functions)."""
 

@@ -99,7 +99,7 @@ class RowScore(Measures):
     covered_by_regions: tuple[float, ...] = ()
     """Share (N,) of each labelled object that one region covers, maximum over all regions.
 
-    The maximum includes rejected regions.
+    The maximum is taken over accepted and rejected regions.
     """
 
     names: tuple[str, ...] = ()

@@ -116,7 +116,7 @@ def _refuse_others(folder: Path, about: str) -> None:
 
 
 def _require_extra() -> None:
-    """Check that scipy and trimesh are installed, before rendering starts. Raise SpigoloError if one of them is
+    """Check that scipy and trimesh are installed, before rendering starts. Raise SpigoloError if scipy or trimesh is
     missing.
     """
     for name in ("scipy", "trimesh"):

@@ -14,7 +14,7 @@ class Cell:
 
     text: str
     note: str = ""
-    """Additional text of the cell, in smaller print."""
+    """Additional text of a table cell, in smaller print."""
     strong: bool = False
     """True to print the text of the cell in bold."""
 
@@ -80,12 +80,12 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Gallery:
-    """Section of images. In HTML output, the section can be opened and closed."""
+    """Section of images. In HTML output, a section of images can be opened and closed."""
 
     title: str
     pictures: Sequence[Picture]
     unfolded: bool = False
-    """True if the section is open when the page is loaded."""
+    """True if the section of images is open when the page is loaded."""
 
 
 Block = Heading | Paragraph | Items | Table | Gallery
@@ -145,7 +145,7 @@ def to_markdown(page: Page) -> str:
 
 
 def to_text(table: Table) -> str:
-    """Format a table as plain text with aligned columns. The note of a cell is in parentheses."""
+    """Format a table as plain text with aligned columns. The note of a table cell is written in parentheses."""
     cells = [list(table.head), *([_text_cell(cell) for cell in row] for row in table.rows)]
     widths = [max(len(row[k]) for row in cells) for k in range(len(table.head))]
     pads = [str.ljust if k < table.names else str.rjust for k in range(len(widths))]

@@ -6,7 +6,8 @@ Run the benchmark on one frame and print the tables::
     report.to_json()                                # with all measured times
     print(markdown(report))
 
-The benchmark measures the time of presets of the method `toscana2016`, and of the other methods in `spigolo.METHODS`.
+The benchmark measures the time of the segmentation method `toscana2016` with several presets, and of all other methods
+in `spigolo.METHODS`.
 """
 
 from __future__ import annotations

@@ -30,11 +30,11 @@ CONFIGS = {
 }
 """Configurations whose time is measured: each preset with 8-connected and with 4-connected pixels."""
 MERGED = ("TABLE 8c", "SHELF 8c")
-"""For these configurations, the step that merges pixels into regions is also timed separately."""
+"""Names of the configurations for which the step that merges pixels into regions is also timed separately."""
 OURS = "toscana2016"
-"""Name of the method that runs with the presets in `CONFIGS`.
+"""Name of the segmentation method that runs with the presets in `CONFIGS`.
 
-All methods in `METHODS` except this one run with their default parameters.
+All methods in `METHODS` except `toscana2016` run with their default parameters.
 """
 SEGMENTING_PEERS = ("GraphSegmentation", "felzenszwalb")
 SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
@@ -44,7 +44,8 @@ SALIENCY, SALIENCY_PEER = "fine_grained_saliency", "StaticSaliencyFineGrained"
 class Comparison:
     """Comparison of a function of spigolo (`ours`) with another function for the same task (`peer`).
 
-    The peer is a function of another library, another method in `METHODS`, or the textbook algorithm.
+    The peer is a function of another library, another segmentation method in `METHODS`, or the textbook algorithm that
+    merges pixels into regions.
     """
 
     peer: str
@@ -52,22 +53,22 @@ class Comparison:
     ratio: float
     """CPU time of `peer` divided by CPU time of `ours`, as the median of several measured ratios.
 
-    Above 1 if `ours` is faster.
+    The ratio is above 1 if `ours` is faster than `peer`.
     """
 
 
 def segmenters(frame: Frame, configs: Mapping[str, Config] = CONFIGS) -> dict[str, Run]:
-    """Return one function per configuration.
+    """Return one timed function for each configuration.
 
-    Each function segments the frame with its own `Segmenter`, and returns the CPU and wall time.
+    Each returned function segments the frame with its own `Segmenter`, and returns the CPU and wall time.
     """
     return {name: _on(Segmenter(config), frame) for name, config in configs.items()}
 
 
 def baselines(frame: Frame) -> dict[str, Run]:
-    """Return one function for each method in `METHODS` except `toscana2016`.
+    """Return one timed function for each segmentation method in `METHODS` except `toscana2016`.
 
-    Each function segments the frame, and returns the CPU and wall time.
+    Each returned function segments the frame, and returns the CPU and wall time.
     """
     return {name: _on(METHODS[name], frame) for name in _others()}
 
@@ -78,10 +79,10 @@ def saliency(frame: Frame) -> dict[str, Run]:
 
 
 def mergings(frame: Frame) -> dict[str, Run]:
-    """Return two functions per configuration in `MERGED`. Both merge the pixels of the same graph into regions, and
-    return the CPU and wall time.
+    """Return two timed functions for each configuration in `MERGED`.
 
-    One function calls `regions.partition`, the other calls the textbook algorithm `sort_and_merge`. Raises SpigoloError
+    Both functions merge the pixels of the same graph into regions, and return their CPU and wall time. One function
+    calls `regions.partition`, and the other function calls the textbook algorithm `sort_and_merge`. Raises SpigoloError
     if `partition` and `sort_and_merge` give different regions.
     """
     runs: dict[str, Run] = {}
@@ -95,12 +96,12 @@ def mergings(frame: Frame) -> dict[str, Run]:
 
 
 def merging_name(config: str) -> str:
-    """Return the name of the timed function that calls `regions.partition` with this configuration."""
+    """Return the name of the timed function that calls `regions.partition` with the configuration `config`."""
     return f"merging, {config}"
 
 
 def textbook_name(config: str) -> str:
-    """Return the name of the timed function that calls the textbook algorithm with this configuration."""
+    """Return the name of the timed function that calls the textbook algorithm with the configuration `config`."""
     return f"textbook merging, {config}"
 
 

@@ -30,7 +30,8 @@ def summarise(samples: Sequence[Sample]) -> Summary:
 def paired_ratio(peer: Sequence[Sample], ours: Sequence[Sample]) -> float:
     """Return the median ratio of the CPU times of two functions, `peer` divided by `ours`.
 
-    Sample k of `peer` is divided by sample k of `ours`, and the median of these ratios is returned.
+    The CPU time of sample k of `peer` is divided by the CPU time of sample k of `ours`. The median of the ratios is
+    returned.
     """
     return statistics.median(p.cpu_ms / o.cpu_ms for p, o in zip(peer, ours, strict=True))
 
@@ -63,6 +64,6 @@ def fit_power_law(x: Sequence[float], t: Sequence[float]) -> PowerLaw:
 def percentile(values: Sequence[float], share: float) -> float:
     """Return a percentile of the values, for example the 99th percentile for `share` = 0.99.
 
-    The result is always one of the values, without interpolation.
+    The returned percentile is always one of the given values, without interpolation.
     """
     return float(np.quantile(values, share, method="inverted_cdf"))

@@ -34,7 +34,7 @@ PACKAGES = {
 class Worker:
     """Worker process in another Python environment.
 
-    The worker process runs all functions in `PACKAGES` that this environment can import.
+    The worker process runs all functions in `PACKAGES` that its Python environment can import.
     """
 
     def __init__(self, python: Path) -> None:
@@ -107,7 +107,7 @@ class Worker:
 
 
 class Peers:
-    """Functions of other libraries (peers) that can run, with the worker process of each function."""
+    """Functions of other libraries (peers) that can be imported, with the worker process that runs each function."""
 
     def __init__(self, workers: list[Worker]) -> None:
         self._workers = workers
@@ -162,9 +162,9 @@ def open_peers(python: Path | None = None) -> Iterator[Peers]:
     Parameters
     ----------
     python
-        Python interpreter of the worker, by default `.venv-oracle/bin/python` if it exists. Functions that this
-        interpreter cannot import run in a second worker process, which uses the current Python interpreter. Functions
-        that the second worker cannot import either are left out.
+        Python interpreter of the worker process, by default `.venv-oracle/bin/python` if this file exists. A second
+        worker process uses the current Python interpreter. The second worker process runs the functions that the
+        interpreter `python` cannot import. Functions that neither worker process can import are left out.
 
     """
     given = python if python is not None else DEFAULT_PYTHON if DEFAULT_PYTHON.is_file() else None

@@ -47,9 +47,9 @@ class Plan:
     repeats: int = 3
     """Number of measurements of the throughput and of the start-up time."""
     latency: int = 0
-    """Number of frames in the measurement of latency, 0 = not measured."""
+    """Number of frames in the measurement of latency. If `latency` is 0, the latency is not measured."""
     cold: bool = False
-    """True to also measure the start-up time without compiled kernels."""
+    """True to also measure the start-up time of a process that must first compile the kernels (Numba functions)."""
 
 
 QUICK = Plan(rounds=3, size_rounds=2, sizes=SIZES[:2], frames=8, repeats=1)
@@ -76,7 +76,8 @@ class Contest:
 class Report:
     """Results of a benchmark.
 
-    The field `contests` holds measurements on all frames. All other measurements use only the first frame.
+    The field `contests` holds measurements on all frames. Only the first frame is used to measure the values of all
+    other fields.
     """
 
     machine: Machine
@@ -84,7 +85,7 @@ class Report:
     peers: dict[str, dict[str, str]]
     """Versions of the modules in each Python environment, indexed by interpreter and module."""
     missing: list[str]
-    """One message for each package that no Python environment has."""
+    """One message for each missing package, which no Python environment contains."""
     contests: list[Contest]
     growth: dict[str, Growth]
     """CPU times at several image sizes, indexed by the name of the timed function."""
@@ -99,7 +100,7 @@ class Report:
     def to_json(self) -> dict[str, Any]:
         """Return all measurements as a dictionary for `json.dumps`.
 
-        Each element of `contests` also has the key `summaries` with the median and minimum times.
+        Each element of `contests` also has the key `summaries` with the median and minimum time of each timed function.
         """
         values = asdict(self)
         for contest, out in zip(self.contests, values["contests"], strict=True):

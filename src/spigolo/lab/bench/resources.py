@@ -24,7 +24,7 @@ class Memory:
     frame: float
     """Peak memory during the segmentation of a frame, in addition to `workspace`, bytes per pixel.
 
-    The segmentation result is included.
+    The peak includes the memory of the segmentation result.
     """
     answer: float
     """Memory of the segmentation result of one frame, bytes per pixel."""

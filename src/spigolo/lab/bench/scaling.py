@@ -30,16 +30,19 @@ class Growth:
     cpu_ms: list[float]
     """Median CPU time at each image size, in milliseconds."""
     pixels: PowerLaw | None
-    """Power law t = c N^p, fitted to the CPU time t and the number of pixels N. None for a single image size."""
+    """Power law t = c N^p, fitted to the CPU time t and the number of pixels N.
+
+    The value is None if only one image size was measured.
+    """
     pixels_log: PowerLaw | None
     """Power law t = c (N log N)^p, fitted to the CPU time t and the number of pixels N.
 
-    None for a single image size.
+    The value is None if only one image size was measured.
     """
     hd_per_vga: float | None
     """CPU time per pixel at 1920x1080 divided by CPU time per pixel at 640x480.
 
-    None if one of these sizes was not measured.
+    The value is None if 1920x1080 or 640x480 was not measured.
     """
     samples: list[list[Sample]]
     """Measured times of all runs at each image size."""
@@ -48,8 +51,8 @@ class Growth:
 def rescaled(frame: Frame, size: Size) -> Frame:
     """Resize the images of a frame, and scale its camera intrinsics.
 
-    If the new image is smaller, colours are averaged over areas. If it is larger, colours are interpolated linearly.
-    Depth is taken from the nearest pixel.
+    Colours are averaged over areas if the image becomes smaller. Colours are interpolated linearly if the image becomes
+    larger. The depth of a pixel in the new image is the depth of the nearest pixel in the old image.
     """
     width, height = size
     shrinks = width * height < frame.depth.size

@@ -16,7 +16,9 @@ STAGES = (
 )  # fmt: skip
 """Names of the stages of `pipeline.trace`, in the order in which they run."""
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}
-"""Steps of a stage that are also timed separately. Each step is mapped to the stage that contains it."""
+"""Steps of a stage that are also timed separately. The dictionary maps the name of each step to the name of the stage
+that contains the step.
+"""
 
 
 def time_stages(
@@ -24,7 +26,7 @@ def time_stages(
 ) -> dict[str, dict[str, list[Sample]]]:
     """Measure the time of each stage of the segmentation `rounds` times, after one warm-up run.
 
-    The result is indexed by configuration and stage.
+    Return the measured times, indexed by the name of the configuration and the name of the stage.
     """
     segmenters = {name: Segmenter(config) for name, config in configs.items()}
     samples: dict[str, dict[str, list[Sample]]] = {name: {} for name in configs}

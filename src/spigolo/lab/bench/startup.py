@@ -37,11 +37,13 @@ class Startup:
     """Start-up time: wall time from the start of a Python process to its first segmentation, in seconds."""
 
     warm_s: float
-    """Median start-up time with compiled kernels in the cache, in seconds."""
+    """Median start-up time if the cache contains all compiled kernels (Numba functions), in seconds."""
     opencv_s: float
     """Median time of `import cv2`, in seconds."""
     cold_s: float | None
-    """Start-up time without compiled kernels in the cache, in seconds. None if not measured."""
+    """Start-up time if the cache contains no compiled kernels (Numba functions), in seconds. The value is None if this
+    time was not measured.
+    """
     samples: list[tuple[float, float]]
     """Start-up time and time of `import cv2` in each repeat, in seconds."""
 

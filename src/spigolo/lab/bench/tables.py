@@ -32,7 +32,7 @@ def tables(report: Report) -> Iterator[Table]:
 
 
 def machine_table(report: Report) -> Table:
-    """Return the table of the machine, the package versions and the missing packages."""
+    """Return the table that describes the machine, the package versions and the missing packages."""
     machine = report.machine
     rows = [
         ("processor", f"{machine.cpu}, {machine.cores} cores"),
@@ -67,7 +67,7 @@ def ratio_table(contest: Contest) -> Table:
 
 
 def overall_table(contests: Sequence[Contest]) -> Table:
-    """Return the table of the median, minimum and maximum of each `Comparison.ratio` over all frames."""
+    """Return the table of CPU time ratios (`Comparison.ratio`): median, minimum and maximum over all frames."""
     ratios: dict[tuple[str, str], list[float]] = {}
     for pair in (pair for contest in contests for pair in contest.comparisons):
         ratios.setdefault((pair.ours, pair.peer), []).append(pair.ratio)
@@ -77,7 +77,9 @@ def overall_table(contests: Sequence[Contest]) -> Table:
 
 
 def parts_table(contest: Contest) -> Table:
-    """Return the table that compares single steps, such as saliency, with the same steps of other libraries."""
+    """Return the table that compares the time of single steps, such as saliency, with the time of other functions for
+    the same step.
+    """
     rows = [(pair.ours, pair.peer, f"{pair.ratio:.2f}") for pair in contest.comparisons if pair.ours not in CONFIGS]
     title = f"{_title(contest)}: parts"
     return _table(title, ("ours", "theirs", "time relative to ours"), rows, PAIRED, text=2)
@@ -174,7 +176,7 @@ def _ms(value: float) -> str:
 def _exponent(law: PowerLaw | None, sizes: int) -> str:
     """Format the exponent of a fitted power law with the residual of the fit.
 
-    For two image sizes, the residual is always 0 and is left out.
+    A power law fitted to only two image sizes always has a residual of 0, so the residual is left out.
     """
     if law is None:
         return "-"

@@ -1,6 +1,6 @@
 """Reference implementation of graph-based segmentation: a stable sort of all graph edges, then union-find.
 
-The function `regions.partition` must give the same regions as this reference.
+The function `regions.partition` must give the same regions as this reference implementation.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 
 def sort_and_merge(graph: Graph, gamma: float) -> npt.NDArray[np.int32]:
-    """Segment a graph with equations 2 and 3 of the paper.
+    """Segment a graph with equations 2 and 3 of the paper (Toscana & Rosa 2016).
 
-    Return region labels (H, W), numbered from 0 by their first pixel.
+    Return region labels (H, W). Regions are numbered from 0 in the order of their first pixels.
     """
     planes, height, width = graph.weights.shape
     flat = graph.weights.reshape(-1)

@@ -14,14 +14,14 @@ Tell = Callable[[str, float], None]
 """Progress callback.
 
 The arguments of the callback are the name of the current measurement and a progress value from 0 to 1. The progress
-value starts again at 0 for each kind of measurement, such as stages or start-up time.
+value starts again at 0 for each kind of measurement, such as the measurement of the start-up time.
 """
 
 
 LEAST_MS = 1e-3
 """Minimum time of a sample, in milliseconds.
 
-Measured times below this value are set to this value, to avoid a division by zero.
+Measured times below `LEAST_MS` are set to `LEAST_MS`, to avoid a division by zero.
 """
 
 

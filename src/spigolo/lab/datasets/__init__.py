@@ -1,6 +1,6 @@
 """Readers and writers of labelled RGB-D data sets, with one class per file layout.
 
-The docstring of each class or of its module describes the layout.
+The docstring of each class or of its module describes the file layout that the class reads or writes.
 
 Read all frames of a data set with their ground truth::
 

@@ -10,10 +10,10 @@
         mask_visib/000000_000000.png              image, then position in the list of scene_gt; 0 and 255
 
 The file `docs/bop_datasets_format.md` of bop_toolkit defines the format. Label k is the k-th object in the list of
-scene_gt.json. If the folder mask_visib is missing, masks are rendered from models and poses.
+objects in scene_gt.json. If the folder mask_visib is missing, masks are rendered from models and poses.
 
-If a pattern in `full` matches the name of the data set, all objects count as labelled. Otherwise, the labels count as
-incomplete (`part`). The frames of one scene form a group of near-identical frames.
+If a pattern in `full` matches the name of the data set, all objects count as labelled. If no pattern in `full` matches
+the name, the labels count as incomplete (`part`). The frames of one scene form a group of near-identical frames.
 """
 
 from __future__ import annotations
@@ -38,17 +38,19 @@ from spigolo.lab.datasets.sample import Instance
 from spigolo.lab.datasets.visibility import visible_labels
 
 SPLITS = ("test", "test_*", "val", "val_*", "train", "train_*")
-"""Patterns of folders with scenes, in order of preference. Only the first matching folder that contains scenes is read.
+"""Patterns of folders with scenes, in order of preference. Only the first folder that matches a pattern and contains
+scenes is read.
 """
 
 Pose = tuple[int, tuple[float, ...], tuple[float, ...]]
-"""Object pose as stored in BOP: obj_id, rotation matrix cam_R_m2c (9 numbers), translation cam_t_m2c (3 numbers, mm).
+"""Object pose as stored in the BOP format: obj_id, rotation matrix cam_R_m2c (9 numbers), translation cam_t_m2c (3
+numbers, in millimetres).
 """
 
 
 @dataclass(frozen=True, slots=True)
 class BopImage(Entry):
-    """Image of a BOP scene."""
+    """Image of a scene in the BOP format."""
 
     scene: Path
     image: int
@@ -135,7 +137,7 @@ class Bop(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder has BOP scenes: a subfolder that matches `SPLITS` has a scene with a file
+        """Return True if a subfolder whose name matches a pattern in `SPLITS` has a scene with a file
         scene_camera.json.
         """
         return _split(folder, None) is not None

@@ -17,8 +17,8 @@ from spigolo.lab.datasets.sample import Instance, Model, Sample
 from spigolo.lab.datasets.visibility import render_depth
 
 FINE_MM, COARSE_MM = 0.1, 1.0
-"""Depth units of stored depth images, in millimetres. The unit is `COARSE_MM` if a depth value in units of `FINE_MM`
-does not fit into 16 bits.
+"""Depth units of stored depth images, in millimetres. The depth unit is `COARSE_MM` if a depth value in units of
+`FINE_MM` does not fit into 16 bits.
 """
 FULL = 65535
 
@@ -87,7 +87,9 @@ class SceneFiles:
         }
 
     def _masks(self, image: int, number: int, instance: Instance, sample: Sample) -> dict[str, Any]:
-        """Write the full mask and the visible mask of an object. Return the boxes and pixel counts of both masks."""
+        """Write the full mask and the visible mask of an object. Return the bounding box and the number of pixels of
+        each mask.
+        """
         camera = sample.frame.camera
         assert camera is not None
         whole = render_depth(self._models[instance.model][1], instance.pose, camera) > 0
@@ -108,7 +110,7 @@ class SceneFiles:
 def _box(mask: Mask) -> list[int]:
     """Return the bounding box x, y, width, height of a mask in pixels.
 
-    All four values are -1 for an empty mask, as in BOP.
+    For an empty mask, all four values are -1, as in the BOP format.
     """
     y, x = np.nonzero(mask)
     if not x.size:

@@ -1,8 +1,8 @@
 """Bounding boxes of the data set UW RGB-D Scenes v1, stored in MATLAB files (version 5).
 
-The variable `bboxes` in the file is a 1 x N cell array with one cell per frame. A cell is empty or a struct array with
-the fields category (text), instance (number), top, bottom, left and right. Box limits are in pixels, counted from 1,
-and inclusive.
+The variable `bboxes` in the file is a 1 x N cell array with one cell per frame. A cell is empty, or holds a struct
+array with the fields category (text), instance (number), top, bottom, left and right. Box limits are in pixels, counted
+from 1, and belong to the box.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FIELDS = ("category", "instance", "top", "bottom", "left", "right")
 
 @dataclass(frozen=True, slots=True)
 class ObjectBox:
-    """Bounding box of an object, the pixels image[top:bottom, left:right]."""
+    """Bounding box of an object. The box contains the pixels image[top:bottom, left:right]."""
 
     category: str
     """Class of the object, such as "soda_can"."""

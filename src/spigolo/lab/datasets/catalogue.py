@@ -22,7 +22,7 @@ class Archive:
 
     @property
     def file_name(self) -> str:
-        """Return the file name, which is the last part of the URL."""
+        """Return the name of the zip file, which is the last part of its URL."""
         return self.url.rpartition("/")[2]
 
 
@@ -37,7 +37,7 @@ class KnownSet:
     home: str
     """URL of the data set's web page, or name of its publisher."""
     archives: tuple[Archive, ...] = ()
-    """Zip files to download, with their hashes. Empty if the hashes of the files are unknown."""
+    """Zip files to download, with their hashes. The tuple is empty if the hashes of the files are unknown."""
 
 
 KNOWN_SETS = (
@@ -124,7 +124,7 @@ KNOWN_SETS = (
 
 
 def known_set(name: str) -> KnownSet:
-    """Return the published data set with this name. Raises ConfigError for an unknown name."""
+    """Return the published data set with the name `name`. Raises ConfigError for an unknown name."""
     found = next((known for known in KNOWN_SETS if known.name == name.lower().replace("_", "-")), None)
     if found is None:
         raise ConfigError(f"expected one of {', '.join(known.name for known in KNOWN_SETS)}, got {name!r}")

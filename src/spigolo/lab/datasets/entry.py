@@ -61,13 +61,13 @@ class Entry(ABC):
     @property
     @abstractmethod
     def files(self) -> tuple[Path, ...]:
-        """Paths of all files of the frame. Files with ground truth are last."""
+        """Paths of all files of the frame. Files with ground truth are at the end of the returned tuple."""
 
     @property
     def reading(self) -> str:
         """Return the settings of the reader that change the labels, as a string.
 
-        The string is empty for default settings.
+        The string is empty for the default settings of the reader.
         """
         return ""
 
@@ -102,7 +102,7 @@ class Entry(ABC):
     def read_instances(self) -> tuple[Instance, ...]:
         """Read the labelled objects with their poses.
 
-        The result is empty if the data set has no poses. Raises FileError if a file cannot be read.
+        The returned tuple is empty if the data set has no poses. Raises FileError if a file cannot be read.
         """
         return ()
 
@@ -119,7 +119,7 @@ class Entry(ABC):
     def read_sample(self) -> Sample:
         """Read the frame with labels and object poses.
 
-        Labels are 0 at ignored pixels, and everywhere in frames without ground truth.
+        Labels are 0 at ignored pixels. In frames without ground truth, all labels are 0.
         """
         frame, truth = self.read_both()
         labels = np.zeros(frame.shape, np.int32) if truth is None else truth.labels
@@ -130,7 +130,7 @@ class Entry(ABC):
 class ImageEntry(Entry):
     """Frame stored as a colour image and a depth image.
 
-    Subclasses add ground truth.
+    Subclasses of `ImageEntry` also read ground truth.
     """
 
     color: Path
@@ -162,11 +162,11 @@ class DataSet(ABC):
     """Sequence of the frames in a folder. The constructor lists the files, and `Entry.read` reads the images.
 
     full: name patterns, such as "osd-*", of data sets in which every object is labelled. Raises FileError if the folder
-    does not have the file layout of the class, or if a file of a frame is missing.
+    does not have the file layout that the class reads, or if a file of a frame is missing.
     """
 
     layout: ClassVar[str]
-    """Description of the file layout, for error messages."""
+    """Description of the file layout that the class reads, for error messages."""
     mend: ClassVar[str] = "fetch or unpack the data set again"
     """Advice in the error message for a missing file."""
 
@@ -181,13 +181,13 @@ class DataSet(ABC):
     @classmethod
     @abstractmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if the folder has files that are typical of the file layout of this class."""
+        """Return True if the folder has the typical files of the layout that this class reads."""
 
     @abstractmethod
     def _find(self) -> Iterable[Entry]:
         """Yield the frames of the folder in a fixed order.
 
-        Element k of the data set is the k-th frame, counted from 0.
+        Element k of the data set is the k-th frame that this method yields, counted from 0.
         """
 
     @property
@@ -226,7 +226,7 @@ class DataSet(ABC):
         scale
             Depth scale to return if there is no file camera.json, metres per unit.
         folder
-            Folder with camera.json. If this folder has no camera.json, the file is read from the folder of the data
+            Folder with camera.json. If `folder` has no file camera.json, the file is read from the folder of the data
             set.
 
         """

@@ -1,6 +1,6 @@
 """Download of published data sets.
 
-The next call of `fetch` continues an interrupted download. Archives are verified by their SHA-256 hash.
+If a download is interrupted, the next call of `fetch` continues it. Archives are verified by their SHA-256 hash.
 
 The folder of a data set is created only after all archives have been downloaded and extracted.
 """
@@ -25,7 +25,7 @@ Tell = Callable[[str, int, int | None], None]
 """Progress callback.
 
 The arguments of the callback are the archive's name, the number of received bytes, and the total number of bytes. The
-total is None if the server does not report it.
+total number of bytes is None if the server does not report it.
 """
 
 ATTEMPTS = 3
@@ -100,7 +100,7 @@ def _resume(url: str, partial: Path, tell: Callable[[int, int | None], None] | N
 
 
 def _append(url: str, partial: Path, tell: Callable[[int, int | None], None] | None) -> bool:
-    """Request the missing bytes of a file, and append them. Return True if the file is complete."""
+    """Request the missing bytes of a file, and append the received bytes. Return True if the file is complete."""
     start = partial.stat().st_size if partial.exists() else 0
     request = urllib.request.Request(url, headers={"Range": f"bytes={start}-"} if start else {})
     with urllib.request.urlopen(request, timeout=TIMEOUT_S) as answer:

@@ -87,7 +87,8 @@ class FrameFolder(Entry):
     def _distorting_camera(self, width: int, height: int) -> Camera | None:
         """Return the camera if its lens distortion must be removed from the label image, else None.
 
-        The result is also None if the camera file cannot be read. An unreadable camera file raises an error in `read`.
+        Also return None if the camera file cannot be read. If the camera file cannot be read, the method `read` raises
+        an error.
         """
         try:
             camera, _ = read_camera(self._camera_file, width, height)
@@ -104,7 +105,7 @@ class Folders(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if there is a file rgb.png in the folder or up to two levels below."""
+        """Return True if there is a file rgb.png in the folder or up to two folder levels below."""
         return next(_places(folder), None) is not None
 
     def _find(self) -> Iterator[Entry]:
@@ -137,8 +138,8 @@ def _places(folder: Path) -> Iterator[Path]:
 def _groups(root: Path) -> Mapping[str, str]:
     """Read the groups of near-identical frames from splits.json.
 
-    Return the name of the group of each frame, indexed by the frame name. A group has the name of its first frame.
-    Frames without near-identical frames are not in the result.
+    Return the name of the group of each frame, indexed by the frame name. A group of near-identical frames has the name
+    of its first frame. Frames that belong to no group are not in the returned dictionary.
 
     Warns if splits.json names a frame that does not exist.
     """
@@ -173,5 +174,5 @@ def _field(told: Mapping[str, Any], path: Path, name: str, kind: type[T], defaul
 
 
 def _mapping(path: Path) -> Mapping[str, Any]:
-    """Read the fields of a JSON file. The result is empty if the file does not exist."""
+    """Read the fields of a JSON file. The returned dictionary is empty if the file does not exist."""
     return read_mapping(path) if path.is_file() else {}

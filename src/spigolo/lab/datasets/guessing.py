@@ -21,13 +21,13 @@ from spigolo.lab.datasets.uw_scenes_v2 import UwScenesV2
 READERS: tuple[type[DataSet], ...] = (
     Folders, Bop, UwScenes, UwScenesV2, Tejani, Rutgers, Osd, Mosd, Tum, Ocid,
 )  # fmt: skip
-"""Reader classes. The first class whose file layout matches a folder reads this folder."""
+"""Reader classes. A folder is read by the first class in this tuple that supports the file layout of the folder."""
 
 
 def guess(path: Path | str, full: Sequence[str] = FULL_SETS) -> DataSet:
     """Detect the file layout of a folder, and return its data set.
 
-    If the folder itself has no known layout, its subfolders are searched.
+    If the folder itself has no known file layout, its subfolders are searched.
 
     Raises FileError if no subfolder or more than one subfolder has a known layout, or if files are missing.
 

@@ -19,7 +19,7 @@ SURFACES = ("table", "floor")
 
 @dataclass(frozen=True, slots=True)
 class LabelledImages(ImageEntry):
-    """Frame with a label image. background: label values, in addition to 0, that are background."""
+    """Frame with a label image. background: label values, in addition to 0, that count as background."""
 
     labels: Path
     background: tuple[int, ...]
@@ -40,12 +40,14 @@ class LabelledImages(ImageEntry):
 
 
 class Osd(DataSet):
-    """Object Segmentation Database (Richtsfeld et al., 2012): scenes on tables, with every object labelled by hand.
+    """Object Segmentation Database (Richtsfeld et al., 2012): scenes on tables.
 
-    OSD/image_color/learn0.png            8 bits
-    OSD/disparity/learn0.png              16 bits, depth in millimetres in spite of the name, 0 = missing
-    OSD/annotation/learn0.png             0 = background, other values = objects
-    OSD/camera.json                       optional: camera intrinsics, by default of a nominal Kinect v1
+        OSD/image_color/learn0.png            8 bits
+        OSD/disparity/learn0.png              16 bits, depth in millimetres in spite of the name, 0 = missing
+        OSD/annotation/learn0.png             0 = background, other values = objects
+        OSD/camera.json                       optional: camera intrinsics, by default of a nominal Kinect v1
+
+    Every object is labelled by hand.
     """
 
     layout = "image_color/, disparity/ and annotation/ with equally named images (OSD)"
@@ -99,7 +101,7 @@ def _stands_on(sequence: Path, folder: Path) -> str:
     """Return the surface below the objects, "table" or "floor", according to the folder names in the path of a
     sequence.
 
-    Return "" if no folder inside the data set is named "table" or "floor".
+    Return an empty string if no folder inside the data set is named "table" or "floor".
     """
     parts = [part.lower() for part in sequence.parts]
     start = max((k for k, part in enumerate(parts) if part in SETS), default=len(folder.parts) - 1)

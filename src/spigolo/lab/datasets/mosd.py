@@ -3,10 +3,10 @@ clouds.
 
     mOSD/learn/learn0.pcd, mOSD/test/test0.pcd            fields x, y, z (metres), rgb, label, 640 x 480
 
-Points without depth, and points on the floor and the walls, have label 0 and are left out of the evaluation. Labels
-1..9 are the table. Labels 20..29 are parts of the first object, 30..39 parts of the second object, and so on. The
-reader sets the label of the table to 0 and merges the parts of each object. The camera intrinsics are fitted to the
-points.
+Points without depth, and points on the floor and the walls, have label 0 and are left out of the evaluation. In the
+files of mOSD, labels 1..9 are the table. Labels 20..29 are parts of the first object, labels 30..39 are parts of the
+second object, and so on. The reader sets the label of the table to 0 and merges the parts of each object. The camera
+intrinsics are fitted to the points of the cloud.
 """
 
 from __future__ import annotations

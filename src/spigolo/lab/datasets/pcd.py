@@ -16,17 +16,20 @@ from spigolo.kernels.lzf import unpack_lzf
 KINDS = {
     f"{kind}{size}": f"<{kind.lower()}{size}" for kind in "IUF" for size in (1, 2, 4, 8) if f"{kind}{size}" != "F1"
 }
-"""NumPy dtype of a field, indexed by its TYPE and SIZE in the header."""
+"""NumPy dtype of a field of a point cloud, indexed by the TYPE and SIZE of the field in the file header."""
 STEEPEST = 1e6
-"""Limit of the ratios |X| / Z and |Y| / Z of a point. If one point is at or above the limit, no camera is fitted."""
+"""Limit for the ratios |X| / Z and |Y| / Z of a point. If a ratio of any point is at or above the limit, no camera is
+fitted.
+"""
 MAX_MISFIT_PX = 0.5
-"""Maximum residual of the camera fit, in pixels. A larger residual raises CameraError."""
+"""Maximum residual of the camera fit, in pixels. A larger residual of the camera fit raises CameraError."""
 
 
 def read_pcd(path: Path) -> npt.NDArray[Any]:
     """Read the points (H, W) of a point cloud as a structured array.
 
-    H = 1 if the cloud is not organised. Raises FileError if the file cannot be read.
+    The number of rows H is 1 if the point cloud is not organised (has no rows and columns of pixels). Raises FileError
+    if the file cannot be read.
     """
     try:
         header, body = _split(path.read_bytes())
@@ -45,7 +48,7 @@ def colors_of(points: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:
 
 
 def camera_of(points: npt.NDArray[Any]) -> Camera:
-    """Fit a pinhole camera to an organised point cloud (H, W). Raises CameraError if the fit is poor."""
+    """Fit a pinhole camera to an organised point cloud (H, W). Raises CameraError if no camera fits the points well."""
     height, width = points.shape
     seen = np.isfinite(points["z"]) & (points["z"] > 0)
     y, x = np.nonzero(seen)
@@ -62,9 +65,10 @@ def camera_of(points: npt.NDArray[Any]) -> Camera:
 
 
 def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tuple[float, float, float]:
-    """Fit pixels = f * slopes + c by least squares. The slopes are X / Z or Y / Z of the points.
+    """Fit the equation pixels = f * slopes + c by least squares. The slopes are the ratios X / Z or Y / Z of the
+    points.
 
-    Return f, c and the largest residual in pixels, which is infinite if no fit is possible.
+    Return f, c and the maximum residual of the fit in pixels. The residual is infinite if no fit is possible.
     """
     if not slopes.size or slopes.min() == slopes.max() or not np.abs(slopes).max() < STEEPEST:
         return 0.0, 0.0, np.inf
@@ -73,7 +77,7 @@ def _line(slopes: npt.NDArray[np.float64], pixels: npt.NDArray[np.int64]) -> tup
 
 
 def _split(data: bytes) -> tuple[dict[str, list[str]], bytes]:
-    """Split a file into the header fields, indexed by name, and the bytes after the header."""
+    """Split the content of a .pcd file into the header fields, indexed by name, and the bytes after the header."""
     header: dict[str, list[str]] = {}
     while "DATA" not in header:
         line, newline, data = data.partition(b"\n")

@@ -1,4 +1,6 @@
-"""Frames of data sets that have object poses and models but no masks. Masks are rendered when needed."""
+"""Frames of data sets that have object poses and models but no masks. The masks are rendered from models and poses when
+they are needed.
+"""
 
 from __future__ import annotations
 
@@ -29,7 +31,7 @@ class PosedImage(ImageEntry):
     model: Path | None
     """File with the triangle mesh of the object, or None if the frame has no poses."""
     read_poses: Callable[[Path], Sequence[Pose]]
-    """Function that reads the poses (4, 4) from the file `poses`. The function must be picklable."""
+    """Function that reads the poses (4, 4) from the file `poses`. The function `read_poses` must be picklable."""
 
     @property
     def files(self) -> tuple[Path, ...]:

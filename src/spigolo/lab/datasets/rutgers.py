@@ -8,9 +8,9 @@
     FOLDER/models/OBJECT.ply (or .obj, .stl, or in OBJECT/), metres
     FOLDER/camera.json                                    optional: camera intrinsics, by default as published by BOP
 
-BIN, the shelf bin, is a letter from A to L. The four shots (frames) at one camera POSITION form a group of
-near-identical frames. Only the object in the file name is labelled, with label 1. The visible mask of the labelled
-object is rendered from its model and pose. Frames without a pose have no labels.
+BIN, the shelf bin, is a letter from A to L. The four frames (SHOT) from one camera POSITION form a group of
+near-identical frames. Only the object that the file name contains is labelled, with label 1. The visible mask of the
+labelled object is rendered from its model and pose. Frames without a pose have no labels.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
-"""Camera intrinsics of this data set, as published by BOP."""
+"""Camera intrinsics of the Rutgers APC data set, as published by BOP."""
 NAME = re.compile(r"(?P<object>.+)-image-(?P<bin>[A-L])-(?P<rest>\d+-\d+)-(?P<shot>\d+)\.png")
 ROTATION, TRANSLATION = "object_rotation_wrt_camera", "object_translation_wrt_camera"
 
@@ -67,7 +67,7 @@ class Rutgers(DataSet):
             )
 
     def _model(self, name: str) -> Path:
-        """Return the path of an object's model. If the file is missing, return its expected path."""
+        """Return the path of an object's model. If the model file is missing, return the expected path of the file."""
         return find_model(self.folder / "models", name) or self.folder / "models" / f"{name}.ply"
 
 

@@ -8,8 +8,8 @@
     FOLDER/camera.json                                    optional: camera intrinsics, by default as published by BOP
 
 Scene N shows instances of object N: 1 Coffee_Cup, 2 Shampoo, 3 Joystick, 4 Camera, 5 Juice, 6 Milk. Label k is the k-th
-instance in the file of poses. Visible masks are rendered from model and pose. Images without a file of poses have no
-labels. The frames of a scene form a group of near-identical frames.
+instance in the file with the poses. The visible mask of an instance is rendered from its model and pose. Images without
+a file of poses have no labels. The frames of a scene form a group of near-identical frames.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from spigolo.lab.datasets.meshes import find_model
 from spigolo.lab.datasets.posed import Pose, PosedImage
 
 CAMERA = Camera(572.41140, 573.57043, 325.26110, 242.04899, 640, 480)
-"""Camera intrinsics of this data set, as published by BOP."""
+"""Camera intrinsics of the data set by Tejani et al., as published by BOP."""
 OBJECTS = ("Coffee_Cup", "Shampoo", "Joystick", "Camera", "Juice", "Milk")
 ANNOTATION, MODELS = "annotation_new_models", ("models", "new_models")
 
@@ -69,7 +69,7 @@ class Tejani(DataSet):
         return next((path for path in places if path.is_file()), None)
 
     def _model(self, number: int, name: str) -> Path:
-        """Return the path of the object's model. If the file is missing, return its expected path."""
+        """Return the path of the object's model. If the model file is missing, return the expected path of the file."""
         stems = (f"obj_{number:02d}", name)
         found = (find_model(self.folder / folder, stem) for folder in MODELS for stem in stems)
         return next((path for path in found if path), self.folder / MODELS[0] / f"obj_{number:02d}.ply")
@@ -104,7 +104,7 @@ def _is_scene(colors: Path) -> bool:
 def _object(scene: str) -> tuple[int, str]:
     """Return the number and the name of the object in a scene.
 
-    scene: folder name, such as scene_01. The number of an unknown scene is 0.
+    scene: folder name, such as scene_01. The returned number is 0 if the scene is unknown.
     """
     known = [name.lower() for name in OBJECTS]
     digits = scene.removeprefix("scene_")

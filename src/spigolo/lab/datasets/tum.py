@@ -29,17 +29,21 @@ MAX_APART_S = 0.02
 UNITS_S = ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3))
 """Units of timestamps that count from 1970, as pairs (minimum median timestamp, unit in seconds).
 
-The pairs are tested in this order. If the median of the timestamps is at least the minimum, the pair gives the unit.
+The pairs of minimum and unit are tested in the given order. The unit of the timestamps is taken from the first pair
+with a minimum that is at most the median of the timestamps.
 """
 GAPS_S = ((1e6, 1e-9), (2e4, 1e-6))
 """Units of timestamps that start at 0, as pairs (minimum median difference between successive timestamps, unit in
 seconds).
 
-The pairs are tested in this order. If the median difference is at least the minimum, the pair gives the unit. If no
-pair matches, the unit is seconds.
+The pairs of minimum and unit are tested in the given order. The unit of the timestamps is taken from the first pair
+with a minimum that is at most the median difference. If every minimum is above the median difference, the unit of the
+timestamps is seconds.
 """
 MANY_ALONE = 0.5
-"""A warning is given if more than this share of the colour images has no depth image."""
+"""Maximum share of colour images without a depth image. If the share of colour images without a depth image is larger,
+a warning is given.
+"""
 
 Stamped = list[tuple[float, Path]]
 
@@ -68,7 +72,7 @@ def _sequences(folder: Path) -> list[Path]:
 
 
 def _listed(path: Path) -> Stamped:
-    """Read a list such as rgb.txt.
+    """Read a list of image files with timestamps, such as rgb.txt.
 
     Return the time in seconds and the image file of each line, sorted by time. Raises FileError if the file cannot be
     read.
@@ -124,7 +128,7 @@ def _unit_s(times: np.ndarray) -> float:
 def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
     """Yield pairs of a colour image and the depth image nearest in time, at most `MAX_APART_S` apart.
 
-    Raises FileError if there are no pairs. Warns if most colour images have no depth image.
+    Raises FileError if there are no pairs of images. Warns if most colour images have no depth image.
     """
     colors, depths = _listed(sequence / "rgb.txt"), _listed(sequence / "depth.txt")
     times = np.array([time for time, _ in depths])

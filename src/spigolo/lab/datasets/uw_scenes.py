@@ -6,9 +6,10 @@
     rgbd-scenes/camera.json                               optional: camera intrinsics, by default `CAMERA`
     quickfind_mask_data/SCENE_K_N_mask.png                optional, next to rgbd-scenes or in it: a colour per object
 
-QuickFind's masks were drawn by hand and label 22 objects. Label k is the k-th object in `MASK_COLORS`. Black mask
-pixels are background. Mask pixels of other colours are left out of the evaluation. Frames without a mask have no
-labels. The frames of one sequence SCENE_K form a group of near-identical frames.
+QuickFind's masks were drawn by hand and label 22 objects. Label k is the k-th object in the table `MASK_COLORS`, which
+gives the colour of each object. Black mask pixels are background. Mask pixels with a colour that is not in
+`MASK_COLORS` are left out of the evaluation. Frames without a mask have no labels. The frames of one sequence SCENE_K
+form a group of near-identical frames.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ class UwFrame(ImageEntry):
     def read_boxes(self) -> tuple[ObjectBox, ...]:
         """Read the bounding boxes of the objects.
 
-        The result is empty if the data set has no boxes. Raises FileError if the file cannot be read.
+        The returned tuple is empty if the data set has no bounding boxes. Raises FileError if the file cannot be read.
         """
         return () if self.boxes is None else read_boxes(self.boxes, self.number)
 
@@ -72,8 +73,8 @@ class UwFrame(ImageEntry):
 class UwScenes(DataSet):
     """Data set UW RGB-D Scenes v1.
 
-    masks: folder of QuickFind's masks. By default, this is the folder quickfind_mask_data in the data set or next to
-    it.
+    masks: folder of QuickFind's masks. The default is the folder quickfind_mask_data in the folder of the data set or
+    next to it.
     """
 
     layout = "SCENE/SCENE_K/SCENE_K_N.png and SCENE_K_N_depth.png (UW RGB-D Scenes v1)"

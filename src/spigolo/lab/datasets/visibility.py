@@ -19,9 +19,9 @@ from spigolo.kernels.registration import FARTHEST_PX, NEAREST_M
 from spigolo.lab.datasets.sample import Instance, Model
 
 TOLERANCE_M = 0.015
-"""A model counts as visible if it is at most this distance behind the measured surface, metres.
+"""Maximum distance of a visible model behind the measured surface, metres.
 
-Called delta in bop_toolkit.
+The maximum distance is called delta in bop_toolkit.
 """
 
 
@@ -50,9 +50,9 @@ def visible_mask(drawn: DepthMap, measured: DepthMap, camera: Camera, tolerance_
     measured
         Measured depth map (H, W), metres.
     camera
-        Camera intrinsics of both depth maps.
+        Camera intrinsics of the rendered and of the measured depth map.
     tolerance_m
-        A model counts as visible if it is at most this distance behind the measured surface, metres.
+        Maximum distance of a visible model behind the measured surface, metres.
 
     """
     behind = (drawn - measured) * ray_lengths(camera)
@@ -81,7 +81,7 @@ def visible_labels(
     camera
         Camera intrinsics of the measured depth map.
     tolerance_m
-        A model counts as visible if it is at most this distance behind the measured surface, metres.
+        Maximum distance of a visible model behind the measured surface, metres.
 
     """
     labels = np.zeros(measured.shape, np.int32)

@@ -1,8 +1,9 @@
-"""Writers of rendered frames in the file layouts of published data sets. `spigolo.lab.datasets` reads these files.
+"""Writers of rendered frames in the file layouts of published data sets. The readers in `spigolo.lab.datasets` can read
+the written files.
 
 The file rendered.json marks the frames as rendered. The file camera.json contains the camera intrinsics if the layout
-has no other file for them. File names are derived from frame names. Use `rutgers_name`, `uw_scenes_name` and
-`tejani_name` to create frame names.
+has no other file for camera intrinsics. File names are derived from frame names. Use `rutgers_name`, `uw_scenes_name`
+and `tejani_name` to create frame names.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from spigolo.lab.datasets.uw_scenes import MASK_COLORS, MASK_FOLDER, category_of
 
 
 def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int, shot: int) -> str:
-    """Return the frame name for `write_rutgers`.
+    """Return the name that a frame must have for `write_rutgers`.
 
     Parameters
     ----------
@@ -40,7 +41,7 @@ def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int,
     bin_letter
         Letter of the shelf bin, A..L.
     clutter
-        Degree of clutter in the bin, 0..2.
+        Degree of clutter in the shelf bin, 0..2.
     position
         Number of the camera position, 0..2.
     shot
@@ -51,7 +52,7 @@ def rutgers_name(object_name: str, bin_letter: str, clutter: int, position: int,
 
 
 def uw_scenes_name(sequence: str, number: int) -> str:
-    """Return the frame name for `write_uw_scenes`.
+    """Return the name that a frame must have for `write_uw_scenes`.
 
     Parameters
     ----------
@@ -65,9 +66,9 @@ def uw_scenes_name(sequence: str, number: int) -> str:
 
 
 def tejani_name(object_name: str, number: int) -> str:
-    """Return the frame name for `write_tejani`.
+    """Return the name that a frame must have for `write_tejani`.
 
-    Raises FrameError if `object_name` is not an object of this data set.
+    Raises FrameError if `object_name` is not an object of the data set by Tejani et al.
 
     Parameters
     ----------
@@ -83,11 +84,12 @@ def tejani_name(object_name: str, number: int) -> str:
 
 
 def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Model], about: str) -> int:
-    """Write frames in the file layout of the reader `Rutgers`. Only the object in the frame name gets a pose.
+    """Write frames in the file layout of the reader `Rutgers`. A pose is written only for the object that the frame
+    name contains.
 
     Returns the number of written frames. Raises FileError if a file cannot be written. Raises FrameError if a frame
     name does not have the form of `rutgers_name`, or if two frames have different cameras. Also raises FrameError if a
-    frame does not show the object in its name exactly once.
+    frame does not show the object that the frame name contains exactly once.
 
     Parameters
     ----------
@@ -115,8 +117,8 @@ def write_rutgers(folder: Path, samples: Iterable[Sample], models: Sequence[Mode
 
 
 def write_uw_scenes(folder: Path, samples: Iterable[Sample], about: str) -> int:
-    """Write frames in the file layout of the reader `UwScenes`. Masks and boxes are written for the objects in
-    `MASK_COLORS`.
+    """Write frames in the file layout of the reader `UwScenes`. Masks and bounding boxes are written for the objects in
+    the table `MASK_COLORS`.
 
     about: one-sentence description of the rendering, which is written to rendered.json. Returns the number of written
     frames. Raises FileError if a file cannot be written. Raises FrameError if a frame name does not have the form of
@@ -181,7 +183,7 @@ def write_bop(folder: Path, samples: Iterable[Sample], models: Sequence[Model], 
 
 
 class _Images:
-    """Writer of the colour and depth images of frames. All frames must have the same camera."""
+    """Writer of the colour and depth images of frames. All frames must have the same camera intrinsics."""
 
     def __init__(self, folder: Path, about: str) -> None:
         self.count = 0
@@ -222,7 +224,7 @@ def _poses_of(sample: Sample, name: str, models: Sequence[Model]) -> list[Pose]:
 
 
 def _shown(sample: Sample) -> list[Instance]:
-    """Return the objects that have a colour in QuickFind's masks and at least one pixel in this frame."""
+    """Return the objects that have a colour in `MASK_COLORS` and at least one pixel in the frame."""
     present = set(np.unique(sample.labels).tolist())
     shown = [i for i in sample.instances if i.model in MASK_COLORS and i.label in present]
     names = [instance.model for instance in shown]

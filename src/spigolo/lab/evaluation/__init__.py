@@ -8,9 +8,9 @@ Score frames and average the scores::
     total = summarise([score, ...])                         # a data set
     print(total.overlap_f, total.found_iou_70)
 
-A `Row` holds the scores of one method on one frame. `RowFile` and `read_rows` store rows in a file and read them.
-`pool` averages the rows of one method, and `compare` compares two methods. `folds` and `leave_one_set_out` split frames
-for cross-validation.
+A `Row` holds the scores of one method on one frame. The class `RowFile` writes rows to a file, and the function
+`read_rows` reads them. The function `pool` averages the rows of one method. The function `compare` compares the rows of
+two methods. The functions `folds` and `leave_one_set_out` split frames for cross-validation.
 
 Letters in array shapes: H, W = image height and width, N = number of true objects (objects of the ground truth),
 S = number of predicted segments. The evaluation requires scipy: ``pip install "spigolo[evaluation]"``.

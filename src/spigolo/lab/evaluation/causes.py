@@ -15,14 +15,14 @@ Labels = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]
 
 OTHER_SHARE = 0.2
-"""The cause is `MERGED` if at least this share of the region's pixels is on other objects."""
+"""Threshold for the cause `MERGED`: the minimum share of a region's pixels that are on other objects."""
 
 
 class Cause(str, Enum):
     """Reason why a labelled object was not found.
 
-    Reasons are tested in the order FOUND, REJECTED, SPLIT, OUTLINE, MERGED, FLOODED. The first reason that applies is
-    the cause.
+    The causes are tested in the order FOUND, REJECTED, SPLIT, OUTLINE, MERGED, FLOODED. The first cause that applies is
+    used.
     """
 
     FOUND = "found"
@@ -30,7 +30,7 @@ class Cause(str, Enum):
     REJECTED = "rejected"
     """A rejected region has an IoU above 0.7 with the labelled object."""
     MERGED = "merged"
-    """One region covers more than 70 % of the object. At least 20 % of the region's pixels are on other objects."""
+    """One region covers more than 70 % of the object, and at least 20 % of the region's pixels are on other objects."""
     FLOODED = "flooded"
     """One region covers more than 70 % of the object. At least 30 % of the region's pixels are outside the object, but
     less than 20 % are on other objects.
@@ -50,12 +50,12 @@ class Fate:
     label: int
     """Label of the object in the ground truth."""
     cause: Cause
-    """Reason why the object was not found. `FOUND` if the object was found."""
+    """Reason why the object was not found. The value is `FOUND` if the object was found."""
     region: int
-    """Number of the region used to determine the cause.
+    """Number of the region from which the cause is determined.
 
-    For `FOUND` and `REJECTED`, this is the region with the largest IoU. For other causes, it is the region that covers
-    the most pixels of the object.
+    For the causes `FOUND` and `REJECTED`, `region` is the region with the largest IoU. For other causes, `region` is
+    the region that covers the most pixels of the object.
     """
     iou: float
     """Intersection over union of the object and `region`."""

@@ -53,7 +53,7 @@ def _checked_labels(labels: ArrayLike, name: str) -> Labels:
 
 
 def checked_radius(radius_px: float) -> float:
-    """Return the radius as a float. Raises ValueError if the radius is negative or NaN."""
+    """Return the matching radius `radius_px` as a float. Raises ValueError if the radius is negative or NaN."""
     if not radius_px >= 0:
         raise ValueError(f"expected radius_px to be 0 or more, got {radius_px}: leave it out for the default")
     return float(radius_px)

@@ -1,7 +1,7 @@
 """Matching of true objects with predicted segments, and of their boundary pixels.
 
-Label images must be 2-D arrays of non-negative integers. The function `spigolo.lab.evaluation.score_frame`
-checks this. Letters in array shapes: H, W = image height and width, N = number of true objects (objects of the ground
+Label images must be 2-D arrays of non-negative integers. The function `spigolo.lab.evaluation.score_frame` checks the
+label images. Letters in array shapes: H, W = image height and width, N = number of true objects (objects of the ground
 truth), S = number of predicted segments.
 """
 
@@ -24,15 +24,15 @@ RADIUS_PER_DIAGONAL = 0.003
 """Default maximum distance between boundary pixels that match, divided by the image diagonal."""
 
 DENSE = 4096
-"""If no label is above this value, pixels are counted in an array that is indexed by the label.
+"""If no label is above `DENSE`, pixels are counted in an array that is indexed by the label.
 
-If a label is above this value, the labels are first converted to consecutive numbers.
+If a label is above `DENSE`, the labels are first converted to consecutive numbers.
 """
 
 LARGE_PX = 16
-"""If the radius is above this value in pixels, boundary pixels are matched by a distance transform.
+"""If the matching radius is above `LARGE_PX` pixels, boundary pixels are matched by a distance transform.
 
-For a large radius, a distance transform is faster than dilation.
+For a large matching radius, a distance transform is faster than dilation.
 """
 
 NEEDS_SCIPY = 'the measures need scipy, which is not installed: pip install "spigolo[evaluation]"'
@@ -58,11 +58,11 @@ class OverlapTable:
     """Area (S,) of each predicted segment, in pixels."""
 
     def recall(self) -> Floats:
-        """Return the share (N, S) of each object's pixels that each segment covers."""
+        """Return the recall (N, S): the share of each object's pixels that each segment covers."""
         return self.shared_px / self.object_px[:, np.newaxis]
 
     def precision(self) -> Floats:
-        """Return the share (N, S) of each segment's pixels that lie on each object."""
+        """Return the precision (N, S): the share of each segment's pixels that lie on each object."""
         return self.shared_px / self.segment_px[np.newaxis, :]
 
     def f(self) -> Floats:
@@ -103,7 +103,7 @@ def overlap_table(truth: Labels, prediction: Labels) -> OverlapTable:
 def _ranked(labels: Labels) -> tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]:
     """Return an ascending array of label values, and the index (H * W,) of each pixel's label in this array.
 
-    If no label is above `DENSE`, label k has index k, and no sorting of the pixels is required.
+    If no label is above `DENSE`, label k has index k in the array of label values, so the pixels need not be sorted.
     """
     highest = int(labels.max(initial=0))
     if highest <= DENSE:
@@ -117,8 +117,8 @@ def pair_by_f(table: OverlapTable) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     Returns
     -------
     objects, segments
-        Row and column numbers (min(N, S),) of the pairs in the table. If several pairings have the same maximum sum,
-        the order of the labels decides.
+        Row and column numbers (min(N, S),) of the pairs in the table. If several pairings have the same maximum sum of
+        F measures, the order of the labels decides.
 
     """
     try:
@@ -147,7 +147,7 @@ def boundary_map(labels: Labels) -> Mask:
 def boundary_hits(boundary: Mask, other: Mask, radius_px: float) -> int:
     """Count the pixels of the mask `boundary` that are at most `radius_px` from a pixel of the mask `other`.
 
-    One pixel of `other` may match several pixels of `boundary`.
+    One pixel of the mask `other` may match several pixels of the mask `boundary`.
     """
     return int(np.count_nonzero(boundary & _within(other, radius_px)))
 

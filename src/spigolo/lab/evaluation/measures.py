@@ -26,12 +26,12 @@ from spigolo.lab.evaluation.matching import (
 )
 
 FOUND_SHARE = 0.7
-"""An object counts as found if its IoU, or its share of covered pixels, is above this value. A value equal to this
-limit does not count as found.
+"""An object counts as found if its IoU, or its share of covered pixels, is above `FOUND_SHARE`. An object with a value
+of exactly `FOUND_SHARE` does not count as found.
 """
 
 GOOD_F = 0.75
-"""The measure F@.75 counts pairs of an object and a segment whose F measure is above this value."""
+"""The measure F@.75 counts pairs of an object and a segment whose F measure is above `GOOD_F`."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,7 +74,9 @@ class FrameScore(Measures):
     """
 
     object_ids: NDArray[np.integer[Any]]
-    """Labels (N,) of the true objects, ascending. All other arrays (N,) have the order of `object_ids`."""
+    """Labels (N,) of the true objects, ascending. The elements of all other arrays (N,) have the same order as
+    `object_ids`.
+    """
 
     n_segments: int
     """Number S of predicted segments."""
@@ -85,7 +87,7 @@ class FrameScore(Measures):
     found_70_recall: Mask
     """True (N,) for each object if one segment covers more than 70 % of the object.
 
-    The segment may also cover other pixels.
+    The segment may also cover pixels outside the object.
     """
 
     found_70_both: Mask
@@ -95,10 +97,12 @@ class FrameScore(Measures):
     """True (N,) for objects that have an IoU above 0.7 with a segment."""
 
     best_iou: Floats
-    """Maximum IoU (N,) of each object over all segments, 0 without segments."""
+    """Maximum IoU (N,) of each object over all segments, 0 if there are no segments."""
 
     covered: Floats
-    """Share (N,) of each object's pixels that one segment covers, maximum over the segments. 0 without segments."""
+    """Share (N,) of each object's pixels that one segment covers, maximum over the segments. The share is 0 if there
+    are no segments.
+    """
 
     @property
     def n_objects(self) -> int:
@@ -119,8 +123,8 @@ def score_frame(
     ignore
         Mask (H, W) of pixels that are set to background in both images.
     radius_px
-        Maximum distance between matching boundary pixels, in pixels. By default 0.3 % of the image diagonal, rounded
-        up.
+        Maximum distance between matching boundary pixels, in pixels. The default is 0.3 % of the image diagonal,
+        rounded up to pixels.
 
     Raises
     ------

@@ -24,9 +24,9 @@ Figure = Callable[[RowScore], float]
 
 @dataclass(frozen=True, slots=True)
 class Pooled:
-    """Measures of one method on many frames. Undefined measures are NaN.
+    """Mean accuracy measures of one method on many frames. Undefined measures are NaN.
 
-    Precision, overlap F, boundary F and false positives are NaN if any frame has unlabelled objects.
+    Precision, overlap F, boundary F and number of false positives are NaN if any frame has unlabelled objects.
     """
 
     n_frames: int
@@ -45,7 +45,7 @@ class Pooled:
     n_objects: float
     """Mean number of labelled objects per frame in each group of near-identical frames, summed over the groups.
 
-    The number of objects can be a fraction.
+    The number of objects can be a fraction, because it is a sum of means.
     """
 
     overlap_precision: float
@@ -78,14 +78,14 @@ class Pooled:
     found_70_recall: float
     """Share of labelled objects with more than 70 % of their pixels in one predicted object.
 
-    The predicted object may also cover other pixels.
+    The predicted object may also cover pixels outside the labelled object.
     """
 
     found_70_both: float
     """Share of labelled objects for which one predicted object has a precision above 0.7 and a recall above 0.7."""
 
     pieces: float
-    """Number of regions that cover at least 5 % of an object, averaged over the labelled objects."""
+    """Number of regions that each cover at least 5 % of an object, averaged over the labelled objects."""
 
     leaks: float
     """Under-segmentation error of the regions (`RowScore.leaks`), averaged over the labelled objects."""
@@ -114,7 +114,7 @@ class Difference:
 def pool(rows: Sequence[Row]) -> Pooled:
     """Return the mean measures of one method over all frames. rows: evaluation results, one per frame.
 
-    Raises ValueError if `rows` is empty, or if two results belong to the same frame.
+    Raises ValueError if `rows` is empty, or if two evaluation results belong to the same frame.
     """
     _check(rows)
     scored = [row for row in rows if row.score is not None]
@@ -154,9 +154,9 @@ def pool(rows: Sequence[Row]) -> Pooled:
 
 
 def compare(before: Sequence[Row], after: Sequence[Row]) -> Difference:
-    """Return the measures of `after` minus the measures of `before`, on the frames in both lists.
+    """Return the accuracy measures of `after` minus those of `before`, on the frames that both lists contain.
 
-    Raises ValueError if a list is empty, or if two results in a list belong to the same frame.
+    Raises ValueError if a list is empty, or if two evaluation results in a list belong to the same frame.
     """
     _check(before)
     _check(after)
@@ -203,7 +203,7 @@ def _weights(rows: Sequence[Row]) -> Floats:
 def _group_means(rows: Sequence[Row], figure: Figure, of: Sequence[Row] | None = None) -> Floats:
     """Return the mean (G,) of a measure in each group of near-identical frames.
 
-    The groups are read from the results in `of` if it is given, else from `rows`.
+    The groups are read from the evaluation results `of`, or from `rows` if `of` is None.
     """
     members: dict[str, list[float]] = {}
     for row, like in zip(rows, rows if of is None else of, strict=True):
@@ -223,7 +223,8 @@ def _total(rows: Sequence[Row], count: Figure) -> float:
 def _share(rows: Sequence[Row], count: Figure) -> float:
     """Return a count divided by the number of labelled objects.
 
-    Both numbers are the mean per frame in each group of near-identical frames, summed over the groups.
+    The count and the number of objects are averaged over the frames of each group of near-identical frames, then summed
+    over the groups.
     """
     objects = _total(rows, lambda s: s.n_objects)
     return _total(rows, count) / objects if objects else math.nan

@@ -53,13 +53,13 @@ def bootstrap(
     ----------
     values
         Values (G,), one per group of near-identical frames. To compare two methods on the same frames, pass the
-        differences of their values.
+        differences between the values of the methods.
     weights
         Weight of each value (G,), by default 1.
     draws
         Number of bootstrap samples.
     seed
-        Random seed. The same seed always gives the same interval.
+        Random seed. The same seed always gives the same confidence interval.
     level
         Confidence level of the interval, 0..1.
 
@@ -89,7 +89,7 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
     Near-identical frames are always in the same fold.
 
     groups: name of the group of near-identical frames that contains each frame (K,). Raises ValueError if there are
-    fewer groups than folds.
+    fewer groups of near-identical frames than folds.
     """
     frames_of = _frames_of(groups)
     if not 2 <= k <= len(frames_of):
@@ -105,9 +105,10 @@ def folds(groups: Sequence[Hashable], k: int = 5, seed: int = SEED) -> list[Spli
 
 
 def leave_one_set_out(sets: Sequence[str], groups: Sequence[Hashable] | None = None) -> list[Split]:
-    """Return one split per data set, which holds out all frames of this data set. Splits are sorted by data set name.
+    """Return one split per data set, in which all frames of this data set are held out. Splits are sorted by data set
+    name.
 
-    Frames of other data sets that are near-identical to a held-out frame are left out of the split.
+    Frames of other data sets are left out of a split if they are near-identical to one of its held-out frames.
 
     Raises ValueError if there are fewer than two data sets.
 
@@ -146,10 +147,11 @@ def _split(name: str, count: int, outside: Sequence[int], groups: Sequence[Hasha
 def wilson_interval(hits: float, n: float, z: float = 1.96) -> tuple[float, float]:
     """Return the Wilson score interval of the share hits / n.
 
-    z: half the width of the interval, in standard deviations. The value 1.96 gives 95 % confidence.
+    z: half the width of the interval, in standard deviations. With z = 1.96, the confidence level is 95 %.
 
-    The interval is (0, 1) for n = 0. Counts may be fractions, for example if near-identical frames have lower weights.
-    The formula assumes independent trials. Objects in the same frame are only approximately independent.
+    The interval is (0, 1) for n = 0. The numbers `hits` and `n` may be fractions, for example if near-identical frames
+    have lower weights. The formula assumes independent trials, but objects in the same frame are only approximately
+    independent.
     """
     if not 0 <= hits <= n or not z >= 0:
         raise ValueError(f"expected 0 <= hits <= n and z >= 0, got hits={hits}, n={n}, z={z}: check the counts")

@@ -23,12 +23,12 @@ from spigolo.lab.evaluation.matching import OverlapTable, overlap_table
 from spigolo.lab.evaluation.measures import MEASURES, Measures, score_frame
 
 PIECE = 0.05
-"""A region counts as a piece of an object if it covers at least this share of the object's pixels."""
+"""Minimum share of an object's pixels that a region must cover to count as a piece of the object."""
 
 Labelling = Literal["full", "part", "none"]
 """Completeness of the labels of a frame: all (`full`), some (`part`) or none (`none`) of the objects have a label.
 
-Precision is meaningful only if all objects are labelled.
+Precision is meaningful only if all objects in the frame are labelled.
 """
 
 
@@ -46,13 +46,13 @@ class Key(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class RowScore(Measures):
-    """Accuracy measures of one method on one frame. `FrameScore` defines most measures."""
+    """Accuracy measures of one method on one frame. The class `FrameScore` describes most of the measures."""
 
     n_objects: int
     """Number N of labelled objects."""
 
     n_segments: int
-    """Number of predicted objects. Objects with only ignored pixels are not counted."""
+    """Number of predicted objects. Predicted objects that contain only ignored pixels are not counted."""
 
     best_iou: tuple[float, ...]
     """Maximum IoU (N,) of each labelled object over all predicted objects."""
@@ -75,31 +75,31 @@ class RowScore(Measures):
     found_70_recall: int
     """Number of labelled objects with more than 70 % of their pixels in one predicted object.
 
-    The predicted object may also cover other pixels.
+    The predicted object may also cover pixels outside the labelled object.
     """
 
     found_70_both: int
     """Number of labelled objects for which one predicted object has a precision above 0.7 and a recall above 0.7."""
 
     pieces: int
-    """Number of regions that cover at least 5 % of a labelled object, summed over the objects."""
+    """Number of regions that each cover at least 5 % of a labelled object, summed over the objects."""
 
     leaks: float
     """Under-segmentation error (Neubert & Protzel 2012), summed over the labelled objects.
 
-    For each region that overlaps an object, the smaller of two areas is added: the region's area inside or outside the
-    object. The sum is divided by the area of the object.
+    For each region that overlaps an object, the smaller of two areas is added: the region's area inside the object, or
+    its area outside. The sum of these areas is divided by the area of the object.
     """
 
     covered: tuple[float, ...] = ()
-    """Share (N,) of each labelled object that one predicted object covers, maximum over the predicted objects. Empty in
-    files of earlier versions.
+    """Share (N,) of each labelled object that one predicted object covers, maximum over the predicted objects. The
+    tuple is empty in files written by earlier versions.
     """
 
     covered_by_regions: tuple[float, ...] = ()
     """Share (N,) of each labelled object that one region covers, maximum over all regions.
 
-    Rejected regions are included.
+    The maximum is taken over accepted and rejected regions.
     """
 
     names: tuple[str, ...] = ()
@@ -114,13 +114,13 @@ class Row:
     frame: str
 
     group: str
-    """Name of the group of near-identical frames that contains this frame."""
+    """Name of the group of near-identical frames to which the frame belongs."""
 
     labelling: Labelling
     method: str
 
     preset: str
-    """Name of the preset. Presets with the same name but different values have different digests."""
+    """Name of the preset. Presets with the same name but different parameter values have different digests."""
 
     digest: str
     parameters: dict[str, Any]
@@ -136,7 +136,7 @@ class Row:
     wall_s: float | None
 
     n_predicted: int
-    """Number of predicted objects. Objects with only ignored pixels are also counted."""
+    """Number of predicted objects. Predicted objects that contain only ignored pixels are also counted."""
 
     rejected: dict[str, int]
     """Number of rejected regions, indexed by the reason for rejection."""
@@ -144,8 +144,8 @@ class Row:
     score: RowScore | None
     """Accuracy measures, or None if the frame has no labels.
 
-    If the method raised an error, a prediction without objects is scored. If the frame also has no labelled objects,
-    the score is None.
+    If the method raised an error, a prediction without objects is scored. If a method raises an error on a frame
+    without labelled objects, the score is None.
     """
 
     error: str | None = None
@@ -156,7 +156,7 @@ class Row:
 
     @property
     def key(self) -> Key:
-        """Return the identification of this evaluation: data set, frame, method and digest."""
+        """Return the identification of this evaluation: data set, frame, method and digest of the parameters."""
         return Key(self.data_set, self.frame, self.method, self.digest)
 
 
@@ -169,7 +169,7 @@ def score_row(
 ) -> RowScore:
     """Compute the scores of a predicted label image by comparison with the ground truth.
 
-    `score_frame` defines the measures.
+    The function `score_frame` defines the accuracy measures.
 
     Parameters
     ----------
@@ -254,8 +254,8 @@ def _parse(data: bytes, path: Path | str) -> list[Row]:
 class RowFile:
     """File of evaluation results, open for appending. Each new result is written to disk immediately.
 
-    The attribute `rows` holds all results in the file. An incomplete last line is removed from the file on opening.
-    Raises FileError if the file cannot be opened, or if a line is not a valid result.
+    The attribute `rows` holds all results in the file. If the last line is incomplete, it is removed when the file is
+    opened. Raises FileError if the file cannot be opened, or if a line is not a valid result.
     """
 
     rows: list[Row]
@@ -272,7 +272,7 @@ class RowFile:
         self.rows.append(row)
 
     def rewrite(self, rows: Sequence[Row]) -> None:
-        """Replace all evaluation results in the file in one step. The old file stays intact if writing fails."""
+        """Replace all evaluation results in the file in one step. If writing fails, the old file stays unchanged."""
         self._file.close()
         write_bytes(self.path.resolve(), b"".join(row_to_json(row).encode() + b"\n" for row in rows))
         self.rows, self._file = list(rows), append_lines(self.path)

@@ -17,26 +17,28 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 class DatasetScore(Measures):
     """Mean accuracy measures over many frames.
 
-    Each F is the mean of the F of all frames. It is not computed from the mean precision and the mean recall.
+    Each mean F measure is the mean of the F measures of all frames. A mean F measure is not computed from the mean
+    precision and the mean recall.
     """
 
     found_70_recall: float
-    """Share of true objects with more than 70 % of their pixels in one segment, NaN without objects.
+    """Share of true objects with more than 70 % of their pixels in one segment, NaN if there are no objects.
 
-    Large segments that cover several objects increase this value. Therefore, also compare `overlap_precision`.
+    Large segments that cover several objects increase `found_70_recall`. Therefore, compare both `found_70_recall` and
+    `overlap_precision`.
     """
 
     found_70_both: float
     """Share of true objects for which one segment has a precision above 0.7 and a recall above 0.7.
 
-    NaN without objects.
+    The share is NaN if there are no true objects.
     """
 
     found_iou_70: float
-    """Share of true objects that have an IoU above 0.7 with a segment, NaN without objects."""
+    """Share of true objects that have an IoU above 0.7 with a segment, NaN if there are no objects."""
 
     best_iou: float
-    """Maximum IoU of a true object over all segments, averaged over all true objects, NaN without objects."""
+    """Maximum IoU of a true object over all segments, averaged over all true objects, NaN if there are no objects."""
 
     segments_per_object: float
     """Number of predicted segments in all frames, divided by the number of true objects."""
@@ -51,7 +53,8 @@ class DatasetScore(Measures):
 def summarise(scores: Iterable[FrameScore]) -> DatasetScore:
     """Average the scores of many frames.
 
-    The measures in `MEASURES` are means over frames. The other scores are means over the objects of all frames.
+    The measures in `MEASURES` are means over frames. The other scores, such as `found_70_recall`, are means over the
+    objects of all frames.
 
     Raises
     ------

@@ -1,4 +1,6 @@
-"""Contenders of a comparison. A contender is a method with one set of parameters, its scores and a unique name."""
+"""Contenders of a comparison of segmentation methods. A contender is a method with one set of parameters, its scores
+and a unique name.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,9 @@ class Contender:
     label: str
     """Name of the method and its parameters in the report, unique in a comparison."""
     file: str
-    """Name of the file with the scores. Empty, unless several files hold scores of this method on the same frames."""
+    """Name of the file with the scores. The file name is empty, unless several files hold scores of this method on the
+    same frames.
+    """
     rows: tuple[Row, ...]
     """Scores of the method, one result per frame."""
 
@@ -64,14 +68,14 @@ def gather(files: Mapping[str, Sequence[Row]]) -> list[Contender]:
 
 
 def find_references(contenders: Sequence[Contender], name: str | None = None) -> list[Contender]:
-    """Return the reference methods. All other methods are compared with them.
+    """Return the reference methods, with which all other methods are compared.
 
     name: label, digest, preset or method of the reference. If `name` is the name of a file, all methods in this file
     are references.
 
-    Without a name, the first element of `contenders` is the reference. If no name is given and several files hold the
-    same frames, all methods in the first file are references. Raises ConfigError if the name matches nothing, or
-    several methods or files.
+    If no name is given, the first element of `contenders` is the reference. If no name is given and several files hold
+    results for the same frames, all methods in the first file are references. Raises ConfigError if `name` matches no
+    method, or if it matches several methods or files.
     """
     if name is None:
         return _of_file(contenders, contenders[0].file) or [contenders[0]]
@@ -96,8 +100,8 @@ def find_references(contenders: Sequence[Contender], name: str | None = None) ->
 def pair_up(contenders: Sequence[Contender], references: Sequence[Contender]) -> list[tuple[Contender, Contender]]:
     """Pair each evaluated method with its reference.
 
-    A reference with the same method and parameters is preferred. If no reference has the same method and parameters,
-    the first element of `references` is used. A reference is not paired with itself.
+    The reference is the element of `references` with the same method and parameters. If no element has the same method
+    and parameters, the reference is the first element of `references`. A reference method is not paired with itself.
     """
     of = {c.which: c for c in references}
     return [(of.get(c.which, references[0]), c) for c in contenders if c not in references]
@@ -121,8 +125,8 @@ def _by_method(rows: Sequence[Row]) -> dict[tuple[str, str], dict[Place, Row]]:
 def _labels(firsts: Mapping[Part, Row]) -> dict[Part, str]:
     """Return a short unique label for each method and set of parameters.
 
-    A label consists of the name of the preset or method. The digest and the file name are appended if labels are not
-    unique without them.
+    A label consists of the name of the preset or method. If labels are not unique, the digest of the parameters and the
+    name of the file are appended.
     """
     one_method = len({method for method, _, _ in firsts}) == 1
     labels = {part: _short(row, one_method) for part, row in firsts.items()}

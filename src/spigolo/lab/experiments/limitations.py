@@ -10,7 +10,9 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.experiments.tables import FEW_GROUPS
 
 MOST = 0.5
-"""If one data set has more than this share of all frames, the report warns that the data set dominates the mean."""
+"""Maximum share of all frames that one data set may have. If a data set has a larger share of the frames, the report
+warns that this data set dominates the mean.
+"""
 
 
 def limitations(contenders: Sequence[Contender]) -> list[str]:

@@ -16,7 +16,7 @@ from spigolo.methods import Method
 
 @dataclass(frozen=True, slots=True)
 class Loss:
-    """Labelled object, with the cause if the object was not found."""
+    """Labelled object, and the reason if the object was not found."""
 
     data_set: str
     """Name of the data set."""
@@ -48,7 +48,7 @@ def find_losses(entries: Iterable[Entry], method: Method, tell: Callable[[int], 
 
 
 def loss_table(losses: Sequence[Loss]) -> Table:
-    """Return a table with the number of objects per data set and cause."""
+    """Return a table with the number of labelled objects per data set and cause, such as `found` or `merged`."""
     counts: dict[str, Counter[Cause]] = defaultdict(Counter)
     for loss in losses:
         counts[loss.data_set][loss.fate.cause] += 1
@@ -62,9 +62,10 @@ def loss_table(losses: Sequence[Loss]) -> Table:
 
 
 def lost_objects(losses: Sequence[Loss]) -> Table:
-    """Return a table of all objects that were not found. Columns are the cause, the IoU and the reason for rejection.
+    """Return a table of all objects that were not found. The columns of the table are the cause, the IoU and the reason
+    for rejection.
 
-    IoU and reason for rejection belong to the region that determines the cause (`Fate.region`).
+    IoU and reason for rejection are those of the region (`Fate.region`) from which the cause was determined.
     """
     lost = [loss for loss in losses if loss.fate.cause is not Cause.FOUND]
     rows = [

@@ -13,7 +13,7 @@ from spigolo.settings.config import Config
 def make_methods(names: Sequence[str], configs: Sequence[Config]) -> list[Method]:
     """Create segmentation methods from their names. The method `toscana2016` is created once per element of `configs`.
 
-    Duplicates are left out. Raises ConfigError for an unknown name.
+    Duplicate methods are left out. Raises ConfigError for an unknown name.
     """
     methods: dict[tuple[str, str], Method] = {}
     for name in names:

@@ -48,7 +48,7 @@ class Tally:
         return _percent(self.in_regions, self.objects)
 
     def among(self, other: Tally) -> str:
-        """Return "of N" for N objects if `other` has a different number of objects, else an empty string."""
+        """Return the text "of N" for N objects if `other` has a different number of objects, else an empty string."""
         return "" if self.objects == other.objects else f"of {self.objects}"
 
 
@@ -61,13 +61,13 @@ class Measured:
     """True if the frames are rendered."""
     n_frames: int
     tallies: Mapping[str, Mapping[Place, Tally]]
-    """Numbers of objects, indexed by method and table cell. The first method uses the paper's preset."""
+    """Numbers of objects, indexed by method and table cell. The first method runs with the preset of the paper."""
     reference: str | None
     """Name of the method whose values are printed in parentheses, or None."""
 
     @property
     def title(self) -> str:
-        """Return the title of the table. Rendered frames are marked in the title."""
+        """Return the title of the table. The title states if the frames are rendered."""
         on = f"rendered stand-in for {self.printed.about}" if self.rendered else self.printed.about
         return f"Table {self.printed.number}: {on}"
 
@@ -75,7 +75,7 @@ class Measured:
 def write_paper_tables(contenders: Sequence[Contender], out: Path) -> list[tuple[str, Table]]:
     """Write a report with the paper's tables as index.html and report.md into the folder `out`.
 
-    Return the titles and tables.
+    Return the title and the content of each table.
 
     Raises FileError if a file cannot be written. Also raises FileError if results for the paper's data sets or presets
     are missing.
@@ -108,7 +108,7 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
 
 
 def paper_table(measured: Measured) -> Table:
-    """Return a table with the printed and the measured values."""
+    """Return a table with the values printed in the paper and the measured values."""
     return _wide(measured) if len(measured.printed.columns) > 1 else _narrow(measured)
 
 
@@ -139,9 +139,9 @@ def _tally(rows: Sequence[Row], printed: Printed) -> dict[Place, Tally]:
 
 
 def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
-    """Yield the table cell of each object in a frame, with a `Tally` of this object only.
+    """Yield the table cell of each object in a frame, with the counts (`Tally`) of this single object.
 
-    Objects without a table cell are left out.
+    Objects that belong to no table cell are left out.
     """
     score = row.score
     assert score is not None
@@ -173,7 +173,8 @@ def _narrow(measured: Measured) -> Table:
 
 
 def _wide(measured: Measured) -> Table:
-    """Return a table that has one column per class of objects, with printed and measured values.
+    """Return a table that has one column per class of objects, with the values printed in the paper and the measured
+    values.
 
     Each line of the paper's table becomes several rows: printed values, measured values, and numbers of objects.
     """
@@ -198,7 +199,7 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """Yield the cells of one line for the method `label`, with the values of the method `measured.reference` in
+    """Yield the cells of one table line for the method `label`, with the values of the method `measured.reference` in
     parentheses.
     """
     tallies = _tallies(measured, line, label)
@@ -210,7 +211,7 @@ def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
     """Return the numbers of objects in each cell of a table line.
 
-    The result has None for cells that are empty in the paper.
+    The returned list has None for cells that are empty in the paper.
     """
     places = [(line, column) for column in measured.printed.columns]
     return [measured.tallies[label].get(p, Tally()) if p in measured.printed.figures else None for p in places]

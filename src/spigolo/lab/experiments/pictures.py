@@ -26,13 +26,15 @@ WORST = 10
 PICTURE_WIDTH_PX = 640
 JPEG_QUALITY = 85
 SAME_F = 1e-6
-"""Two results of a frame count as equal if their overlap F differs by less than this value."""
+"""Two results of a frame count as equal if their overlap F differs by less than `SAME_F`."""
 
 Tell = Callable[[int, int], None]
 
 
 def goodness(row: Row) -> float:
-    """Return the measure by which frames are sorted: overlap F for fully labelled frames, overlap recall for others."""
+    """Return the measure by which frames are sorted: overlap F for fully labelled frames, overlap recall for all other
+    frames.
+    """
     assert row.score is not None
     return row.score.overlap_f if row.labelling == "full" else row.score.overlap_recall
 
@@ -58,7 +60,7 @@ def draw_worst(
     Parameters
     ----------
     contender
-        Scores of the method.
+        Segmentation method with its scores.
     folders
         Frames, indexed by data set and name. Frames that are not in `folders` are left out. No images are written if
         this version of spigolo does not have the method or the parameters of `contender`.

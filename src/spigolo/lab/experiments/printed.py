@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 Place = tuple[str, str]
-"""Table cell as line name and column name."""
+"""Table cell, given by the name of its line and the name of its column."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,14 +17,14 @@ class Figure:
     found: str
     """Printed share of found objects, per cent."""
     beside: str = ""
-    """Value that is printed in parentheses, empty for none."""
+    """Value that is printed in parentheses. The text is empty if the paper prints no value in parentheses."""
     objects: int = 0
     """Printed number of objects, 0 if not printed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Printed:
-    """Table of the paper."""
+    """Table of the paper (Toscana & Rosa 2016)."""
 
     number: str
     """Number of the table, such as "II"."""
@@ -33,16 +33,16 @@ class Printed:
     data_set: str
     """Name of the data set in `spigolo.lab.datasets`."""
     preset: str
-    """Name of the preset with the paper's parameters for this table."""
+    """Name of the preset with the parameters that the paper used for the table."""
     figures: Mapping[Place, Figure]
-    """Printed values, indexed by line and column. Empty cells are left out."""
+    """Printed values, indexed by line and column. Cells that are empty in the paper are left out."""
     place: Callable[[str, str], Place]
     """Function that returns the table cell of an object.
 
     The arguments are the name of the frame and the name of the object.
     """
     beside: str = ""
-    """Name of the method whose values are printed in parentheses, empty for none."""
+    """Name of the method whose values are printed in parentheses. The name is empty if no values are in parentheses."""
     note: str = ""
 
     @property
@@ -66,8 +66,8 @@ CATEGORIES = {
 def _run(frame: str, name: str) -> Place:
     """Return the cell of Table I for an object of a Rutgers APC frame.
 
-    Frames are named OBJECT-BIN-CLUTTER-POSITION-SHOT. The table has one line per run, and CLUTTER + 1 is the number of
-    the run.
+    The names of frames have the form OBJECT-BIN-CLUTTER-POSITION-SHOT. Table I has one line per run. The number of the
+    run is CLUTTER + 1, where CLUTTER is a number in the frame name.
     """
     found = re.fullmatch(r".+-[A-L]-(\d+)-\d+-\d+", frame)
     return (f"Run_{int(found[1]) + 1}" if found else ""), ALL
@@ -76,7 +76,7 @@ def _run(frame: str, name: str) -> Place:
 def _scene(frame: str, name: str) -> Place:
     """Return the cell of Table II for an object in UW RGB-D Scenes.
 
-    Frames are named SCENE_K_N, and objects CATEGORY_NUMBER.
+    The names of frames have the form SCENE_K_N, and the names of objects have the form CATEGORY_NUMBER.
     """
     return frame.rpartition("_")[0].capitalize(), CATEGORIES.get(name.rpartition("_")[0], "")
 

@@ -27,7 +27,7 @@ Tell = Callable[[int, int, Row | None], None]
 """Progress callback.
 
 The arguments of the callback are the number of finished evaluations, the number of evaluations to run, and the latest
-result (None at the start). Evaluations that the file already has are not counted.
+result (None at the start). Evaluations that already have a result in the output file are not counted.
 """
 
 
@@ -83,7 +83,7 @@ class Worker:
     def lost(self, task: Task, reason: str) -> Row:
         """Return the result for a task whose worker process died.
 
-        The result has no checksum of the frame's files, so that the next evaluation repeats the task.
+        The returned result has no checksum of the frame's files, so that the next evaluation repeats the task.
         """
         method = self._methods[task.method, task.digest]
         return _row(task.frame, "", method, None, _score_of_nothing(_readable_truth(task.frame)), reason)
@@ -112,11 +112,12 @@ def evaluate(
 
     Return the results of all methods on all frames.
 
-    Evaluations that the file already has are not repeated. An evaluation is repeated if its worker process died, or if
-    it raised an error and the files of the frame have changed since then. Only one process may use the file at a time.
+    Evaluations with a result in the file `out` are not repeated. An evaluation is repeated if its worker process died,
+    or if it raised an error and the files of the frame have changed since then. Only one process may use the file `out`
+    at a time.
 
-    Raises SpigoloError if scipy is not installed. Raises FileError if the file is invalid, or has results of other
-    frames with the same names.
+    Raises SpigoloError if scipy is not installed. Raises FileError if the file `out` is invalid, or if it has results
+    of other frames with the same names.
 
     Parameters
     ----------
@@ -125,13 +126,13 @@ def evaluate(
     methods
         Segmentation methods to evaluate.
     out
-        File of results, to which new results are appended.
+        File of evaluation results, to which new results are appended.
     jobs
         Number of worker processes.
     tell
         Progress callback.
     engine
-        Executor that runs the tasks. If an executor is given, `jobs` is ignored.
+        Executor that runs the evaluation tasks. If an executor is given, `jobs` is ignored.
 
     """
     if importlib.util.find_spec("scipy") is None:
@@ -156,7 +157,7 @@ def evaluate(
 
 
 def _brought_up(frames: Sequence[Entry], file: RowFile) -> list[Row]:
-    """Return the existing results that are still valid, with `group` and `labelling` of the current frames.
+    """Return the existing results that are still valid, with the fields `group` and `labelling` of the current frames.
 
     A result with an error is left out if the files of its frame have changed. Raises FileError if a frame was evaluated
     without an error, and its files have changed since then.
@@ -196,7 +197,7 @@ def _readable_content(frame: Entry) -> str:
 def _as_described(row: Row, frame: Entry | None) -> Row:
     """Update the fields `group` and `labelling` of an evaluation result from its frame.
 
-    Results that were scored without labels stay unlabelled.
+    The field `labelling` is not changed if the result or the frame has no labels.
     """
     if frame is None:
         return row
@@ -205,7 +206,7 @@ def _as_described(row: Row, frame: Entry | None) -> Row:
 
 
 def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -> Generator[Row]:
-    """Execute the tasks, and yield the results in the order of the tasks."""
+    """Execute evaluation tasks, and yield the results in the order of the tasks."""
     work = Worker(methods)
     with closing(in_order(engine, work, tasks)) as outcomes:
         for task, outcome in zip(tasks, outcomes, strict=True):
@@ -215,7 +216,7 @@ def _rows_of(tasks: Sequence[Task], methods: Sequence[Method], engine: Engine) -
 def engine_of(jobs: int) -> Engine:
     """Return an executor with `jobs` worker processes.
 
-    If `jobs` is 1, all tasks run in the current process. Raises SpigoloError if `jobs` is less than 1.
+    If `jobs` is 1, all evaluation tasks run in the current process. Raises SpigoloError if `jobs` is less than 1.
     """
     if jobs < 1:
         raise SpigoloError(f"expected at least one job, got {jobs}: leave out the number for one job")

@@ -13,7 +13,8 @@ from spigolo.lab.experiments.contenders import Contender
 from spigolo.lab.page import Cell, Table
 
 Scope = tuple[str, Callable[[Row], bool]]
-"""Subset of the frames: name of the subset, and a function that returns True for each result on a frame of the subset.
+"""Subset of the frames: its name, and a function that returns True if an evaluation result belongs to a frame of the
+subset.
 """
 
 EVERY_OBJECT = "every object labelled"

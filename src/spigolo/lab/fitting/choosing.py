@@ -17,13 +17,14 @@ class HeldOut:
     """Result of a cross-validation."""
 
     rows: tuple[Row, ...]
-    """Score of every frame with the parameter values chosen on the other folds or data sets."""
+    """Score of every frame. The parameter values were chosen on the folds or data sets that do not contain the frame.
+    """
     chosen: tuple[Trial, ...]
     """Trial (set of parameter values) chosen for each held-out fold or data set."""
 
 
 def goodness(rows: Sequence[Row]) -> float:
-    """Return the value that fitting maximises: the share of objects with IoU above 0.7, plus the mean overlap F.
+    """Return the value that fitting maximises: the share of objects found (IoU above 0.7), plus the mean overlap F.
 
     The overlap F is averaged over fully labelled frames only. Each group of near-identical frames has the weight of one
     frame.
@@ -64,7 +65,7 @@ def check_folds(groups: Sequence[str], count: int) -> None:
 
 
 def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = True) -> HeldOut:
-    """Score every frame by cross-validation, with the parameter values that are best on the other folds.
+    """Score every frame by cross-validation, with the parameter values that are best on the folds without this frame.
 
     Near-identical frames are in the same fold.
 
@@ -79,8 +80,8 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
     seed
         Random seed of the split into folds.
     with_start
-        True if the initial parameter values may be chosen too. Use False if the initial values were fitted to these
-        frames.
+        True if the initial parameter values may be chosen too. Use False if the initial values were fitted to the same
+        frames as the search.
 
     """
     groups = [place.group for place in search.subject.places]
@@ -91,10 +92,10 @@ def hold_out(search: Search, count: int = 5, seed: int = 0, with_start: bool = T
 def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
     """Score every data set with the parameter values that are best on the other data sets.
 
-    The scores estimate the accuracy with another camera or in another environment. The trials in the field `chosen` are
-    sorted by data set name.
+    The scores estimate the accuracy with another camera or in another environment. The trials (sets of parameter
+    values) in the field `chosen` are sorted by data set name.
 
-    Raises SpigoloError if `set_splits` finds no splits.
+    Raises SpigoloError if `set_splits` finds no cross-validation splits.
     """
     splits = set_splits(search)
     if not splits:
@@ -108,7 +109,7 @@ def hold_out_sets(search: Search, with_start: bool = True) -> HeldOut:
 def set_splits(search: Search) -> list[Split]:
     """Return one cross-validation split per data set.
 
-    The list is empty if there is only one data set, or if a split has no frames for the choice of parameters.
+    The list of splits is empty if there is only one data set, or if a split has no frames for the choice of parameters.
     """
     places = search.subject.places
     if len({place.data_set for place in places}) < 2:

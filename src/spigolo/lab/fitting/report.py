@@ -28,11 +28,13 @@ def score_table(search: Search, held: HeldOut) -> Table:
 
 
 def write_fit(search: Search, held: HeldOut, start: Method, folder: Path) -> tuple[Path, Path]:
-    """Write the fitted parameters as a TOML file, and the report as report.md. Return the paths of both files.
+    """Write the fitted parameters as a TOML file, and the report as report.md. Return the paths of the two written
+    files.
 
     Raises FileError if a file cannot be written.
 
-    For the method `toscana2016`, the TOML file is a preset. For other methods, the TOML file holds their parameters.
+    For the method `toscana2016`, the TOML file is a preset. For any other method, the TOML file holds the parameters of
+    the method.
     """
     method = fitted(search, start)
     preset, page = folder / f"{(method.preset or method.name).lower()}.toml", folder / "report.md"

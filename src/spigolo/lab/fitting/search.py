@@ -22,7 +22,7 @@ Tell = Callable[[int, int, Trial | None], None]
 """Progress callback.
 
 The arguments of the callback are the number of finished trials, the number of trials to run, and the latest trial (None
-at the start). Trials that the file already has are not counted.
+at the start). Trials (scored sets of parameter values) that the file already contains are not counted.
 """
 
 
@@ -66,7 +66,7 @@ def search(
     start
         Method with its initial parameter values.
     out
-        File of trials, to which new trials are appended.
+        File of trials (scored sets of parameter values), to which new trials are appended.
     trials
         Number of random sets of parameter values.
     seed
@@ -77,7 +77,7 @@ def search(
         Progress callback. The arguments of the callback are the number of finished trials, the number of trials to run,
         and the latest trial (None at the start).
     engine
-        Executor that runs the trials. If an executor is given, `jobs` is ignored.
+        Executor that scores the sets of parameter values. If an executor is given, `jobs` is ignored.
 
     """
     if importlib.util.find_spec("scipy") is None:
@@ -120,7 +120,7 @@ def _subject(frames: Sequence[Entry], start: Method, seed: int) -> Subject:
 def _check(trial: Trial) -> None:
     """Raise FileError if a trial (set of parameter values) has no score for a frame.
 
-    A frame that fails with the initial parameter values also raises FileError.
+    FileError is also raised if the method fails on a frame with the initial parameter values.
     """
     at_start = trial.number == 0
     unread = next((row for row in trial.rows if row.score is None or (at_start and row.error is not None)), None)

@@ -1,7 +1,7 @@
 """Search spaces: the parameters to fit for each method, with their ranges.
 
 A search space is a dictionary from dotted parameter names to ranges, choices and switches. A switch turns an optional
-stage on or off. If a switch turns a stage off, the parameters of this stage are ignored.
+stage on or off. If a switch turns a stage of the method off, the parameters of this stage are ignored.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from spigolo.settings.config import Config
 from spigolo.settings.paper import BoundaryCost, SaliencyCost
 
 Setting = dict[str, Any]
-"""Parameter values, indexed by dotted parameter name. `Method.replace` accepts this dictionary."""
+"""Parameter values, indexed by dotted parameter name. `Method.replace` accepts a dictionary of this type."""
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
     """Range of a number from `low` to `high`.
 
-    If both limits are integers, only integers are drawn.
+    If both limits of the range are integers, only integers are drawn.
     """
 
     low: float
@@ -47,7 +47,7 @@ class Switch:
     on: Mapping[str, Any] = field(default_factory=dict)
     """Parameter values of the optional stage if it is switched on."""
     needs: str = ""
-    """Name of another switch that must be on too, empty for none."""
+    """Name of another switch that must also be on. The name is empty if no other switch is required."""
 
 
 Space = Mapping[str, Range | Choice | Switch]
@@ -59,7 +59,7 @@ REJECTED: Space = {
     "additions.support.stacked_share": Range(0.3, 0.8),
     "rejection.max_eccentricity": Range(0.975, 0.99),
 }
-"""Parameters of the rules that reject regions. All methods share the rules that reject regions."""
+"""Parameters of the rules that reject regions. All segmentation methods share the rules that reject regions."""
 
 OPTIONAL: Mapping[str, Space] = {
     "additions.merging": {"additions.merging.max_mean": Range(0.2, 0.6)},
@@ -213,7 +213,7 @@ def _ours(config: Config) -> Space:
 
 
 def _has(config: Config, place: str) -> bool:
-    """Return True if a configuration has the optional stage with this dotted name."""
+    """Return True if a configuration has the optional stage with the dotted name `place`."""
     value: object = config
     for name in place.split("."):
         value = getattr(value, name, None)

@@ -1,9 +1,10 @@
 """Files of tested parameter values (trials), with their scores on each frame.
 
-The first line of a file describes the search (`Subject`) and names the frames. Each further line is a trial with one
-list of numbers per frame. The list holds the measures in `SHARES` (multiplied by 1000) and in `COUNTS`. The list also
-holds the maximum IoU of each object over predicted objects and over all regions (multiplied by 1000). The last number
-in the list is the CPU time in milliseconds, null after an error.
+The first line of a file describes the search (`Subject`) and names the frames. Each further line describes a trial (set
+of parameter values), with one list of numbers per frame. Each list holds the accuracy measures in `SHARES` (multiplied
+by 1000) and in `COUNTS`. For each object, the list also holds the maximum IoU over the predicted objects and the
+maximum IoU over all regions, multiplied by 1000. The last number in each list is the CPU time in milliseconds, null
+after an error.
 """
 
 from __future__ import annotations
@@ -136,7 +137,7 @@ class TrialFile:
     def append(self, trial: Trial) -> None:
         """Append tested parameter values and their scores to the file and to `trials`.
 
-        Scores in `trials` are rounded like the scores in the file.
+        The scores in the list `trials` are rounded like the scores in the file.
         """
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)

@@ -27,8 +27,8 @@ IGNORE = 255
 
 
 def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
-    """Return the maximum IoU between a predicted mask (H, W) and the labelled objects. Pixels with label 255 (ignored)
-    are excluded from the IoU.
+    """Return the maximum IoU between a predicted mask (H, W) and the labelled objects. Pixels with the label 255
+    (ignored) do not count in the IoU.
 
     Return NaN if more than half of the pixels of the mask are ignored.
     """

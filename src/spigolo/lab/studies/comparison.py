@@ -10,9 +10,9 @@ cross-validation.
 The command `search` scores random parameter values of every method, and writes the scores to
 docs/data/trials-METHOD.jsonl.gz. The command `table` reads the files written by `search`, and prints scores and CPU
 times of the fitted methods. The command `depth` scores `rao2010`, `abramov2012` and `mishra2012` with fitted
-parameters, once with depth and once without depth. The method `mishra2009` segments one object around a start pixel.
-The command `points` scores it with one start pixel per labelled object: the pixel farthest from the outline of the
-ground-truth mask. For every fifth frame, the command `pictures` draws the regions that each method returns.
+parameters, once with depth and once without depth. The command `points` scores the method `mishra2009`, which segments
+one object around a start pixel. The start pixel of a labelled object is the pixel farthest from the outline of its
+ground-truth mask. The command `pictures` draws the regions that each method returns, for every fifth frame.
 
 Frames are read from the subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data
 folder (default: ../shared/data).
@@ -45,7 +45,7 @@ from spigolo.view.comparison import comparison
 
 LOG = Path("docs/data")
 SETS = ("osd-mosd", "hand-uoc")
-"""Names of the data sets. Every object in these data sets is labelled."""
+"""Names of the data sets of the comparison, in which every object is labelled."""
 SEED, FOLDS, EVERY = 0, 5, 5
 """Random seed, number of cross-validation folds, and step between frames for timing and drawing (5 = every fifth
 frame).
@@ -56,8 +56,8 @@ OFF: dict[str, dict[str, Any]] = {
     "abramov2012": {"step_m": None},
     "mishra2012": {"depth": False},
 }
-"""For each method: parameter values with which the method ignores depth when it forms regions. The rejection of regions
-still depends on depth.
+"""Parameter values, indexed by method, with which the method forms regions without depth. The rules that reject regions
+still use depth.
 """
 
 
@@ -94,15 +94,15 @@ def search_all(trials: int, jobs: int, out: Path) -> None:
 
 
 def fitted(held: Search) -> Method:
-    """Return the method with the best of the tested parameter values. The best values have the maximum sum of two
-    scores: share of found objects and mean overlap F.
+    """Return the method with the best of the tested parameter values. The best values maximise the sum of two scores:
+    share of found objects and mean overlap F.
     """
     return apply(best_trial(held.trials).setting, sp.METHODS[held.subject.method])
 
 
 def time_all(methods: dict[str, Method]) -> dict[str, float]:
     """Return the relative CPU time of each method: its CPU time divided by the CPU time of `toscana2016` on the same
-    frame. The returned values are medians over frames.
+    frame. The returned relative CPU times are medians over frames.
     """
     cv2.setNumThreads(1)
     chosen = frames()[::EVERY]

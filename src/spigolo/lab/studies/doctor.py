@@ -1,9 +1,9 @@
 """Measure how often `spigolo doctor` detects simulated errors in frames, and how often it warns about correct frames.
 
-For each simulated error, the table `SPOILT` names the check of `spigolo doctor` that must detect the error. Each error
-is applied to every frame. Only one frame of each group of near-identical frames is used. Shifted, mirrored or
-unregistered depth is tested only on frames with enough depth steps. For example, a frame of 640x480 must have at least
-500 pixels on depth steps.
+For each simulated error, the table `SPOILT` names the check of `spigolo doctor` that must detect the error. Each
+simulated error is applied to every frame. Only one frame of each group of near-identical frames is used. Shifted,
+mirrored or unregistered depth is tested only on frames with enough depth steps. For example, a frame of 640x480 must
+have at least 500 pixels on depth steps.
 
     python -m spigolo.lab.studies.doctor [FOLDER]
 """
@@ -40,8 +40,8 @@ def with_depth(frame: Frame, depth: np.ndarray) -> Frame:
 
 
 def shift(frame: Frame, dx: int, dy: int) -> Frame:
-    """Shift the depth map by (dx, dy) pixels. Image borders that the shifted depth map does not cover have missing
-    depth.
+    """Shift the depth map by (dx, dy) pixels. Pixels at the image border that the shifted depth map does not cover have
+    missing depth.
     """
     height, width = frame.depth.shape
     moved = np.zeros_like(frame.depth)
@@ -168,7 +168,7 @@ def main() -> None:
 
 def measure(folder: Path) -> None:
     """Print, for each simulated error, the share of frames in which it is detected. Also print, for each check, the
-    share of correct frames with a false warning. Undetected errors are printed to stderr.
+    share of correct frames with a false warning. Frames with undetected errors are printed to stderr.
     """
     found: dict[str, list[bool]] = {kind: [] for kind in SPOILT}
     false: dict[str, list[str]] = {}

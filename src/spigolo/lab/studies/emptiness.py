@@ -1,8 +1,8 @@
-"""Count false objects in rendered scenes without objects. Then add one box to each scene, and count the boxes that are
-found.
+"""Count false objects in rendered scenes without objects. After that, add one box to each rendered scene, and count the
+boxes that are found.
 
-By default, the script renders fifty scenes on which the rules of the presets were developed. With `--first 500`, it
-renders fifty held-out scenes instead.
+By default, the script renders the fifty scenes on which the rules of the presets were developed. With `--first 500`,
+the script renders fifty held-out scenes instead.
 """
 
 from __future__ import annotations

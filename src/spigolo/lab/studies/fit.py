@@ -1,9 +1,10 @@
-"""Fit parameters as `spigolo fit` does, and score them on held-out frames: `python -m spigolo.lab.studies.fit`.
+"""Fit parameters like `spigolo fit`, and score them on held-out frames: `python -m spigolo.lab.studies.fit`.
 
-The fit starts with the preset TABLE. For each seed, the frames of `osd-mosd` are split at random into two halves. For
-each half, the parameter values with the best score are selected. The selected values are then scored on the other half.
-The scores of all tested parameter values are stored in the folder given by `--out`. Frames are read from the subfolder
-`frames` of the data folder. The environment variable SPIGOLO_DATA sets the data folder (default: ../shared/data).
+The search for parameter values starts with the values of the preset TABLE. For each seed, the frames of `osd-mosd` are
+split at random into two halves. For each half, the parameter values with the best score on this half are selected, and
+then scored on the other half. The scores of all tested parameter values are stored in the folder given by `--out`.
+Frames are read from the subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data
+folder (default: ../shared/data).
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 A batch of 2,000 small frames is segmented four times. The first run is not interrupted. The second run is killed by
 SIGKILL at five random moments. In the third run, workers of a Dask cluster are killed twice. In the fourth run, the
 disk is full at two moments. The second and the fourth run are restarted until all frames are segmented. The exit code
-is 1 if the output files of a run differ from those of the first run. The fourth run requires Linux and root rights.
-Without them, it is left out.
+is 1 if the output files of a run differ from those of the first run. The fourth run requires Linux and root rights. The
+fourth run is left out if its small file system cannot be mounted.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ from spigolo.frames.files import write_json, write_png
 SIZE = 90, 120
 WORKERS = 2
 SETTLING_S = 0.05
-"""Maximum of the random delay before a process is killed, in seconds. Without this delay, every process would be killed
+"""Maximum of the random delay before a process is killed, in seconds. Without a delay, every process would be killed
 directly after it has added a frame to the list of finished frames.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Logged(FrameFiles):
-    """Frame of a batch. Each time the frame is read, its name and the id of the reading process are appended to a log
-    file.
+    """Frame of a batch run. Each time the frame is read, its name and the id of the reading process are appended to a
+    log file.
     """
 
     log: Path
@@ -100,7 +100,7 @@ def work(source: Path, out: Path, log: Path, engine: Engine) -> int:
 class Study:
     """Test of interrupted batch runs. All files of the runs are in the folder `root`.
 
-    The attribute `plain` is the output folder of the uninterrupted run.
+    The attribute `plain` is the output folder of the run that is not interrupted.
     """
 
     def __init__(self, root: Path, count: int) -> None:
@@ -121,15 +121,15 @@ class Study:
         return self.root / f"{out.name}.log"
 
     def moments(self, count: int) -> list[int]:
-        """Return `count` random moments for interruptions. Each moment is a number of finished frames. The numbers are
-        in ascending order.
+        """Return `count` random moments for interruptions. Each moment is given by the number of frames that are
+        finished at this moment. The moments are returned in ascending order.
         """
         return sorted(self.rng.sample(range(1, self.count * 9 // 10), count))
 
     def wait_for(self, out: Path, lines: int, process: subprocess.Popen[str]) -> None:
         """Wait until the manifest (list of finished frames) has `lines` lines, or the process has ended.
 
-        Then wait for a random time of up to `SETTLING_S`.
+        Wait for an additional random time of up to `SETTLING_S` seconds.
         """
         while process.poll() is None and lines_in(out / FILE) < lines:
             time.sleep(0.002)
@@ -150,7 +150,7 @@ class Study:
         """Segment all frames on a Dask cluster, and kill workers at `times` random moments of the run. At each moment,
         the worker that was the last to read a frame is killed.
 
-        Return the number of kills.
+        Return the number of killed workers.
         """
         process = self.start(out, "dask")
         for moment in self.moments(times):
@@ -195,8 +195,8 @@ def mount(*arguments: str) -> None:
 
 @contextmanager
 def small_disk(folder: Path) -> Iterator[Path | None]:
-    """Create a folder, and mount a small in-memory file system there. Yield the folder, or None if the system does not
-    allow mounting.
+    """Create a folder, and mount a small in-memory file system in this folder. Yield the folder, or None if the system
+    does not allow mounting.
     """
     folder.mkdir()
     try:

@@ -1,14 +1,14 @@
 """Count the reasons why labelled objects are not found: `python -m spigolo.lab.studies.losses FOLDER PRESET`.
 
 The script divides the labelled objects into four classes. The class "covered" contains objects of which a predicted
-object covers more than 70 %. The class "split" contains objects of which no region covers more than 70 %. The two other
-classes contain objects of which a region covers more than 70 %, but no predicted object does. In the class "joined with
-its surroundings", the area of this region is at least three times the area of the object. In the class "rejected
-otherwise", the region is smaller.
+object covers more than 70 %. The class "split" contains objects of which no region covers more than 70 %. For objects
+of the two other classes, a region covers more than 70 % of the object, but no predicted object covers that much. In the
+class "joined with its surroundings", the area of the region is at least three times the area of the object. In the
+class "rejected otherwise", the area of the region is less than three times the area of the object.
 
-The script also prints the share of labelled objects with more than 30 % missing depth. It also prints the share of
-labelled objects that a rule of the preset rejects even if the region is equal to the ground-truth mask. With
-`--gammas`, the script also segments every second frame with each given value of `partition.gamma`. For each value, it
+The script also prints the share of labelled objects with more than 30 % missing depth. The script also prints the share
+of labelled objects whose exact ground-truth mask would be rejected by a rule of the preset. With `--gammas`, the script
+also segments every second frame with each given value of `partition.gamma`. For each value of `partition.gamma`, it
 prints the share of labelled objects for which a region has an IoU above 0.7.
 """
 

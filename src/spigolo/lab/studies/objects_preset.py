@@ -4,12 +4,12 @@ method.
     python -m spigolo.lab.studies.objects_preset search --trials 48 --out DIR
     python -m spigolo.lab.studies.objects_preset ablation --out DIR
 
-The command `search` draws random parameter values. It scores the best values on held-out frames (cross-validation with
-five folds), and on held-out data sets (one data set at a time). The values of the preset OBJECTS are not candidates in
-this search, because the rules of OBJECTS were developed on these frames. The command `ablation` scores variants of the
-preset. In each variant, one extension is removed or changed. All scores are stored in the folder given by `--out`.
-Frames are read from the subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data
-folder (default: ../shared/data).
+The command `search` draws random parameter values. The command `search` scores the best values on held-out frames
+(cross-validation with five folds), and on held-out data sets (one data set at a time). The values of the preset OBJECTS
+are not candidates in the search, because the rules of OBJECTS were developed on the same frames. The command `ablation`
+scores variants of the preset. In each variant of the preset, one extension of the paper's method is removed or changed.
+All scores are stored in the folder given by `--out`. Frames are read from the subfolder `frames` of the data folder.
+The environment variable SPIGOLO_DATA sets the data folder (default: ../shared/data).
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def tell(done: int, total: int, trial: Trial | None) -> None:
 
 def ablation(out: Path, jobs: int) -> None:
     """Print overlap F, boundary F and the share of found objects for variants of the preset. In each variant, one
-    extension is removed or changed.
+    extension of the paper's method is removed or changed.
     """
     frames = find_labelled_frames([FRAMES], WHOLE)
     print(f"| | {' | '.join(f'{group}: F / boundary F / found' for group in GROUPS)} | empty tote |")
@@ -119,7 +119,7 @@ def ablation(out: Path, jobs: int) -> None:
 def figures(rows: Sequence[Row], sets: Sequence[str]) -> str:
     """Format overlap F, boundary F and the share of found objects, pooled over the data sets `sets`.
 
-    If some objects in these data sets are not labelled, only the share of found objects is returned.
+    If some objects in the data sets are not labelled, only the share of found objects is returned.
     """
     pooled = pool([row for row in rows if row.data_set in sets and row.frame not in LITTLE_WORTH])
     found = f"{pooled.true_positives / pooled.n_objects:.0%}".replace("%", " %")

@@ -36,8 +36,8 @@ REAL = {
         "*pcl_bottles",
     ),
 }  # fmt: skip
-"""For each family of rendered scenes: name patterns of real frames for the comparison. A pattern has the form
-SET/FRAME, and selects the frames of one real scene.
+"""Name patterns of real frames, indexed by the family of rendered scenes with which the frames are compared. A pattern
+has the form SET/FRAME, and selects the frames of one real scene.
 """
 CHANGES_PX = (0.02, 0.04, 0.06, 0.09, 0.13, 0.2)
 """Limits between the ranges of disparity gradient (change of disparity per image pixel)."""
@@ -89,8 +89,8 @@ def real_figures(folders: list[Path]) -> dict[str, list[Realism]]:
 def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
     """Print the depth noise, in pixels of disparity, for each range of disparity gradient.
 
-    The noise at a pixel is the root mean square deviation of its neighbourhood from a fitted plane. Printed values for
-    rendered frames are medians over frames. Printed values for real frames are medians over scenes.
+    The noise at a pixel is the root mean square deviation of its neighbourhood from a fitted plane. The printed noise
+    of rendered frames is a median over frames. The printed noise of real frames is a median over scenes.
     """
     print("\n| frames | " + " | ".join(f"{low}-{high}" for low, high in pairwise(CHANGES_PX)) + " |")
     print("|---" * len(CHANGES_PX) + "|")
@@ -111,8 +111,8 @@ def print_slant(rendered: dict[str, list[Sample]], folders: list[Path]) -> None:
 def noise_by_slant(frame: sp.Frame) -> list[float]:
     """Return the median depth noise, in pixels of disparity, for each range of disparity gradient.
 
-    Only pixels at a depth of 0.4 to 2.5 m are used. In the 7x7 pixels around such a pixel, no depth may be missing. The
-    noise is NaN for ranges with fewer than 400 such pixels, and for frames without intrinsics.
+    Only pixels at a depth of 0.4 to 2.5 m are used. A pixel is not used if depth is missing in the 7x7 pixels around
+    it. The noise is NaN for ranges with fewer than 400 used pixels, and for frames without intrinsics.
     """
     planes = fit_local_planes(frame.depth)
     focal_px = frame.camera.fx if frame.camera else float("nan")
@@ -124,8 +124,8 @@ def noise_by_slant(frame: sp.Frame) -> list[float]:
 
 
 def print_recall(family: str, samples: list[Sample]) -> None:
-    """Print two shares of the objects: those of which a segment covers more than 70 %, and those with a segment of IoU
-    above 0.7.
+    """Print two shares of the objects: objects of which a segment covers more than 70 %, and objects that have an IoU
+    above 0.7 with a segment.
 
     Each row of the printed table is for one kind of object (family `table`) or for one scene (other families).
     """

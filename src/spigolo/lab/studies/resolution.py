@@ -1,7 +1,7 @@
 """Compare scores at half and full resolution: `python -m spigolo.lab.studies.resolution FOLDER --reference FRAME`.
 
-For each frame of the data set, the script prints overlap F, number of found objects and CPU time at both resolutions.
-CPU times are divided by the CPU time of the 640x480 frame in the folder given by `--reference`.
+For each frame of the data set, the script prints overlap F, number of found objects and CPU time at half and full
+resolution. CPU times are divided by the CPU time of the 640x480 frame in the folder given by `--reference`.
 """
 
 from __future__ import annotations

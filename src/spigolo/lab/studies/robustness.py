@@ -1,11 +1,11 @@
 """Measure the accuracy of presets on real frames with simulated changes of camera and lighting.
 
-`python -m spigolo.lab.studies.robustness` prints the overlap F on the data set hand-uoc. It also prints the share of
-found objects on hand-uoc and on five other data sets. With `--shelves 24`, the script instead compares presets on 24
-rendered shelves, without simulated changes. In a frame of a rendered shelf, two thirds of the pixels have missing
-depth. The rules of the presets were developed on rendered shelves with the seeds 413 and 977. Frames are read from the
-subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data folder (default:
-../shared/data).
+`python -m spigolo.lab.studies.robustness` prints the overlap F on the data set hand-uoc. The script also prints the
+share of found objects on the data set hand-uoc and on five other data sets. With `--shelves 24`, the script instead
+compares presets on 24 rendered shelves, without simulated changes. In a frame of a rendered shelf, two thirds of the
+pixels have missing depth. The rules of the presets were developed on rendered shelves with the seeds 413 and 977.
+Frames are read from the subfolder `frames` of the data folder. The environment variable SPIGOLO_DATA sets the data
+folder (default: ../shared/data).
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@ FRAMES`.
 
 The overhead of the Dask scheduler is measured with jobs that do nothing, in groups of 1 to 1000 jobs. The time for
 writing results is measured with results that were computed in advance. The scheduler and the writer of the results run
-in the same process, as with `--scheduler local`.
+in the same process, as in a batch run with `--scheduler local`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from spigolo.errors import FileError
 from spigolo.lab.machine import this_machine
 
 JOBS = {1: 2_000, 10: 20_000, 100: 200_000, 1000: 1_000_000}
-"""Number of empty jobs, indexed by the number of jobs per group."""
+"""Number of empty jobs in a measurement, indexed by the number of jobs per group."""
 FRAMES = 10_000_000
 CORES = 16
 """Number of processor cores per machine that the extrapolated table assumes."""
@@ -38,7 +38,7 @@ DISK_MB_PER_S = 500
 
 @dataclass(frozen=True, slots=True)
 class Overhead:
-    """Measured scheduling time of empty jobs, sent to the workers in groups."""
+    """Measured scheduling time of empty jobs, which are sent to the workers in groups."""
 
     group: int
     """Number of jobs in each group that is sent to a worker."""
@@ -74,14 +74,14 @@ class Frames:
 
 
 def tiny(job: int) -> int:
-    """Return `job` unchanged. This empty job is used to measure the overhead of the scheduler."""
+    """Return `job` unchanged. This function is the empty job that measures the overhead of the scheduler."""
     return job
 
 
 def overhead(group: int, jobs: int, workers: int) -> Overhead:
     """Run empty jobs on a Dask cluster, and return the scheduling time.
 
-    Additional jobs before the measurement warm up the scheduler.
+    Additional empty jobs run before the measurement, to warm up the scheduler.
     """
     warm, start, done = jobs // 10, 0.0, 0
     for done, (job, answer) in enumerate(dask_local(workers, group)(tiny, range(jobs + warm)), start=1):
@@ -122,7 +122,7 @@ def measure(jobs: list[FrameFiles], workers: Iterable[int]) -> Frames:
 def rate(jobs: list[FrameFiles], engine: Engine) -> float:
     """Measure the throughput of a batch run in frames per second.
 
-    The first fifth of the frames is not timed, because the worker processes start during this time.
+    The first fifth of the frames is not timed, because the worker processes start while these frames are segmented.
     """
     times: list[float] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -132,7 +132,7 @@ def rate(jobs: list[FrameFiles], engine: Engine) -> float:
 
 
 def ready(jobs: list[FrameFiles]) -> Engine:
-    """Segment all frames in advance. Return an engine that returns these results without computing them again."""
+    """Segment all frames in advance. Return an engine that returns the stored results without computing them again."""
     work = Work(sp.OBJECTS)
     answers = {job.name: work(job) for job in jobs}
 
@@ -143,8 +143,8 @@ def ready(jobs: list[FrameFiles]) -> Engine:
 
 
 def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
-    """Yield the rows of the extrapolated table. A row gives the throughput, the total time and the limiting component
-    for one number of machines.
+    """Yield the rows of the extrapolated table. A row of the extrapolated table gives the throughput, the total time
+    and the limiting component for one number of machines.
     """
     frame_s = core_s(frames)
     group = max(int(TASK_S / frame_s), 1)  # same group size as in `dask_local`

@@ -1,4 +1,6 @@
-"""Compare the times to score and to segment a frame: `python -m spigolo.lab.studies.scoring FRAMES --presets TABLE`.
+"""Compare the time to score a frame with the time to segment it.
+
+Run `python -m spigolo.lab.studies.scoring FRAMES --presets TABLE`.
 
 Times are CPU times with one thread. Each frame is segmented and scored several times. The first repetition is a warm-up
 that is not timed.

@@ -3,8 +3,8 @@
 A thousand different scenes are segmented twenty times each. Consecutive scenes are segmented with different presets.
 The exit code is 1 if memory use varies by more than 5 MiB during the last three quarters of the frames. The exit code
 is also 1 if the last thousand frames take more than 5 % longer than the first thousand. The exit code is also 1 if two
-results for the same scene differ. Every 50th result must be equal to the result of a new `Segmenter`. Otherwise, the
-exit code is also 1. The test requires Linux, because memory is read from /proc.
+results for the same scene differ. The exit code is also 1 if a result differs from the result of `spigolo.segment`,
+which is tested for every 50th frame. The test requires Linux, because memory is read from /proc.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MIB = 2**20
 SCENES = 1000
 """Number of different scenes.
 
-The last thousand frames show the same scenes as the first thousand, so that their times are comparable.
+The last thousand frames show the same scenes as the first thousand frames, so that their CPU times are comparable.
 """
 SETTLED = 0.25
 """Share of the frames that count as warm-up, 0..1. After the warm-up, memory use may vary by at most `MAY_GROW_MIB`."""
@@ -35,10 +35,10 @@ MAY_GROW_MIB = 5.0
 MAY_SLOW = 1.05
 """Maximum CPU time of the last thousand frames, divided by the CPU time of the first thousand frames.
 
-The limit is above 1, because CPU times vary by a few per cent on a busy machine.
+The maximum ratio is above 1, because CPU times vary by a few per cent on a busy machine.
 """
 EVERY = 50
-"""Step between frames whose result is compared with the result of `spigolo.segment` (50 = every 50th frame)."""
+"""Step between the frames whose results are compared with the result of `spigolo.segment` (50 = every 50th frame)."""
 WIDTHS_PX = 96, 200
 
 
@@ -48,14 +48,15 @@ class Soak:
 
     frames: int
     other_answers: int
-    """Number of results that differ from `spigolo.segment`, or from an earlier result for the same scene."""
+    """Number of results that differ from the result of `spigolo.segment`, or from an earlier result for the same scene.
+    """
     settled_mib: float
     """Resident memory of the process after the first quarter of the frames, MiB."""
     range_mib: float
     """Difference between maximum and minimum resident memory after the first quarter of the frames, MiB."""
     slower: float
-    """CPU time of a scene in the last thousand frames divided by its CPU time in the first thousand frames. Median over
-    all scenes.
+    """CPU time of a scene in the last thousand frames divided by its CPU time in the first thousand frames. The value
+    is a median over all scenes.
     """
     first_ms: float
     """Median CPU time per frame in the first thousand frames, in milliseconds."""
@@ -74,7 +75,7 @@ class Scenes:
         self.seen = sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json")
 
     def __call__(self, number: int) -> sp.Frame:
-        """Create the frame with index `number`. The same number always gives the same frame."""
+        """Create the frame with index `number`. The same `number` always gives the same frame."""
         rng = np.random.default_rng(number)
         height, width = self.seen.depth.shape
         share = rng.uniform(0.6, 1)

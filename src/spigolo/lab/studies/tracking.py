@@ -1,7 +1,8 @@
 """Count identity switches of tracked objects in rendered sequences: `python -m spigolo.lab.studies.tracking`.
 
-In each scene of the family `table`, a simulated hand-held camera moves around the table. It moves by 0.7 degrees per
-frame, at 30 frames per second. To simulate 10 or 5 frames per second, only every third or every sixth frame is used.
+In each scene of the family `table`, a simulated hand-held camera moves around the table. The camera moves by 0.7
+degrees per frame, at 30 frames per second. To simulate 10 or 5 frames per second, only every third or every sixth frame
+is used.
 
 A ground-truth object is found in a frame if a predicted mask has an IoU of at least 0.5 with the object. An identity
 switch occurs if the id of an object has changed since the last frame in which the object was found. The share of
@@ -31,7 +32,7 @@ FOUND_IOU = 0.5
 TURN_DEG = 0.7
 """Rotation of the camera around the table per frame, in degrees."""
 SWEEP_DEG = 12.0
-"""Maximum rotation of the camera to each side, in degrees. At the maximum, the camera reverses its direction."""
+"""Maximum rotation of the camera to each side, in degrees. At the maximum, the camera starts to move back."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Rendered scenes of shelves: a few products in a bin, seen from the front in low light."""
+"""Rendered scenes of shelves: a few products in a shelf bin, seen from the front in low light."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PRODUCTS = (
     "soda_can_3",
 )  # fmt: skip
 VIEWS = {"view_1": (0.0, 14.0), "view_2": (-16.0, 8.0), "view_3": (17.0, 26.0)}
-"""For each view: yaw of the camera to the side and pitch of the camera downwards, in degrees."""
+"""Yaw of the camera to the side and pitch of the camera downwards, in degrees, indexed by the name of the view."""
 _WALL_M, _BOARD_M = 0.006, 0.02
 _LIPS_M = 0.035, 0.05
 """Minimum and maximum height of the lip (vertical strip at the front edge) of a shelf board, in metres."""
@@ -38,7 +38,7 @@ _LIPS_M = 0.035, 0.05
 def shelf_stage(name: str, rng: Rng) -> Stage:
     """Create a scene with one to three products in the middle bin of a shelf with 3 x 3 bins.
 
-    The edges of the bin hide no part of a product. Products are sorted by their distance from the camera, nearest
+    No product is partly hidden by the edges of the bin. Products are sorted by their distance from the camera, nearest
     first.
     """
     width_m, tall_m, deep_m = rng.uniform(0.25, 0.3), rng.uniform(0.21, 0.26), rng.uniform(0.38, 0.43)
@@ -67,7 +67,9 @@ def shelf_stage(name: str, rng: Rng) -> Stage:
 
 
 def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m: float, rng: Rng) -> SceneObject | None:
-    """Place a product in a bin: standing, lying or leaning against a wall. Return None if no free position is found."""
+    """Place a product in a shelf bin: standing, lying or leaning against a wall. Return None if no free position is
+    found.
+    """
     if product.name.startswith(("book", "pouch")) and rng.uniform() < 0.6:
         side = int(rng.choice([-1, 1]))
         leaning = settled(product, Rest(side * rng.uniform(8, 20), 90.0), 0.0, 0.0, (0.0, 0.0))
@@ -87,7 +89,7 @@ def _placed(product: Product, plot: Plot, width_m: float, deep_m: float, room_m:
 
 
 def _in_sight(thing: SceneObject, view: View, width_m: float, tall_m: float) -> bool:
-    """Return True if the whole object is visible through the front opening of its bin."""
+    """Return True if the whole object is visible through the front opening of its shelf bin."""
     rays = world_points(thing) - view.position_m
     x, _, z = (view.position_m + rays * (-view.position_m[1] / rays[:, 1])[:, None]).T
     low_m, high_m = _lip_middle_m(0.0) + _LIPS_M[1] / 2, _lip_middle_m(tall_m + _BOARD_M) - _LIPS_M[1] / 2

@@ -161,7 +161,9 @@ def _ball_parts() -> tuple[Part, ...]:
 
 
 def _flashlight_parts() -> tuple[Part, ...]:
-    """Create a cylindrical flashlight, 15 cm long. Its axis is the z axis, and its rear end is at z = 0."""
+    """Create a cylindrical flashlight, 15 cm long. The axis of the flashlight is the z axis, and its rear end is at z =
+    0.
+    """
     profile = [
         line((0.0, 0.0), (0.0155, 0.0)),
         arc((0.0155, 0.002), 0.002, -90, 0, 5),

@@ -31,7 +31,7 @@ class _Scene:
     view: View
     lighting: Lighting
     exposure: float = 1.0
-    """Factor on the brightness of the colour image, 1 = unchanged."""
+    """Factor by which the brightness of the colour image is multiplied, 1 = unchanged."""
     noise_levels: float = 1.0
     """Standard deviation of the colour noise in grey levels, 0..255."""
 
@@ -39,7 +39,7 @@ class _Scene:
 def empty_scene(family: str, seed: int) -> Frame:
     """Render a frame without objects.
 
-    family: kind of scene, a key of `FAMILIES`. Raises ValueError for an unknown family.
+    family: kind of scene, a key of `FAMILIES`. Raises ValueError for an unknown kind of scene.
     """
     return _render(family, seed, lambda view: None)[0]
 
@@ -49,8 +49,8 @@ def scene_with_a_box(family: str, seed: int) -> tuple[Frame, Mask]:
 
     Return the frame, and the mask (H, W) of the box.
 
-    A method that never finds an object has no false detections in empty scenes. The box reveals such a method, because
-    the method does not find the box.
+    A method that never finds an object has no false detections in empty scenes. The box reveals a method that never
+    finds an object, because the method does not find the box either.
     """
     return _render(family, seed, lambda view: _box(family, seed, view))
 
@@ -133,8 +133,8 @@ def _bin(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create a plastic container with slanted walls, round corners and a flange at the top. Return its outer surface,
-    its inner surface and its floor.
+    """Create a plastic container with slanted walls, round corners and a flange at the top. Return the outer surface,
+    the inner surface and the floor of the container.
     """
     thick, lip_m, deep_m = 0.004, rng.uniform(0.012, 0.03), rng.uniform(0.01, 0.03)
     taper_m = height_m * np.tan(np.radians(rng.uniform(1.5, 5.0)))
@@ -154,7 +154,9 @@ def _moulded(size_m: tuple[float, float], height_m: float, rng: np.random.Genera
 
 
 def _boxed(size_m: tuple[float, float], height_m: float, rng: np.random.Generator) -> tuple[Mesh, Mesh, Mesh]:
-    """Create a carton or crate with vertical walls. Return its outer surface, its inner surface and its floor."""
+    """Create a carton or crate with vertical walls. Return the outer surface, the inner surface and the floor of the
+    container.
+    """
     thick, radius_m = rng.uniform(0.004, 0.018), 0.001
     skirt = [line((thick, 0.0), (thick, height_m)), line((thick, height_m), (0.0, height_m))]
     floor = prism(rounded_rectangle(size_m, radius_m, 2)[0], 0.0005, 0.005)
@@ -190,4 +192,4 @@ def _shelf(rng: np.random.Generator, kind: str) -> _Scene:
 
 
 FAMILIES: Mapping[str, Callable[[np.random.Generator, str], _Scene]] = {"table": _table, "bin": _bin, "shelf": _shelf}
-"""For each kind of scene (family): function that creates a random scene."""
+"""Functions that create a random scene, indexed by the kind of scene (family)."""

@@ -39,8 +39,8 @@ __all__ = [
 FloatArray = npt.NDArray[np.float64]
 
 LEAST_IOU = 0.98
-"""Minimum IoU between the exact mask of an object and the mask rendered from its model and pose. Scenes with a smaller
-IoU are discarded.
+"""Minimum IoU between the exact mask of an object and the mask rendered from its model and pose. A scene is discarded
+if the IoU of an object is below `LEAST_IOU`.
 """
 
 
@@ -51,7 +51,9 @@ class Family:
     stage: Callable[[str, np.random.Generator], Stage]
     """Function that creates a random scene from a scene name and a random number generator."""
     scenes: tuple[str, ...]
-    """Names of the scenes in the family. Consecutive frames show these scenes in turn."""
+    """Names of the scenes in the family. Consecutive frames of a family show consecutive scenes in the order of
+    `scenes`.
+    """
     objects: tuple[str, ...]
     """Names of all objects that may be labelled in the family's scenes."""
     fully_labelled: bool
@@ -79,7 +81,7 @@ def render_family(family: str, number: int, seed: int = 0) -> Sample:
     family
         Kind of scene, a key of `FAMILIES`.
     number
-        Index of the frame, counted from 0. The same family, number and seed always give the same frame.
+        Index of the frame, counted from 0. Equal values of `family`, `number` and `seed` always give the same frame.
     seed
         Random seed of the frames.
 
@@ -88,13 +90,16 @@ def render_family(family: str, number: int, seed: int = 0) -> Sample:
 
 
 def record_family(family: str, number: int, seed: int = 0) -> Recording:
-    """Render the same frame as `render_family`. Return the frame, its ground truth and its noise-free depth map."""
+    """Render the same frame as the function `render_family`. Return the frame, its ground truth and its noise-free
+    depth map.
+    """
     return next(made for made in arrangements(family, number, seed) if is_told_by_poses(family, made.sample))
 
 
 def arrangements(family: str, number: int, seed: int = 0) -> Iterator[Recording]:
-    """Yield an endless sequence of rendered random scenes for one frame. `record_family` returns the first of them for
-    which `is_told_by_poses` returns True.
+    """Yield an endless sequence of rendered random scenes for one frame.
+
+    The function `record_family` returns the first scene for which `is_told_by_poses` returns True.
     """
     chosen = _family(family)
     scene = chosen.scenes[number % len(chosen.scenes)]
@@ -108,7 +113,7 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
     """Return True if at least one object is visible, and all masks rendered from models and poses match the exact
     masks.
 
-    The masks do not match if a surface without measured depth, such as a gripper, hides a part of an object.
+    The masks do not match if a surface without measured depth, such as a robot gripper, hides a part of an object.
     """
     ious = drawn_iou(family, sample, sample.frame.depth)
     return bool(ious.size and ious.min() >= LEAST_IOU)
@@ -117,8 +122,8 @@ def is_told_by_poses(family: str, sample: Sample) -> bool:
 def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: float = TOLERANCE_M) -> FloatArray:
     """Return the IoU (N,) between the exact mask of each object and the mask rendered from its model and pose.
 
-    For families with `first_alone`, the mask of the first object is rendered twice: with and without the other objects.
-    The smaller IoU of the two masks is returned.
+    If the family labels only one object per frame (`first_alone`), the mask of the first object is rendered twice: with
+    and without the other objects. For the first object, the smaller IoU of the two rendered masks is returned.
 
     Parameters
     ----------
@@ -127,7 +132,7 @@ def drawn_iou(family: str, sample: Sample, measured: DepthMap, tolerance_m: floa
     sample
         Frame with exact masks and poses.
     measured
-        Depth map (H, W) in metres. It determines which pixels of a model are visible.
+        Depth map (H, W) in metres, which determines the visible pixels of a model.
     tolerance_m
         Maximum distance of a visible model behind the surface in `measured`, metres. Pixels of a model with a larger
         distance count as hidden.

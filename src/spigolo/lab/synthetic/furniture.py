@@ -22,7 +22,7 @@ Place = tuple[float, float, float]
 
 
 def screen(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[Part]:
-    """Create a monitor with a stand. The screen is black or shows a page of text."""
+    """Create a monitor with a stand. The screen of the monitor is black or shows a page of text."""
     wide, tall = rng.uniform(0.4, 0.55), rng.uniform(0.26, 0.34)
     shell = _put(
         joined([_slab((wide, 0.03, tall), 0.12), _slab((0.05, 0.03, 0.14), 0.0), _slab((0.2, 0.15, 0.012), 0.0)]),
@@ -60,8 +60,8 @@ def packing_case(at_m: Place, yaw_deg: float, rng: np.random.Generator) -> list[
 
 
 def poster(at_m: Place, rng: np.random.Generator) -> list[Part]:
-    """Create a flat panel on a wall. The panel shows a packaging front, a page of text, a bookshelf or window blinds.
-    at_m: centre of the panel.
+    """Create a flat panel on a wall. The panel shows the front of a package, a page of text, a bookshelf or window
+    blinds. at_m: centre of the panel.
     """
     wide, tall = rng.uniform(0.3, 0.8), rng.uniform(0.3, 0.9)
     size = round(500 * tall), round(500 * wide)

@@ -28,8 +28,8 @@ class Rest:
     tilt_deg: float = 0.0
     """Angle between the object's z axis and the vertical, in degrees."""
     roll_deg: float | None = None
-    """Rotation about the object's z axis before the tilt, in degrees. None: the object is stable with any such
-    rotation.
+    """Rotation about the object's z axis before the tilt, in degrees. None means that the object is stable at any angle
+    of this rotation.
     """
 
 
@@ -75,14 +75,16 @@ KINDS: Mapping[str, tuple[Make, tuple[Rest, ...]]] = {
     "pouch": (packages.pouch, (Rest(90.0, 90.0),)),
     "glue": (turned.glue_bottle, (Rest(0.0, 0.0), Rest(90.0, 90.0))),
 }
-"""For each kind of object: function that creates the parts of an object, and stable orientations of the object."""
+"""Function that creates the parts of an object, and stable orientations of the object, indexed by the kind of object.
+"""
 FLAT_KINDS = frozenset({"cereal", "Milk", "box", "carton", "book"})
 """Kinds of objects on which other objects can stand. Some kinds of objects must lie down to carry another object."""
 
 
 @cache
 def household(name: str) -> Product:
-    """Create the object `name`. The name is a key of `KINDS`, optionally with a number: soda_can or soda_can_4.
+    """Create the object `name`. The name is a kind of object (a key of `KINDS`), optionally with a number: soda_can or
+    soda_can_4.
 
     The size and the textures of the object depend only on its name. Raises ConfigError for an unknown kind of object.
     """

@@ -1,4 +1,6 @@
-"""Writer of rendered frames in one of three file layouts: one folder per frame, BOP, or layout of a real data set."""
+"""Writer of rendered frames in one of three file layouts: one folder per frame, BOP format, or layout of a real data
+set.
+"""
 
 from __future__ import annotations
 
@@ -37,8 +39,8 @@ def write_family(
 ) -> int:
     """Render frames 0..count-1 of a family of scenes, and write them to a folder.
 
-    Returns the number of frames. Raises ConfigError for an unknown family or layout. Raises FileError if a file cannot
-    be written.
+    Returns the number of written frames. Raises ConfigError for an unknown family or layout. Raises FileError if a file
+    cannot be written.
 
     Parameters
     ----------
@@ -51,9 +53,9 @@ def write_family(
     folder
         Folder to write to.
     layout
-        File layout. "folders" is one folder per frame, read by `Folders`. "bop" is the BOP layout, read by `Bop`.
-        "original" is the layout of the real data set that is similar to the family, read by `Rutgers`, `UwScenes` or
-        `Tejani`.
+        File layout of the written frames. The layout "folders" is one folder per frame, read by `Folders`. The layout
+        "bop" is the BOP format, read by `Bop`. The layout "original" is that of the real data set that is similar to
+        the family of scenes. The layout "original" is read by `Rutgers`, `UwScenes` or `Tejani`.
     tell
         Function that is called after each frame with the number of finished frames.
 
@@ -86,7 +88,7 @@ LAYOUTS = ("folders", "bop", "original")
 def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: str, data_set: str, about: str) -> int:
     """Write frames in the file layout of `Folders`, with object names and poses in info.json.
 
-    Return the number of frames.
+    Return the number of written frames.
     """
     count = 0
     write_json(folder / RENDERED, {"about": about})
@@ -104,7 +106,7 @@ def write_folders(folder: Path, samples: Iterator[tuple[int, Sample]], family: s
 
 
 def _refuse_others(folder: Path, about: str) -> None:
-    """Raise FileError if the folder holds rendered frames of another family, seed or layout."""
+    """Raise FileError if the folder contains rendered frames with another family of scenes, seed or file layout."""
     marker = folder / RENDERED
     there = read_mapping(marker).get("about") if marker.is_file() else about
     if there != about:
@@ -114,7 +116,9 @@ def _refuse_others(folder: Path, about: str) -> None:
 
 
 def _require_extra() -> None:
-    """Check that scipy and trimesh are installed, before rendering starts. Raise SpigoloError if not."""
+    """Check that scipy and trimesh are installed, before rendering starts. Raise SpigoloError if scipy or trimesh is
+    missing.
+    """
     for name in ("scipy", "trimesh"):
         if importlib.util.find_spec(name) is None:
             raise SpigoloError(f'this layout needs {name}, which is not installed: pip install "spigolo[datasets]"')

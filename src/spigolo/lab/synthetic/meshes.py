@@ -68,7 +68,7 @@ def lathe(sections: Sequence[FloatArray], around: int = 96) -> Mesh:
     ----------
     sections
         Smooth sections of the profile. Each section is an array (K, 2) of points (r, z), metres. Edges between sections
-        are sharp. Seen along the direction of the profile, the solid is on the left.
+        are sharp. Along the profile, from its first to its last point, the solid is on the left.
     around
         Number of facets around the axis.
 
@@ -114,10 +114,11 @@ def tube(path_m: npt.ArrayLike, radius_m: float, around: int = 16) -> Mesh:
 
 
 def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
-    """Create a mesh from flat convex polygons with 3 or 4 corners. Each polygon shows a rectangle of the texture.
+    """Create a mesh from flat convex polygons with 3 or 4 corners. Each polygon is covered with a rectangular part of
+    the texture.
 
-    Corners are in anticlockwise order, seen from outside. The first corner is at the bottom left of the texture
-    rectangle.
+    Corners are in anticlockwise order, seen from outside. The first corner of a polygon is at the bottom left of its
+    texture rectangle.
     """
     parts = []
     for corners, (left, top, right, bottom) in polygons:
@@ -135,8 +136,8 @@ def faceted(polygons: Sequence[tuple[npt.ArrayLike, Rectangle]]) -> Mesh:
 def box(size_m: tuple[float, float, float]) -> Mesh:
     """Create a box that stands on z = 0.
 
-    The texture has three panels from left to right. The first panel covers front and back, the second panel the left
-    and right side, the third panel top and bottom.
+    The texture has three panels from left to right. The first panel covers the front and back of the box. The second
+    panel covers the left and right side, and the third panel covers the top and bottom.
     """
     x, y, z = size_m[0] / 2, size_m[1] / 2, size_m[2]
     front, side, top = panels()
@@ -158,7 +159,7 @@ def rounded_rectangle(
     """Return the points (N, 2) of a rounded rectangle in anticlockwise order, and the outward unit normals (N, 2) at
     these points. The rectangle is centred at the origin.
 
-    If the radius is half the length of the shorter side, the ends are semicircles.
+    If the corner radius is half the length of the shorter side, the ends of the rectangle are semicircles.
     """
     turn = np.radians(np.linspace(0, 90, per_corner) + 90 * np.arange(4)[:, None]).ravel()
     outward = np.column_stack([np.cos(turn), np.sin(turn)])
@@ -190,9 +191,10 @@ def prism(outline_m: FloatArray, low_m: float, high_m: float, texture_m: float |
 
 
 def tub(size_m: tuple[float, float], radius_m: float, sections: Sequence[FloatArray]) -> Mesh:
-    """Create a solid as `lathe` does, but move the profile along a rounded rectangle instead of a circle.
+    """Create a solid by moving a profile along a rounded rectangle. The function `lathe` moves a profile along a
+    circle.
 
-    In the profile (r, z), r is the distance outwards from the rounded rectangle.
+    In the profile with points (r, z), r is the distance outwards from the rounded rectangle.
 
     The texture coordinate u goes from 0 to 1 around the rounded rectangle. The texture coordinate v is the length along
     the profile, divided by the circumference of the rounded rectangle.
@@ -240,7 +242,7 @@ def gable_roof(width_m: float, depth_m: float, base_z_m: float, roof_m: float, f
 def sheet(points_m: FloatArray, uv: FloatArray) -> Mesh:
     """Create a smooth surface through a grid of points (rows, columns, 3).
 
-    Seen from the outside, rows go up and columns go to the right.
+    Seen from outside the surface, rows of the grid go up and columns go to the right.
     """
     normals = np.cross(np.gradient(points_m, axis=1), np.gradient(points_m, axis=0))
     normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
@@ -255,7 +257,7 @@ def moved(mesh: Mesh, rotation: FloatArray, shift_m: npt.ArrayLike = (0.0, 0.0, 
 def panels() -> tuple[Rectangle, Rectangle, Rectangle]:
     """Return the texture rectangles of the three panels of a box.
 
-    A small margin prevents texture filtering from mixing adjacent panels.
+    A small margin around each panel prevents texture filtering from mixing adjacent panels.
     """
     inset = 0.004
     left, middle, right = ((k / 3 + inset, inset, (k + 1) / 3 - inset, 1 - inset) for k in range(3))

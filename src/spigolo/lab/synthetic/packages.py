@@ -133,7 +133,7 @@ def cap(rng: np.random.Generator) -> Parts:
 
 
 def _peak(side_m: float, front_m: float, lift_m: float) -> Mesh:
-    """Create one face of the peak of a cap: the lower face if lift_m is 0, else the upper face.
+    """Create one face of the peak of a baseball cap: the lower face if lift_m is 0, else the upper face.
 
     lift_m: height of the created face above the lower face, in metres.
     """

@@ -39,8 +39,7 @@ def settled(product: Product, rest: Rest, yaw_deg: float, roll_deg: float, spot_
     yaw_deg
         Rotation about the vertical axis, degrees.
     roll_deg
-        Rotation about the object's z axis, in degrees. If `rest.roll_deg` is not None, `rest.roll_deg` replaces this
-        value.
+        Rotation about the object's z axis, in degrees. If `rest.roll_deg` is not None, it replaces `roll_deg`.
     spot_m
         Position (x, y), metres.
 
@@ -59,7 +58,7 @@ def height_m(product: Product, rest: Rest) -> float:
 class Plot:
     """Horizontal area with a convex outline (N, 2) in metres, on which objects are placed.
 
-    allows: function of an object with a position. It returns True if the object may be placed there.
+    allows: function that returns True if an object may be placed at its position.
     """
 
     def __init__(self, outline_m: npt.ArrayLike, allows: Callable[[SceneObject], bool] = lambda thing: True) -> None:
@@ -73,7 +72,7 @@ class Plot:
 
     def take(self, thing: SceneObject) -> bool:
         """Place an object at its given position. Return False if the position is occupied, outside the area or not
-        allowed.
+        allowed by `allows`.
         """
         footprint = _footprint(thing)
         if not (self._is_free(footprint) and self.allows(thing)):
@@ -102,7 +101,7 @@ class Plot:
         rng
             Random number generator.
         touching
-            True to move the product until it touches the nearest object.
+            True to move the placed product until it touches the nearest object.
 
         """
         for _ in range(_TRIES):
@@ -141,7 +140,7 @@ class Plot:
         return _within(footprint, self.outline) and all(_apart(footprint, other) for _, other in self.taken)
 
     def _pushed(self, thing: SceneObject) -> SceneObject:
-        """Move an object towards the nearest other object until both objects touch."""
+        """Move an object towards the nearest other object until the two objects touch."""
         if not self.taken:
             return thing
         footprint = _footprint(thing)

@@ -31,8 +31,8 @@ _GOODS = ("original", "extra fine", "family size", "no. 64", "classic", "fresh",
 
 
 def palette(rng: np.random.Generator, dark: float = 0.35) -> Palette:
-    """Return random matching colours. dark: number from 0 to 1. The probability of a dark background is 75 % for dark =
-    1, and 0 % for dark = 0.
+    """Return random colours that go well together. dark: number from 0 to 1. The probability of a dark background is 75
+    % for dark = 1, and 0 % for dark = 0.
     """
     hue = _HUES[int(rng.integers(len(_HUES)))] + rng.normal(0, 0.015)
     kind = rng.uniform()
@@ -91,7 +91,7 @@ def carton(size_m: tuple[float, float, float], rng: np.random.Generator, colours
 
 
 def wrap(rng: np.random.Generator, colours: Palette | None = None) -> Image:
-    """Draw the wrap of a can, cup or bottle. The same front is drawn on two opposite sides."""
+    """Draw the wrap of a can, cup or bottle. The same front is drawn on two opposite sides of the wrap."""
     colours = colours or palette(rng)
     front = cover((640, 512), colours, rng)
     front[:24] = front[-24:] = colours[1]

@@ -18,8 +18,8 @@ __all__ = ["BANDS_M", "Realism", "quartiles", "realism"]
 BANDS_M = (0.4, 0.6, 0.8, 1.1, 1.6)
 """Limits between the depth ranges for which noise is measured, metres."""
 WIDTH_PX = 640
-"""Width to which images are resized before image edges are counted, in pixels. Without resizing, larger images would
-have a smaller share of pixels on edges.
+"""Width to which images are resized before pixels on image edges are counted, in pixels. Without resizing, larger
+images would have a smaller share of pixels on edges.
 """
 CANNY = (60.0, 150.0)
 """Thresholds of `cv2.Canny` on 8-bit grey images."""
@@ -40,13 +40,21 @@ class Realism:
     brightness: float
     """Median grey level of the colour image, 0..255."""
     noise_04: float
-    """Depth noise at a depth of 0.4 to 0.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
+    """Depth noise at a depth of 0.4 to 0.6 m, in mm. The value is NaN if fewer than `LEAST_WINDOWS` pixels are in this
+    depth range.
+    """
     noise_06: float
-    """Depth noise at a depth of 0.6 to 0.8 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
+    """Depth noise at a depth of 0.6 to 0.8 m, in mm. The value is NaN if fewer than `LEAST_WINDOWS` pixels are in this
+    depth range.
+    """
     noise_08: float
-    """Depth noise at a depth of 0.8 to 1.1 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
+    """Depth noise at a depth of 0.8 to 1.1 m, in mm. The value is NaN if fewer than `LEAST_WINDOWS` pixels are in this
+    depth range.
+    """
     noise_11: float
-    """Depth noise at a depth of 1.1 to 1.6 m, in mm. NaN if fewer than `LEAST_WINDOWS` pixels have such a depth."""
+    """Depth noise at a depth of 1.1 to 1.6 m, in mm. The value is NaN if fewer than `LEAST_WINDOWS` pixels are in this
+    depth range.
+    """
 
 
 def realism(frame: Frame) -> Realism:
@@ -62,8 +70,8 @@ def _noise_mm(depth: npt.NDArray[np.float32]) -> list[float]:
     """Return the depth noise in each depth range in millimetres: the median deviation of pixels from a locally fitted
     plane.
 
-    Planes are fitted to inverse depth. Residuals of inverse depth are multiplied by the squared depth to get residuals
-    of depth.
+    Planes are fitted to inverse depth. Residuals of inverse depth are multiplied by the squared depth, which gives
+    residuals of depth.
     """
     planes = fit_local_planes(depth)
     residual_mm = 1000 * planes.residual[planes.whole] * depth[planes.whole].astype(np.float64) ** 2

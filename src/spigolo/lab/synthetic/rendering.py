@@ -30,7 +30,9 @@ _LIGHT_DISTANCE_M = 1.9
 
 @dataclass(frozen=True)
 class Lighting:
-    """Lighting of a scene: a disc-shaped lamp, and diffuse light from a hemisphere (sky), both directed at `aim_m`."""
+    """Lighting of a scene: a disc-shaped lamp, and diffuse light from a hemisphere (sky). Both lights are directed at
+    the point `aim_m`.
+    """
 
     aim_m: tuple[float, float, float]
     """Point (x, y, z) at which all lights are directed, metres."""
@@ -81,8 +83,8 @@ def render_geoms(model: Any) -> npt.NDArray[np.int32]:
 def render_light(model: Any, lighting: Lighting) -> FloatArray:
     """Render the anti-aliased colour image (H, W, 3) in linear RGB, with supersampling.
 
-    Shadows in a single rendering are sharp. Soft shadows are obtained by averaging many renderings with point lights at
-    different positions.
+    Shadows in a single rendering are sharp. Soft shadows result from the average of many renderings with point lights
+    at different positions.
     """
     height, width = _size(model)
     shape = (height, SUPERSAMPLING, width, SUPERSAMPLING, 3)
@@ -100,7 +102,7 @@ class Rendering:
     light: FloatArray
     """Colour image (H, W, 3), linear RGB."""
     lamp_light: FloatArray
-    """Colour image (H, W, 3) of the scene in the light of `lamp`, the argument of `render_all`. Linear RGB."""
+    """Colour image (H, W, 3) of the scene in the lighting `lamp`, which is an argument of `render_all`. Linear RGB."""
     depth_m: FloatMap
     """Depth map (H, W), metres."""
     geoms: npt.NDArray[np.int32]
@@ -110,7 +112,7 @@ class Rendering:
 def render_all(model: Any, lighting: Lighting, lamp: Lighting) -> Rendering:
     """Render the depth map, the geom number of each pixel, and two colour images, one for each lighting.
 
-    The images are rendered without supersampling, as in `render_quickly`.
+    The images are rendered without supersampling, as by the function `render_quickly`.
     """
     with _renderer(model, samples=0) as renderer:
         light, lamp_light = (_quick_light(renderer, model, one) for one in (lighting, lamp))
@@ -123,8 +125,8 @@ def render_quickly(model: Any, lighting: Lighting) -> tuple[FloatArray, FloatMap
     """Render the colour image and the depth map ten times faster than `render_light` and `render_depth`, without
     supersampling.
 
-    The colour image is the sum of one image per point light. For anti-aliasing, each of these images is shifted by a
-    different fraction of a pixel.
+    The colour image is the sum of one image per point light. For anti-aliasing, the image of each point light is
+    shifted by a different fraction of a pixel.
     """
     with _renderer(model, samples=0) as renderer:
         return _quick_light(renderer, model, lighting), _depth(renderer, _at_rest(model))
@@ -171,7 +173,7 @@ def _geoms(renderer: Any, data: Any) -> npt.NDArray[np.int32]:
 
 
 def _lit(renderer: Any, model: Any, lighting: Lighting) -> Iterator[FloatArray]:
-    """Update the scene for each point light in turn, and yield the brightness of the light."""
+    """Light the scene with one point light after the other, and yield the brightness of each point light."""
     aim_m = np.array(lighting.aim_m)
     for position_m, colour in lighting.points():
         model.light_pos[0] = position_m

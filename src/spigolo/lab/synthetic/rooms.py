@@ -98,8 +98,8 @@ def _lighting(
     sky: float,
     sky_tilt_deg: float,
 ) -> Lighting:
-    """Create a lamp of random warm or cold colour, and diffuse light. If the lamp is warm, the diffuse light is cold,
-    and vice versa.
+    """Create a lamp of random warm or cold colour, and diffuse light. If the lamp has a warm colour, the diffuse light
+    has a cold colour, and vice versa.
     """
     warmth = rng.uniform(-0.06, 0.12)
     tint = np.array([1 + warmth, 1.0, 1 - 1.2 * warmth])

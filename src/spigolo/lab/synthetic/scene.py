@@ -127,7 +127,7 @@ def compile_scene(title: str, bodies: Mapping[str, SceneObject], view: View, sha
     bodies
         Objects, indexed by the name of their body in the model.
     view
-        View of the camera in the model.
+        Position, direction and intrinsics of the camera in the model.
     shadow_px
         Width and height of the shadow map, pixels.
 

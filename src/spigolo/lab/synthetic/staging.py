@@ -26,7 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 LEAST_VISIBLE_PX = 150
 """Minimum number of visible pixels of a labelled object.
 
-Objects with fewer visible pixels than this are labelled as background.
+Objects with fewer than `LEAST_VISIBLE_PX` visible pixels are labelled as background.
 """
 _SHADOW_PX = 1024
 _WINDOW_PX = 2.0
@@ -35,7 +35,7 @@ _VEIL, _HALO, _DARKER_CORNERS, _COLOUR_PX = 0.05, 0.06, 0.3, 1.6
 
 @dataclass(frozen=True)
 class Stage:
-    """Scene with camera settings."""
+    """Scene to record: objects, background, lighting, and settings of the simulated camera."""
 
     objects: tuple[SceneObject, ...]
     """Objects that are labelled 1..N."""
@@ -48,22 +48,24 @@ class Stage:
     bystanders: tuple[SceneObject, ...] = ()
     """Additional objects that are not labelled."""
     grey: float = 110.0
-    """Median grey level of the colour image, 0..255. The exposure of the simulated camera is adjusted to this value."""
+    """Median grey level of the colour image, 0..255. The exposure of the simulated camera is adjusted so that the image
+    has about this median grey level.
+    """
     noise_levels: float = 1.5
     """Standard deviation of the colour noise, in grey levels 0..255."""
     blur_px: float = 0.6
     """Standard deviation of the blur of the colour image, in pixels."""
     sharpening: float = 0.5
-    """Strength of the image sharpening, 0 = none."""
+    """Strength of the image sharpening, 0 = no sharpening."""
     contrast: float = 1.2
     """Exponent applied to the linear brightness. Larger values increase the contrast."""
     saturation: float = 0.8
-    """Factor on the colour saturation, 1 = unchanged."""
+    """Factor by which the colour saturation is multiplied, 1 = unchanged."""
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Simulated frame with its ground truth (`sample`), and the noise-free depth map (H, W) in metres (`ideal_m`)."""
+    """Simulated frame with its ground truth (`sample`), and the noise-free depth map (`ideal_m`, (H, W), in metres)."""
 
     sample: Sample
     ideal_m: npt.NDArray[np.float32]

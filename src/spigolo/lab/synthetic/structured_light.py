@@ -47,12 +47,12 @@ class StructuredLight:
     steepest_angle_deg: float = 75.0
     """Maximum angle between viewing ray and surface normal at which depth is measured, in degrees."""
     rim_jump_px: float = 1.0
-    """Maximum disparity difference between neighbouring pixels on one surface, in pixels. A larger difference counts as
-    a depth discontinuity.
+    """Maximum disparity difference between neighbouring pixels on one surface, in pixels. A larger difference of
+    disparity counts as a depth discontinuity.
     """
     rim_loss: float = 0.35
-    """Strength of the depth loss at depth discontinuities, 0..1. At 0.5, half of the adjacent pixels have missing
-    depth.
+    """Strength of the depth loss at depth discontinuities, 0..1. With a strength of 0.5, half of the pixels next to a
+    depth discontinuity have missing depth.
     """
     nearest_m: float = 0.40
     """Minimum measurable depth, metres."""
@@ -73,8 +73,8 @@ class StructuredLight:
         Parameters
         ----------
         level
-            Factor on the noise, 1 = typical first Kinect. Real cameras have noise levels from 0.5 to 2. A level below 1
-            also reduces the quantisation step.
+            Factor by which the noise is multiplied, 1 = typical first Kinect. Real cameras have noise levels from 0.5
+            to 2. A noise level below 1 also reduces the quantisation step.
 
         """
         return replace(
@@ -109,8 +109,8 @@ def simulate_structured_light(
     sensor
         Camera parameters, by default similar to the first Kinect.
     gloss
-        Gloss of the surface at each pixel (H, W), 0 = matt, 1 = mirror. Depth of glossy surfaces is measured only
-        if they face the camera.
+        Gloss of the surface at each pixel (H, W), 0 = matt, 1 = mirror. Depth of a glossy surface is measured only if
+        the surface faces the camera.
 
     """
     sensor = sensor or StructuredLight()
@@ -145,8 +145,8 @@ def simulate_structured_light(
 def _noise_level_px(disparity_px: FloatArray, sensor: StructuredLight) -> FloatArray | float:
     """Return the standard deviation of the disparity noise at each pixel (H, W), in pixels.
 
-    Noise is higher on slanted surfaces. The window that the camera matches with the pattern contains different
-    disparities there.
+    Noise is higher on slanted surfaces. On a slanted surface, the image window that the camera matches with the
+    projected pattern contains different disparities.
     """
     if sensor.slant_noise_px == 0:
         return sensor.noise_px
@@ -249,8 +249,8 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
     """Return the difference between adjacent points of a grid (H, W, K) along one axis.
 
     Each point has two differences: to the previous point and to the next point. The function returns the difference
-    with the smaller change of the last coordinate (depth or disparity). This choice avoids differences across a depth
-    discontinuity.
+    with the smaller change of the last coordinate (depth or disparity). The smaller change avoids a difference across a
+    depth discontinuity.
     """
     steps = np.diff(points, axis=axis)
     first, last = np.take(steps, [0], axis=axis), np.take(steps, [-1], axis=axis)
@@ -262,9 +262,9 @@ def _smooth_step(points: FloatArray, axis: int) -> FloatArray:
 def _strayed(
     disparity_px: FloatArray, lost: BoolArray, spread_px: float, rng: np.random.Generator
 ) -> tuple[FloatArray, BoolArray]:
-    """Shift two kinds of outlines by random distances: depth discontinuities, and outlines of areas without depth.
+    """Shift depth discontinuities and the outlines of areas without depth by random distances.
 
-    spread_px: standard deviation of the shift in each direction, in pixels.
+    spread_px: standard deviation of the random shift in each direction, in pixels.
     """
     down, across = (np.rint(spread_px * correlated_noise(lost.shape, 2.0, rng)).astype(np.int64) for _ in range(2))
     rows = np.clip(np.arange(lost.shape[0])[:, None] + down, 0, lost.shape[0] - 1)

@@ -37,7 +37,8 @@ TABLES = {
 """Names of the objects in each scene of the family `table`, as in the data set UW RGB-D Scenes."""
 
 INSTANCES = ("Milk", "Coffee_Cup", "Shampoo", "Camera")
-"""Names of the objects that occur several times in a scene. Each scene of the family `multi` is named after its object.
+"""Names of the objects that occur several times in a scene. Each scene of the family `multi` has the name of the object
+that it repeats.
 """
 CLUTTER = (
     "box_1",
@@ -54,15 +55,15 @@ CLUTTER = (
 _CLEAR_M = TOLERANCE_M + 0.001
 """Minimum distance between labelled and unlabelled objects, in metres.
 
-A model up to `TOLERANCE_M` behind another surface counts as visible. Masks rendered from models are therefore wrong if
-objects are closer than this tolerance.
+An object model up to `TOLERANCE_M` behind another surface counts as visible. Masks rendered from models are therefore
+wrong if objects are closer to each other than `TOLERANCE_M`.
 """
 
 
 def table_stage(scene: str, rng: Rng) -> Stage:
     """Create a scene of the family `table`: the objects in `TABLES[scene]` on a table in a room.
 
-    With a probability of 50 %, flat objects lie on the table, and another object stands on one of them.
+    With a probability of 50 %, flat objects lie on the table, and another object stands on one of these flat objects.
     """
     size_m = rng.uniform(1.2, 1.8), rng.uniform(0.7, 0.9)
     top, parts, wall_y_m = _table(size_m, rng)
@@ -165,13 +166,14 @@ def _strewn(
     products
         Household objects to place.
     plot
-        Area of the table top, with the objects already on it.
+        Area of the table top, with the objects already placed on it.
     middle_m, spread_m
         Mean and standard deviation of the random positions (x, y), in metres.
     rng
         Random number generator.
     lying
-        Probability that an object is not in its most likely orientation, for example that it lies and does not stand.
+        Probability that an object is not in its most likely orientation, for example that a can lies instead of
+        standing.
     touching
         Probability that an object touches another object.
     flat
@@ -192,8 +194,8 @@ def _strewn(
 
 
 def _piled(things: list[SceneObject], onto: list[SceneObject], plot: Plot, rng: Rng) -> list[SceneObject]:
-    """Move one of the objects onto a flat object, if it fits there. onto: objects among which the flat object is
-    chosen.
+    """Move one of the objects onto a flat object, if it fits on the flat object. onto: objects among which the flat
+    object is chosen.
     """
     flat = [thing for thing in onto if kind_of(thing.name) in FLAT_KINDS]
     for below in rng.permutation(len(flat)):
@@ -210,8 +212,8 @@ def _rests(product: Product, lying: float, rng: Rng) -> tuple[Rest, ...]:
 
 
 def _desk_things(plot: Plot, size_m: tuple[float, float], rng: Rng) -> list[Part]:
-    """Create sheets of paper on the table. If there is room at the back of the table, usually create a monitor, a
-    keyboard or a carton there.
+    """Create sheets of paper on the table. If the back of the table is free, usually create a monitor, a keyboard or a
+    carton at the back.
     """
     parts = _paper(size_m, rng)
     back_m = size_m[1] / 2 - 0.12

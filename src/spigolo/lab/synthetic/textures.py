@@ -46,7 +46,7 @@ def smooth_noise(size: tuple[int, int], cells: tuple[int, int], rng: np.random.G
     size
         Height and width of the returned noise in pixels.
     cells
-        Numbers of rows and columns of cells in a grid of random values. The noise is interpolated in this grid, so more
+        Numbers of rows and columns of cells in a grid of random values. The noise is interpolated in the grid, so more
         cells give finer noise.
     rng
         Random number generator.

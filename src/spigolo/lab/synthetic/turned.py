@@ -93,7 +93,7 @@ def coffee_cup(rng: np.random.Generator) -> Parts:
 
 
 def flashlight(rng: np.random.Generator) -> Parts:
-    """Create a flashlight, 17 cm long, whose head is wider than its barrel. The rear end is at z = 0."""
+    """Create a flashlight, 17 cm long, whose head is wider than its barrel. Its rear end is at z = 0."""
     long, r, head = 0.17, 0.014, 0.021
     profile = [
         line((0.0, 0.0), (r - 0.002, 0.0)),
@@ -112,7 +112,9 @@ def flashlight(rng: np.random.Generator) -> Parts:
 
 FLASHLIGHT_TILT_DEG = 90 - float(np.degrees(np.arcsin((0.021 - 0.014) / (0.85 * 0.17))))
 CUP_TILT_DEG = 90 - float(np.degrees(np.arcsin((0.0445 - 0.029) / 0.108)))
-"""Angle between the axis of a lying cup and the vertical, in degrees. The cup lies on its lid and its foot."""
+"""Angle between the axis of a lying cup and the vertical, in degrees. A lying cup touches the ground with its lid and
+its foot.
+"""
 
 
 def shampoo(rng: np.random.Generator) -> Parts:

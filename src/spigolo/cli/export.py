@@ -173,7 +173,8 @@ class _Results:
 
         for frame in show.progress(self.source, "segmenting"):
             try:
-                result = self.segmenter(frame, self.roi)
+                with show.warnings_of(frame.name):
+                    result = self.segmenter(frame, self.roi)
             except SpigoloError as error:
                 self.failed += 1
                 _print_error(frame.name, error)

@@ -132,7 +132,8 @@ def _segmented(frame: Frame, run: Segmenter, wanted: Roi | None, check: bool, ou
     from spigolo.cli import show
 
     _check(frame, frame.name, check)
-    result = run(frame, wanted)
+    with show.warnings_of(frame.name):
+        result = run(frame, wanted)
     show.write_result(result, frame, out)
     return result
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -52,6 +54,18 @@ def write_array(path: Path, array: npt.NDArray[np.generic]) -> None:
     io.write_bytes(path, buffer.getvalue())
 
 
+@contextmanager
+def warnings_of(name: str) -> Iterator[None]:
+    """Put the name of a frame before each warning that is issued inside the `with` block. Equal warnings of a frame are
+    printed once.
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", append=True)  # filters that ignore a warning keep their effect
+        yield
+    for message in dict.fromkeys(str(warning.message) for warning in caught):
+        print(f"spigolo: warning: {name}: {message}", file=sys.stderr)
+
+
 def print_result(result: Segmentation, out: Path) -> None:
     """Print one line for each object, the rejected regions with reasons, and the names of the written files."""
     table = Table("object", "score", "pixels", "centroid x, y, z (m)", "size (m)", "missing depth", box=None)
@@ -67,7 +81,8 @@ def print_result(result: Segmentation, out: Path) -> None:
     for region in sorted(result.rejected, key=lambda r: -r.area_px)[:MOST_REJECTED]:
         print(f"  rejected {region.area_px} px at {region.box_px}: {region.why}")
     if len(result.rejected) > MOST_REJECTED:
-        print(f"  and {len(result.rejected) - MOST_REJECTED} smaller regions: {out / 'objects.json'} lists all of them")
+        more = counted(len(result.rejected) - MOST_REJECTED, "smaller region")
+        print(f"  and {more}: {out / 'objects.json'} lists all of them")
     if result.left_out:
         print(f"left out, because no intrinsics were given: {', '.join(result.left_out)}")
         print("far more objects are found with an estimated field of view: --camera 60deg")

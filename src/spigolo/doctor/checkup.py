@@ -94,9 +94,9 @@ def advise_cost(filled: DepthMap) -> Finding:
     left_out = f"; {elsewhere:.0%} in holes that reach the image border is not counted" if elsewhere > BORDER else ""
     if inside <= auto.max_missing:
         why = f"{where}, and up to {auto.max_missing:.0%} counts as full depth"
-        return fine(COST, f"second cost function (depth and boundaries): {why}{left_out}")
+        return fine(COST, f"cost.kind = auto chooses the second cost function (depth and boundaries): {why}{left_out}")
     why = f"{where}, and more than {auto.max_missing:.0%} counts as large shadows"
-    return fine(COST, f"first cost function (colour, depth and saliency): {why}{left_out}")
+    return fine(COST, f"cost.kind = auto chooses the first cost function (colour, depth and saliency): {why}{left_out}")
 
 
 def _is_installed(name: str) -> bool:

@@ -47,11 +47,6 @@ class Diagnosis:
         """Return the findings of the checks that were not possible with this frame."""
         return tuple(f for f in self.findings if not f.judged)
 
-    @property
-    def advice(self) -> str:
-        """Return the advice on the cost function that fits the frame, with the reason."""
-        return next((f.sentence for f in self.findings if f.check == COST), "")
-
 
 COST, INTRINSICS = "cost function", "intrinsics"
 

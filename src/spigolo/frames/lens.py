@@ -61,8 +61,9 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
         raise CameraError(f"{wanted}: {MEND}. With this model, coefficients of 0 do not mean a pinhole camera")
     if name == INVERSE:
         raise CameraError(
-            f"{wanted}: {MEND}. OpenCV cannot undistort this model. Without the coefficients, the error is up to"
-            f" {inverse_error_px(coefficients, camera):.1f} px in the corners"
+            f"{wanted}: {MEND}. OpenCV cannot undistort this model. Without the coefficients, if you give"
+            f" only fx, fy, cx and cy, the error is up to {inverse_error_px(coefficients, camera):.1f} px in the"
+            " corners"
         )
     if coefficients or certain:
         raise CameraError(f"{wanted}: {MEND}")

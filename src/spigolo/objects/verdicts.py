@@ -121,7 +121,8 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     if facts.hides is not None and facts.hides < least:
         leans = f" for a surface tilted by {lean_deg:.0f} deg" if slant > 0 else ""
         share, limit = _percent(facts.hides, least)
-        return f"depth increases by a step along {share} of the region's outline (minimum {limit}{leans})"
+        enough = f"minimum {limit}" if least <= 1 else "no share is enough"
+        return f"depth increases by a step along {share} of the region's outline ({enough}{leans})"
     length, width = facts.size_m or (0.0, 0.0)
     if cut > 0 and rule.max_cut_ratio is not None and length > rule.max_cut_ratio * width:
         ratio = length / max(width, 1e-9)

@@ -65,12 +65,6 @@ class Values:
             self.on["partition.gamma_shadows"] = value == "auto"
         return before != (self.of.get(key), self.on.get(key))
 
-    def switch(self, key: str, on: bool) -> bool:
-        """Switch an optional parameter or stage on or off. Return True if its state changes."""
-        changed = self.on[key] != on
-        self.on[key] = on
-        return changed
-
     def shown(self, key: str) -> Any:
         """Return the value of a control, or None for a rule that is switched off."""
         return self.of[key] if self.on.get(key, True) else None

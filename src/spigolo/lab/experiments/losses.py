@@ -6,8 +6,6 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from spigolo.lab.datasets import Entry
 from spigolo.lab.evaluation.causes import Cause, Fate, find_fates
 from spigolo.lab.page import Table, cells
@@ -72,8 +70,3 @@ def lost_objects(losses: Sequence[Loss]) -> Table:
         (f"{x.data_set}/{x.frame}", str(x.fate.label), x.fate.cause.value, f"{x.fate.iou:.2f}", x.why) for x in lost
     ]
     return Table(("frame", "object", "cause", "IoU", "reason for rejection"), cells(rows), names=5)
-
-
-def share_found(losses: Sequence[Loss]) -> float:
-    """Return the share of labelled objects that were found."""
-    return float(np.mean([loss.fate.cause is Cause.FOUND for loss in losses])) if losses else 0.0

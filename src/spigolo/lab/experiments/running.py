@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import time
+import warnings
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Sequence
 from contextlib import closing
@@ -74,7 +75,9 @@ class Worker:
         try:
             content = task.frame.content
             frame, truth = task.frame.read_both()
-            run = self._time(method, frame)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UserWarning)  # the scores tell more than the warnings of a frame
+                run = self._time(method, frame)
         except SpigoloError as error:
             truth = _readable_truth(task.frame) if truth is None else truth
             return _row(task.frame, content, method, None, _score_of_nothing(truth), str(error))

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from queue import SimpleQueue
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +26,8 @@ from spigolo.settings.presets import OBJECTS, SHELF, TABLE
 from spigolo.stages.costs import possible_costs
 
 Timed = tuple[Segmentation, float, Workspace]
+END: Any = object()
+"""Mark after the last frame."""
 """Segmentation of a frame, its duration in seconds, and the scratch memory that was used."""
 
 
@@ -88,7 +91,7 @@ class Segmenter:
         def read(pool: ThreadPoolExecutor) -> None:
             try:
                 iterator = iter(frames)
-                while (space := free.get()) is not None and (frame := next(iterator, None)) is not None:
+                while (space := free.get()) is not None and (frame := next(iterator, END)) is not END:
                     results.put(pool.submit(self._segment, frame, roi, space))
             except BaseException as error:  # raised again on the thread of the caller
                 failed: Future[Timed] = Future()

@@ -87,6 +87,8 @@ def run_batch(
         names = [job.name for job in todo]
         done = [e for e in map(manifest.entries.__getitem__, names) if e.error is None]
         shards = read_shards(place(out, "objects", entry.frame, SUFFIXES["objects"]) for entry in done)
+        for other in set(TABLES) - {file}:  # of an earlier run, perhaps with another preset
+            (out / other).unlink(missing_ok=True)
         write(shards, out / file, {"version": __version__, "preset": config.name, "digest": config.digest})
         manifest.sort(names)
     warned = tuple((entry.frame, entry.warnings[0]) for entry in done if entry.warnings)

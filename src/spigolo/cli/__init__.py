@@ -28,13 +28,14 @@ def main() -> None:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # unsupported characters become question marks
     try:
-        code = app(result_action="return_value", exit_on_error=False, print_error=True)
+        code = app(result_action="return_value", exit_on_error=False, print_error=False)
         _flush()
     except SpigoloError as error:
         print(f"spigolo: {error}", file=sys.stderr)
         code = FAILED
-    except cyclopts.CycloptsError:
-        code = FAILED  # the error message is already printed
+    except cyclopts.CycloptsError as error:
+        print(f"spigolo: {' '.join(str(error).split())}", file=sys.stderr)
+        code = FAILED
     except BrokenPipeError:  # for example, `| head` closed the pipe of the output
         _write_no_more()
         code = DONE

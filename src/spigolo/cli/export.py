@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from spigolo.cli import DONE, SOME_FAILED
-from spigolo.cli.inputs import Inputs, Out, configure, split_flags
+from spigolo.cli.inputs import Distance_m, Frames, Inputs, Out, configure, split_flags
 from spigolo.cli.opening import opened
 from spigolo.cli.region import NO_REGION, RegionFlags
 from spigolo.errors import ConfigError, FileError, SpigoloError
@@ -45,8 +45,8 @@ def export(
     depth_scale: float | None = None,
     region: RegionFlags = NO_REGION,
     max_pixels: int = MAX_PIXELS,
-    frames: int | None = None,
-    trim_m: float | None = None,
+    frames: Frames = None,
+    trim_m: Distance_m = None,
 ) -> int:
     """Segment frames and write the objects in a format that other programs read.
 
@@ -110,7 +110,7 @@ def view(
     depth_scale: float | None = None,
     region: RegionFlags = NO_REGION,
     max_pixels: int = MAX_PIXELS,
-    frames: int | None = None,
+    frames: Frames = None,
     show: bool = False,
     out: Out = Path("spigolo.rrd"),
 ) -> int:

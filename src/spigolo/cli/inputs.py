@@ -9,7 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from cyclopts import Parameter
+from cyclopts import Parameter, validators
 
 from spigolo.cli.region import Region
 from spigolo.errors import ConfigError
@@ -25,6 +25,10 @@ SHORT = {"resolution": "additions.resolution"}
 Inputs = Annotated[str, Parameter(allow_leading_hyphen=True)]
 Many = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative=(), show_default=" ".join)]
 Out = Annotated[Path, Parameter(alias="-o")]
+Frames = Annotated[int | None, Parameter(validator=validators.Number(gte=1))]
+Index = Annotated[int | None, Parameter(validator=validators.Number(gte=0))]
+Distance_m = Annotated[float | None, Parameter(validator=validators.Number(gte=0))]
+Port = Annotated[int, Parameter(validator=validators.Number(gte=0, lte=65535))]
 Jobs = Annotated[int | None, Parameter(alias="-j")]
 
 

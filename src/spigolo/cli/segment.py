@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from spigolo.cli import DONE, SOME_FAILED
-from spigolo.cli.inputs import Inputs, Out, configure, split_flags
+from spigolo.cli.inputs import Frames, Index, Inputs, Out, configure, split_flags
 from spigolo.cli.opening import first_frame, opened
 from spigolo.cli.region import NO_REGION, RegionFlags
 from spigolo.errors import SpigoloError
@@ -31,7 +31,7 @@ def segment(
     check: bool = True,
     max_pixels: int = MAX_PIXELS,
     ids: bool = False,
-    frames: int | None = None,
+    frames: Frames = None,
     out: Out = Path("spigolo-out"),
 ) -> int:
     """Segment frames and write labels.png, objects.json and overlay.png for each frame.
@@ -150,7 +150,7 @@ def trace(
     region: RegionFlags = NO_REGION,
     stages: bool = False,
     max_pixels: int = MAX_PIXELS,
-    index: int | None = None,
+    index: Index = None,
     out: Out = Path("spigolo-trace"),
 ) -> int:
     """Draw the result of each stage for a frame in trace.png: the seven panels of the paper's Figure 1.
@@ -206,7 +206,7 @@ def doctor(
     camera: str | None = None,
     depth_scale: float | None = None,
     max_pixels: int = MAX_PIXELS,
-    index: int | None = None,
+    index: Index = None,
 ) -> int:
     """Check a frame: units, alignment, intrinsics, missing depth, and the choice of the cost function.
 

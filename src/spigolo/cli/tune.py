@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from spigolo.cli import DONE
-from spigolo.cli.inputs import Inputs, configure, split_flags
+from spigolo.cli.inputs import Inputs, Port, configure, split_flags
 from spigolo.cli.opening import opened
 from spigolo.cli.region import NO_REGION, RegionFlags
 from spigolo.frames.frame import MAX_PIXELS
@@ -18,7 +18,7 @@ def tune(
     preset: str = "OBJECTS",
     depth_scale: float | None = None,
     region: RegionFlags = NO_REGION,
-    port: int = 8080,
+    port: Port = 8080,
     host: str = "127.0.0.1",
     browser: bool = True,
     out: Path = Path(),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +10,10 @@ import numpy.typing as npt
 
 from spigolo.frames.files import PathLike, write_bytes
 from spigolo.objects.segmentation import ObjectMask, Segmentation
+
+Points = npt.NDArray[np.float32]
+Colors = npt.NDArray[np.uint8]
+Encoder = Callable[[int, Points, Colors], bytes]
 
 PLY_POINT = np.dtype([("xyz", "<f4", 3), ("rgb", "u1", 3)])
 PCD_POINT = np.dtype([("xyz", "<f4", 3), ("rgb", "<u4")])
@@ -40,40 +44,52 @@ DATA binary
 
 
 def ply(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> list[Path]:
-    """Write a point cloud `object_N.ply` for each object N and return the paths. Raises CameraError without
-    intrinsics.
+    """Write a point cloud `object_N.ply` for each object N and return the paths. Other files `object_N.ply` in the
+    folder are removed, because they belong to an earlier result.
 
     trim_m: maximum distance, in metres, of a point from the oriented box of its object. Points farther from the box are
-    left out.
+    left out. Raises CameraError without intrinsics.
     """
-    return [
-        _write(Path(folder) / f"object_{o.label}.ply", PLY_HEADER, o, _records(points, PLY_POINT, colors))
-        for o, points, colors in _clouds(result, trim_m)
-    ]
+    return _write_all(result, Path(folder), ".ply", trim_m, _ply)
 
 
 def pcd(result: Segmentation, folder: PathLike, trim_m: float | None = None) -> list[Path]:
-    """Write a point cloud `object_N.pcd` for each object N and return the paths. Raises CameraError without
-    intrinsics.
+    """Write a point cloud `object_N.pcd` for each object N and return the paths. Other files `object_N.pcd` in the
+    folder are removed, because they belong to an earlier result.
 
     trim_m: maximum distance, in metres, of a point from the oriented box of its object. Points farther from the box are
-    left out.
+    left out. Raises CameraError without intrinsics.
     """
-    shifts = np.array([16, 8, 0], np.uint32)
-    return [
-        _write(
-            Path(folder) / f"object_{o.label}.pcd",
-            PCD_HEADER,
-            o,
-            _records(points, PCD_POINT, (colors.astype(np.uint32) << shifts).sum(axis=1, dtype=np.uint32)),
-        )
-        for o, points, colors in _clouds(result, trim_m)
-    ]
+    return _write_all(result, Path(folder), ".pcd", trim_m, _pcd)
 
 
-def _clouds(
-    result: Segmentation, trim_m: float | None
-) -> Iterator[tuple[ObjectMask, npt.NDArray[np.float32], npt.NDArray[np.uint8]]]:
+def _ply(label: int, points: Points, colors: Colors) -> bytes:
+    return PLY_HEADER.format(label=label, count=len(points)).encode() + _records(points, PLY_POINT, colors)
+
+
+def _pcd(label: int, points: Points, colors: Colors) -> bytes:
+    packed = (colors.astype(np.uint32) << np.array([16, 8, 0], np.uint32)).sum(axis=1, dtype=np.uint32)
+    return PCD_HEADER.format(label=label, count=len(points)).encode() + _records(points, PCD_POINT, packed)
+
+
+def _records(points: Points, kind: np.dtype[np.void], packed: npt.NDArray[np.generic]) -> bytes:
+    out = np.empty(len(points), kind)
+    out["xyz"], out["rgb"] = points, packed
+    return out.tobytes()
+
+
+def _write_all(result: Segmentation, folder: Path, suffix: str, trim_m: float | None, encode: Encoder) -> list[Path]:
+    written = []
+    for o, points, colors in _clouds(result, trim_m):
+        written.append(folder / f"object_{o.label}{suffix}")
+        write_bytes(written[-1], encode(o.label, points, colors))
+    for path in set(folder.glob(f"object_*{suffix}")) - set(written):
+        if path.stem.removeprefix("object_").isdecimal():
+            path.unlink()
+    return written
+
+
+def _clouds(result: Segmentation, trim_m: float | None) -> Iterator[tuple[ObjectMask, Points, Colors]]:
     """Yield each object with its points (N, 3) in metres and the RGB colours (N, 3) of these points."""
     for o in result:
         points, colors = o.points_m(), result.frame.color[o.mask & (result.frame.depth > 0)]
@@ -82,16 +98,3 @@ def _clouds(
             kept = box.contains(points, trim_m)
             points, colors = points[kept], colors[kept]
         yield o, points, colors
-
-
-def _records(
-    points: npt.NDArray[np.float32], kind: np.dtype[np.void], packed: npt.NDArray[np.generic]
-) -> npt.NDArray[np.void]:
-    out = np.empty(len(points), kind)
-    out["xyz"], out["rgb"] = points, packed
-    return out
-
-
-def _write(path: Path, header: str, o: ObjectMask, records: npt.NDArray[np.void]) -> Path:
-    write_bytes(path, header.format(label=o.label, count=len(records)).encode() + records.tobytes())
-    return path

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.errors import FrameError, UnitWarning, warn
-from spigolo.frames.camera import Camera, is_number
+from spigolo.frames.camera import Camera, is_number, shortened
 from spigolo.frames.intrinsics import CameraLike, as_camera, fields_of
 from spigolo.frames.limits import MAX_PIXELS, check_count
 from spigolo.frames.reach import FARTHEST_M, NEAREST_M, OutOfReach, drop_out_of_reach
@@ -93,7 +93,8 @@ class Frame:
         if known is not None and bent:
             pixels, metres = known.undistort(pixels), known.undistort(metres, nearest=True)
             known = known.without_distortion()
-        values: dict[str, Any] = {"color": pixels, "depth": metres, "camera": known, "name": name, "stamp_ns": stamp_ns}
+        values: dict[str, Any] = {"color": pixels, "depth": metres, "camera": known, "name": str(name)}
+        values["stamp_ns"] = _checked_stamp(stamp_ns)
         unit_m = float(depth_scale) if depth_scale is not None and stored.dtype.kind in "ui" else None
         values |= {"negative_depth": negative, "unit_m": unit_m, "out_of_reach": beyond, "undistorted": bent}
         for key, value in values.items():
@@ -160,6 +161,15 @@ def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike)
             " take the intrinsics of the stream that depth is aligned to"
         )
     return camera
+
+
+def _checked_stamp(value: Any) -> int | None:
+    """Return a stamp as a number of Python, because numbers of NumPy cannot be written as JSON."""
+    if value is None:
+        return None
+    if not isinstance(value, int | np.integer):
+        raise FrameError(f"expected the time of capture in whole nanoseconds as stamp_ns, got {shortened(value)}")
+    return int(value)
 
 
 def check_frame(value: object) -> None:

@@ -80,7 +80,10 @@ def roi_mask(roi: Roi, frame: Frame) -> tuple[Mask, Mask]:
     counted = np.ones(frame.shape, bool)
     if isinstance(roi, MetricBox):
         return _inside_box(roi, frame), frame.depth > 0
-    mask = np.asarray(roi)
+    try:
+        mask = np.asarray(roi)
+    except ValueError:
+        raise FrameError(f"expected a mask or a pixel box (y0, x0, y1, x1), got {shortened(roi)}") from None
     if mask.shape == (4,):
         return _inside_pixels(mask, frame.shape), counted
     if mask.shape != frame.shape:

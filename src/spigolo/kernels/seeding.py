@@ -90,7 +90,7 @@ def sow(points, flat, state, step_m, step_per_m, step_weight, width, least, head
             source_of[q] = q
             full = max(step_m, step_per_m * flat[q] * flat[q])
             weight = np.sqrt(distance_2(red, green, blue, points, p)) + step_cost(flat[q], flat[p], full, step_weight)
-            bucket = min(int(weight), LEVELS - 1)
+            bucket = int(min(weight, f32(LEVELS - 1)))
             size = offer(bucket, p, q, size, least, head, tail, edges)
             level = min(level, bucket)
     return size, level
@@ -154,7 +154,8 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             colors_2 = distance_2(red, green, blue, points, q)
             if room <= f32(0.0) or colors_2 > (room + MARGIN) * (room + MARGIN):
                 continue  # the edge is heavier than a known edge, even without the cost of a depth step
-            bucket = min(int(before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight)), LEVELS - 1)
+            weight = before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight)
+            bucket = int(min(weight, f32(LEVELS - 1)))
             size = offer(bucket, q, p, size, least, head, tail, edges)
             level = min(level, bucket)
 

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from spigolo.errors import SpigoloError
 from spigolo.frames.frame import Camera, DepthMap, Mask
 
 Vectors = npt.NDArray[np.float64]
@@ -38,6 +39,8 @@ class OrientedBox:
 
     def contains(self, points_m: npt.NDArray[np.floating], margin_m: float = 0.0) -> Mask:
         """Return a mask (N,) that is True for points (N, 3) inside the box or at most `margin_m` outside, in metres."""
+        if not margin_m >= 0:
+            raise SpigoloError(f"expected a distance from the box of at least 0 m, got {margin_m}")
         inside = np.abs((points_m - self.center_m) @ self.R_camera_box) <= self.size_m / 2 + margin_m
         return np.asarray(inside.all(axis=1))
 

@@ -196,8 +196,9 @@ class Segmentation:
     def merge(self, a: RegionFacts, b: RegionFacts) -> Segmentation:
         """Return a new result in which two objects or rejected regions are merged into one object.
 
-        The merged object is measured again. The regions of the new result have new numbers. Therefore, the methods of
-        the new result do not accept regions of the old result. Raises SpigoloError for regions of another result.
+        The merged object has the id of `a`, or the id of `b` if `a` has none. All other objects keep their measurements
+        and ids. The regions of the new result have new numbers. Therefore, the methods of the new result do not accept
+        regions of the old result. Raises SpigoloError for regions of another result.
         """
         self._check_own(a, b)
         if a.region == b.region:
@@ -206,10 +207,21 @@ class Segmentation:
         root = np.arange(self.regions.count)
         root[second] = first
         regions = self.regions.joined(root)
+        ids = [r.id for r in (a, b) if isinstance(r, ObjectMask) and r.id is not None]
+        merged = ObjectMask(label=0, id=next(iter(ids), None), **_fields(self.scene.measure(regions)[first]))
+        left = [r for r in self._all() if r.region != second]
+        facts = [
+            merged if k == first else dataclasses.replace(r, region=k, regions=regions.labels)
+            for k, r in enumerate(left)
+        ]
         verdicts = self.verdicts()
         verdicts[first] = None
         del verdicts[second]
-        return assemble(self.scene, regions, self.scene.measure(regions), verdicts)
+        return assemble(self.scene, regions, facts, verdicts)
+
+    def _all(self) -> list[ObjectMask | RejectedRegion]:
+        """Return objects and rejected regions in the order of their region numbers."""
+        return sorted((*self.objects, *self.rejected), key=attrgetter("region"))
 
     def _check_own(self, *regions: RegionFacts) -> None:
         own = self.regions.labels
@@ -228,9 +240,7 @@ class Segmentation:
     def _with(self, region: RegionFacts, verdict: Verdict | None) -> Segmentation:
         verdicts = self.verdicts()
         verdicts[region.region] = verdict
-        return assemble(
-            self.scene, self.regions, sorted((*self.objects, *self.rejected), key=lambda r: r.region), verdicts
-        )
+        return assemble(self.scene, self.regions, self._all(), verdicts)
 
     def verdicts(self) -> list[Verdict | None]:
         """Return a list with one entry for each region, indexed by region number. The entry of a rejected region is the

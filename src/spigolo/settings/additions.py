@@ -136,7 +136,7 @@ class Refinement(Settings):
     """Minimum solidity of an object: its area divided by the area of its convex hull. If an object has at least this
     solidity, background pixels inside its convex hull get new labels too. If None, these pixels keep their labels.
     """
-    sigma_px: Annotated[NotNegative, Grows()] = 0.8
+    sigma_px: Annotated[NotNegative, Field(le=100), Grows()] = 0.8
     """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, in pixels. With 0,
     the image is not smoothed. Larger values suppress more noise.
     """

@@ -69,7 +69,7 @@ class Inpainting(Settings):
     """
     max_area_px2: Area_px2 = 400.0
     """Maximum area of a gap that is filled, px^2 at 640x480. Larger values fill larger gaps."""
-    max_radius_px: Annotated[Positive, Grows(always=True)] = 6.0
+    max_radius_px: Annotated[Positive, Field(le=1000), Grows(always=True)] = 6.0
     """Maximum radius of the largest circle inside a gap that is filled, px at 640x480. Larger values fill wider
     gaps.
     """
@@ -102,7 +102,7 @@ class DepthConfig(Settings):
 class ColorConfig(Settings):
     """Colour difference between neighbouring pixels (equation 4)."""
 
-    sigma_px: Annotated[NotNegative, Grows()] = 0.8
+    sigma_px: Annotated[NotNegative, Field(le=100), Grows()] = 0.8
     """Sigma of the Gaussian smoothing of the RGB image, in pixels. With 0, the image is not smoothed. Larger values
     suppress more noise. The default comes from the authors' code, which smooths the HSV image instead.
     """

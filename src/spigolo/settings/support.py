@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 from pydantic import Field, model_validator
 
 from spigolo.settings.parameters import Area_px2, NotNegative, Offset_px, Positive, Settings, Share
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class Facing(Settings):
@@ -14,7 +17,7 @@ class Facing(Settings):
     up.
     """
 
-    up: tuple[float, float, float] | None = None
+    up: tuple[Finite, Finite, Finite] | None = None
     """Upward direction in the camera's frame (X right, Y down, Z forward), of any length. If None, the camera is
     assumed to be mounted upright and to look horizontally or downwards.
     """
@@ -36,8 +39,10 @@ class Facing(Settings):
 
     @model_validator(mode="after")
     def _up_points_somewhere(self) -> Facing:
-        if self.up is not None and not any(self.up):
-            raise ValueError("expected a direction as additions.support.facing.up, such as [0, -1, 0], got [0, 0, 0]")
+        if self.up is not None and not 1e-6 < math.hypot(*self.up) < math.inf:
+            raise ValueError(
+                f"expected a direction as additions.support.facing.up, such as [0, -1, 0], got {list(self.up)}"
+            )
         return self
 
 

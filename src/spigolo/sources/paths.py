@@ -37,6 +37,8 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     name. Every frame gets a unique name.
     """
     paths = [Path(word) for word in inputs]
+    if not all(inputs):
+        raise FileError("expected a file or folder, got an empty name: give . for the current folder")
     if not paths:
         raise FileError("expected a colour and a depth image, or a folder of frames, got nothing")
     absent = [path for path in paths if not path.exists()]

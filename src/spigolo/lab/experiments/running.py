@@ -115,7 +115,8 @@ def evaluate(
 
     Return the results of all methods on all frames.
 
-    Evaluations with a result in the file `out` are not repeated. An evaluation is repeated if its worker process died,
+    Evaluations with a result in the file `out` are not repeated, unless another version of spigolo wrote the result. An
+    evaluation is repeated if its worker process died,
     or if it raised an error and the files of the frame have changed since then. Only one process may use the file `out`
     at a time.
 
@@ -143,7 +144,8 @@ def evaluate(
     engine = engine_of(jobs) if engine is None else engine
     wanted = [Task(frame, method.name, method.digest) for frame in frames for method in methods]
     with RowFile(out) as file:
-        rows = _brought_up(frames, file)
+        asked = {task.key for task in wanted}
+        rows = [r for r in _brought_up(frames, file) if r.version == __version__ or r.key not in asked]
         if rows != file.rows:
             file.rewrite(rows)
         there = {row.key for row in file.rows}

@@ -46,8 +46,8 @@ def stopwatch() -> Iterator[Times]:
 
 
 def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Return a decorator for functions. Inside a `stopwatch` block, the decorator measures the duration of each call.
-    The durations are listed under the stage `name`.
+    """Return a decorator for the function of a processing stage. Inside a `stopwatch` block, the decorator measures the
+    duration of each call. The durations are listed under the stage name `name`.
     """
 
     def named(function: Callable[P, T]) -> Callable[P, T]:

@@ -10,7 +10,7 @@ import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
 """Folder of this package, with a path separator at the end. The paths of all source files of the package start with
-this text.
+this folder.
 """
 
 

@@ -69,7 +69,8 @@ class Trace:
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segment a frame and return the results of all stages.
 
-    frame, config, roi: as for `segment`. workspace: scratch memory to reuse from frame to frame, one for each thread.
+    frame, config, roi: the same arguments as those of `segment`. workspace: scratch memory to reuse from frame to
+    frame, with a separate workspace for each thread.
     """
     check_frame(frame)
     check_config(config)
@@ -115,8 +116,8 @@ def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> S
 
     - frame: colour image, depth map and camera.
     - config: a preset or your own configuration.
-    - roi: mask (H, W), pixel box (y0, x0, y1, x1) or MetricBox of the region of interest. Regions outside of it are
-      rejected.
+    - roi: mask (H, W), pixel box (y0, x0, y1, x1) or MetricBox of the region of interest. Regions outside the region of
+      interest are rejected.
 
     Returns the label image, the objects with their measurements in the image and in space, and the rejected regions
     with reasons.

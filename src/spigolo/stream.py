@@ -44,7 +44,7 @@ class Segmenter:
         self.config = config
         self.ids = ids
         self.pace = Pace()
-        """Frame rate and latency of the last frames."""
+        """Frame rate and latency of the last segmented frames."""
         self._tracker = Tracker() if ids else None
         self.workspace = Workspace()
         self._busy = threading.Lock()
@@ -56,7 +56,7 @@ class Segmenter:
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
         """Segment a frame into objects. The result shares no memory with later results.
 
-        roi: region of interest, as for `segment`.
+        roi: region of interest, in any form that the function `segment` accepts.
         """
         with self._alone():
             return self._finish(*self._segment(frame, roi, self.workspace))
@@ -65,11 +65,11 @@ class Segmenter:
         """Segment frames on several threads, and yield the results in the order of the frames.
 
         Each thread segments one frame at a time. The next frame is requested only when a thread is free. A live camera
-        then delivers its newest frame, and frames do not wait in a queue. `Segmentation.frame` is the frame of a
-        result.
+        therefore delivers its newest frame, and frames do not wait in a queue. Each result contains its frame as
+        `Segmentation.frame`.
 
         - frames: a source or any other iterable. A separate thread reads the frames.
-        - roi: region of interest in all frames, as for `segment`.
+        - roi: region of interest in all frames, in any form that the function `segment` accepts.
         - threads: number of frames that are segmented at the same time.
 
         Raises SpigoloError if `threads` is below 1.
@@ -121,7 +121,7 @@ class Segmenter:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Reserve the segmenter for one caller. Raises SpigoloError if it is in use."""
+        """Reserve the segmenter for one caller. Raises SpigoloError if the segmenter is in use."""
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
         try:

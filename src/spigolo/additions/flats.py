@@ -1,8 +1,8 @@
-"""Flat objects, which are too low for the other stages (`settings.Flats`).
+"""Search for flat objects, which the other stages miss because of their small height (`settings.Flats`).
 
 The colour image is divided along its edges into cells. A cell is raised if its mean height above the support surface is
-larger than a limit. The mean of many pixels has far less noise than a single pixel, so the limit can be a few
-millimetres. Printed patterns have edges too, but their cells are not raised.
+larger than a limit. The mean height of many pixels has far less noise than that of one pixel, so the limit can be a few
+millimetres. Printed patterns on the surface have edges too, but the cells between these edges are not raised.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from spigolo.frames.frame import DepthMap, Mask
 from spigolo.settings.support import Flats
 
 STEP = 2
-"""Distance between the rows, and between the columns, in which flat objects are searched."""
+"""Distance in pixels between the rows, and between the columns, in which flat objects are searched."""
 FIT_STEP = 4
 """Distance between the rows, and between the columns, to which the support surface is fitted. The distance is counted
-in the rows and columns of the search.
+in rows and columns of the search for flat objects, which are `STEP` pixels apart.
 """
 FIT_ROUNDS = 4
 LEAST_FITTED = 80
 """Minimum number of pixels to which the support surface is fitted."""
 BELOW, ABOVE = 3.0, 1.5
-"""Pixels farther below or above the fitted surface than these multiples of the noise are left out in the next round.
-The limit above is smaller, because objects lie above the surface.
+"""Maximum distances of a pixel below and above the fitted surface, as multiples of the noise. Pixels farther from the
+surface are left out of the next fit. `ABOVE` is smaller than `BELOW`, because objects lie above the surface.
 """
 
 Heights = npt.NDArray[np.float32]
@@ -71,14 +71,14 @@ def find_flats(free: Mask, depth: DepthMap, camera: Camera, plane: Plane, edges:
 
 def surface_heights(heights: Heights, measured: Mask, band_m: float) -> tuple[Heights, float] | None:
     """Return the heights (H, W) above the support surface, and the noise of the surface, in metres. Returns None if too
-    few pixels lie near the plane.
+    few pixels lie near the support plane.
 
     The surface is a polynomial of the second degree in the pixel coordinates, because the depth of many cameras is
     slightly curved.
 
     - heights: heights (H, W) above the support plane in metres.
     - measured: mask (H, W) of the pixels with depth.
-    - band_m: maximum distance from the plane of the pixels to which the surface is fitted.
+    - band_m: maximum distance of a pixel from the support plane, in metres, at which the pixel is used for the fit.
     """
     height, width = heights.shape
     y, x = np.linspace(-1, 1, height, dtype=np.float32)[:, None], np.linspace(-1, 1, width, dtype=np.float32)[None, :]

@@ -1,9 +1,10 @@
 """Merging of neighbouring regions by the boundary values along their common border (`settings.Merging`).
 
-Equation 3 compares two regions by the edge of smallest weight between them. Noise at a short part of the border can
-therefore split one surface into two regions. In this module, two regions merge if the mean boundary value along their
-whole common border is small. Regions with the weakest common border merge first. Regions above the support plane do not
-merge with the support plane.
+Equation 3 compares two regions by the graph edge of smallest weight between them. Noise at a short part of the border
+can therefore split one surface into two regions. In this module, two regions merge if the mean boundary value along
+their whole common border is small. Regions with the weakest common border merge first. In this step, regions above the
+support plane do not merge with regions on the support plane. In a second step, each region with few pixels outside of
+boundary lines merges with a neighbour.
 """
 
 from __future__ import annotations

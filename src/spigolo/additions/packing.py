@@ -17,8 +17,8 @@ PART = 32
 width divided by the side length of this square.
 """
 OUTLINE_PX = 9
-"""Side length in pixels of the square by which the mask of the support plane is eroded. The erosion excludes image
-edges at the outline of the mask.
+"""Side length in pixels of the square by which the mask of the support plane is eroded. After the erosion, image edges
+at the outline of the mask are not counted.
 """
 
 

@@ -28,7 +28,7 @@ STACKED_COSINE = 0.97
 is 14 degrees.
 
 A parallel plane above the largest plane is fitted to points with a height of more than `STACKED_M` above the largest
-plane. The heights of these points differ by at most `STACKED_SLACK_M`.
+plane. The points used for this fit differ in height by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
 """Maximum share of points below a plane that counts as opaque. The share refers to all points on or below the plane
@@ -39,8 +39,8 @@ LOWER_SHARE = 0.5
 replaced plane.
 """
 SPARSE = 0.6
-"""If the share of pixels with depth is smaller than this value, the test for opaque planes is stricter. A plane then
-does not count as opaque if more points lie below it than on it.
+"""If the share of pixels with depth is smaller than this value, the test for opaque planes is stricter. In such a
+frame, a plane does not count as opaque if more points lie below it than on it.
 """
 MOST_PLANES = 6
 SEED = 7
@@ -171,8 +171,8 @@ def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Gene
     parallel to the plane before.
 
     For example, if a plane lies on the upper side of a heap of objects, many points between the objects are visible
-    below it. A lower plane must have a smaller share of points below it. The number of points on a lower plane must be
-    at least `LOWER_SHARE` times the number of points on the plane before.
+    below it. A lower plane is used only if a smaller share of points is visible below it. The number of points on a
+    lower plane must be at least `LOWER_SHARE` times the number of points on the plane before.
     """
     below, share = _visible_below(plane, sample, config)
     while share > max_below:
@@ -192,7 +192,7 @@ def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Gene
 
 def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sample: Sample, config: Support) -> Plane:
     """Return the first plane on which at least the share `min_things` of the points stands. The given plane is tested
-    first, and then the other planes. If no plane has this share, return the given plane.
+    first, and then the other planes. If too few points stand on every plane, return the given plane.
     """
     if sample.share_standing_on(plane, config) >= min_things:
         return plane

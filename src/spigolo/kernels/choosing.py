@@ -5,7 +5,7 @@ merge the region with another region (`kernels.merging.merge_bound`).
 Three kinds of edges cannot merge two regions:
 
 - edges inside one region
-- edges at a final region, which is a region whose remaining edges are all heavier than its merge bound
+- edges of a final region: a region whose remaining edges are all heavier than its merge bound
 - detours, which are edges between two pixels that are also connected by a chain of lighter edges
 """
 
@@ -25,7 +25,7 @@ BLOCK = 4096
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
     """Select and pack the edges that connect two regions and have low <= weight < high. At least `least` of the two
-    pixels of an edge must be flagged.
+    pixels of an edge must be flagged in `flags`.
 
     The packed edges are ordered by plane, then by pixel. With `detours=False`, the heaviest edge of each triangle or
     square of neighbouring pixels is skipped.
@@ -35,7 +35,7 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
     - parent (H W,): root of the region of every pixel.
     - flags (H W,) uint8: 1 for flagged pixels, 0 for other pixels (see `flag_open` and `flag_small`).
     - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
-    - out: buffer for the packed edges. It must have room for one more edge than is packed.
+    - out: buffer for the packed edges. The buffer must have room for one more edge than is packed.
 
     Returns the number of packed edges, or -1 if out is too small.
     """
@@ -75,8 +75,8 @@ def drop_detours(weights, plane, width, first, last, chosen):
     """Unmark the heaviest edge of each triangle of neighbouring pixels or, with 4-connectivity, of each square.
 
     Among edges of equal weight, the edge with the highest number is unmarked. Edges to the right have lower numbers
-    than downward edges, and diagonal edges have the highest numbers. Some edges at the image border are not tested and
-    stay marked.
+    than downward edges, and diagonal edges have the highest numbers. Some edges near the image border are not tested
+    and stay marked.
     """
     right, down, pixels = weights[0], weights[1], weights.shape[1]
     begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
@@ -99,8 +99,7 @@ def drop_detours(weights, plane, width, first, last, chosen):
 
 @inlined
 def drop_right(right, down, width, n, kept):
-    """Unmark each edge to the right that is the heaviest edge of one of two squares of 2x2 pixels: above or below the
-    edge.
+    """Unmark each edge to the right that is the heaviest edge of a square of 2x2 pixels above or below the edge.
 
     The arrays right and down begin one image row before the first of the n tested edges.
     """
@@ -114,7 +113,7 @@ def drop_right(right, down, width, n, kept):
 
 @inlined
 def drop_down(right, down, width, n, kept):
-    """Unmark each downward edge that is the heaviest edge of one of two squares of 2x2 pixels: on its left or right.
+    """Unmark each downward edge that is the heaviest edge of a square of 2x2 pixels on its left or right side.
 
     The arrays right and down begin one pixel before the first of the n tested edges.
     """
@@ -182,7 +181,7 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
     """Append the marked edges among the edges first..last - 1 of one direction to out, which contains `count` edges.
     Return the new count.
 
-    Unmarked edges are written too, and the next edge overwrites them. The loop has few branches for this reason.
+    Unmarked edges are written too, and the next edge overwrites them, so that the loop needs few branches.
     """
     whole = np.uint64(last - first) // np.uint64(8)
     for eight in range(whole):
@@ -201,8 +200,8 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 def is_heavy(edge, offsets, parent, records):
     """Test if an edge is heavier than the merge bounds of the two regions that it connects.
 
-    The result is a flag for the first region, a flag for the second region, and the roots of both regions. A flag is
-    True if the edge is heavier than the bound of the region.
+    The result is a flag for the first region, a flag for the second region, and the roots of both regions. The flag of
+    a region is True if the edge is heavier than the merge bound of the region.
     """
     here, there = ends(edge, offsets)
     a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), weight_bits(edge)
@@ -214,7 +213,7 @@ def drop_final(edges, offsets, parent, records, useful):
     """Remove the packed edges (K,) at final regions. Return the number of remaining edges.
 
     A region is final if its lightest edge is heavier than its merge bound. To save time, no edge is removed if only few
-    edges are heavier than the merge bound of a region at their ends.
+    edges are heavier than the merge bound of one of their two regions.
 
     parent (H W,): root of the region of every pixel. useful (H W,) uint8: scratch memory.
     """
@@ -244,7 +243,7 @@ def flag_open(low_bits, parent, records, flags):
     """Set the parent of every pixel to the root of its region, and flag the regions that can still merge.
 
     low_bits: bit pattern of a float32 weight, as an integer. flags (H W,): 1 for pixels of regions whose merge bound is
-    at least this weight, else 0.
+    at least the weight `low_bits`, else 0.
     """
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)

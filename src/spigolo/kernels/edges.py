@@ -101,8 +101,8 @@ def along_edge(c, n_y, n_x, sign_rule):
 
     - c: cross product of the directions from the edge to both sides.
     - n_y, n_x: normal of the edge.
-    - sign_rule: result of the function. SIGN_TANGENT: component of c along the edge. SIGN_X: x component of c, as in
-      the paper. SIGN_NONE: 0. At vertical edges the x component of c is 0, so that its sign has no meaning.
+    - sign_rule: choice of the returned number. SIGN_TANGENT: component of c along the edge. SIGN_X: x component of c,
+      as in the paper. SIGN_NONE: 0. At vertical edges, the x component of c is 0, so that its sign has no meaning.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -129,7 +129,7 @@ def is_contact(angle_deg, low_deg, high_deg):
 def cosine_limits(low_deg, high_deg):
     """Return the largest and the smallest cosine of the angles from low_deg to high_deg.
 
-    For a threshold outside of 0..180 degrees, the limit is 2 or -2, which no cosine reaches.
+    For an angle outside of 0..180 degrees, the returned limit is 2 or -2, which no cosine reaches.
     """
     largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
     smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
@@ -138,7 +138,9 @@ def cosine_limits(low_deg, high_deg):
 
 @inlined
 def scaled_point(depth, y, x, fx, fy, cx, cy):
-    """Return the point of equation 14 multiplied by fx fy, which needs no division and leaves angles unchanged."""
+    """Return the point of equation 14, multiplied by fx fy. The multiplication avoids divisions and leaves angles
+    unchanged.
+    """
     d = float(depth[y, x])
     return (x - cx) * d * fy, (y - cy) * d * fx, d * fx * fy
 

@@ -1,4 +1,6 @@
-"""Kernels that compute the centre-surround saliency of Montabone & Soto 2010."""
+"""Kernels that compute the centre-surround saliency of Montabone & Soto 2010, which compares pixels with their
+surroundings.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,11 @@ def whole_quotient(dividend, inverse):
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Compute, for each column, the sum of a band of image rows over all columns before it. The arguments `above` and
-    `below` are two rows of an integral image.
+    """Compute, for each column, the sum of a band of image rows over all columns before this column. The arguments
+    `above` and `below` are two rows of an integral image.
 
-    pad: number of values that are added at both ends of the result: 0 at the beginning, and the total sum at the end.
+    pad: number of values that are added at each end of the result. The added values are 0 at the beginning, and the
+    total sum at the end.
     """
     columns = above.size
     strip[:pad] = 0
@@ -55,8 +58,8 @@ def center_surround(gray, integral, surrounds, on, off):
     `on` contains the sum of the positive differences, and `off` the sum of the absolute values of the negative
     differences.
 
-    The surround of size n is the window of rows y-n+1..y+n and columns x-n+1..x+n, clipped to the image, without the
-    pixel. Each difference is truncated to whole grey levels.
+    The surround of size n of a pixel (y, x) is the window of rows y-n+1..y+n and columns x-n+1..x+n, clipped to the
+    image, without the pixel. Each difference is truncated to whole grey levels.
 
     gray (H, W) uint8. integral (H+1, W+1) int32: integral image of gray. surrounds (S,): sizes n. on, off (H, W) int32.
     """

@@ -36,7 +36,7 @@ def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
     """Draw the masks of objects over an image (H, W, 3). The background is darkened. Each object is tinted in its
     colour and outlined.
 
-    masks: dict of masks (H, W), indexed by object number. The object number determines the colour.
+    masks: dict of masks (H, W), indexed by object number. The object number determines the colour of an object.
     """
     picture = (color * np.float32(0.45)).astype(np.uint8)
     for number, mask in masks.items():

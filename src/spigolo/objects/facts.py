@@ -57,31 +57,31 @@ class RegionFacts:
     """Share of the region's measured pixels above the support plane. None if the frame has no support plane."""
     inside: float | None
     """Share of the region's pixels inside the region of interest. If the region of interest is a box in metres, pixels
-    without depth are left out of this share. None if no region of interest is given.
+    without depth are not counted. None if no region of interest is given.
     """
     contour: float
     """Mean boundary value along the region's border, from 0 to 1."""
     cut: float | None
     """Share of the region's outline that lies on the image border.
 
-    None in one of three cases: `Rules.wall` or `Additions.support` is off, intrinsics are missing, or the region is
-    lower than `Wall.min_height_m`.
+    The value is None in three cases: `Rules.wall` or `Additions.support` is off, intrinsics are missing, or the region
+    is lower than `Wall.min_height_m`.
     """
     hides: float | None
     """Share of the region's outline along which the depth outside is larger than the depth inside by a step. Parts of
-    the outline next to a nearer object are left out of this share.
+    the outline next to a nearer object are not counted.
 
-    None in the same cases as `RegionFacts.cut`, and also if too little of the outline has depth.
+    The value is None if `RegionFacts.cut` is None, or if too little of the outline has depth.
     """
     ledge: float | None
-    """Share of the region's outline along which the height above the support plane changes by a step. None in one of
-    three cases: `Rules.wall` is off, intrinsics or the support plane are missing, or too little of the outline has
+    """Share of the region's outline along which the height above the support plane changes by a step. The value is None
+    in three cases: `Rules.wall` is off, intrinsics or the support plane are missing, or too little of the outline has
     depth.
     """
     lean_deg: float | None
     """Angle between the region's mean surface normal and the line of sight, in degrees.
 
-    None in the same cases as `RegionFacts.cut`, and also if too few pixels of the region have a surface normal.
+    The value is None if `RegionFacts.cut` is None, or if too few pixels of the region have a surface normal.
     """
     regions: Labels
     """Region number of each pixel of the frame, as an array (H, W)."""
@@ -131,11 +131,11 @@ class RegionFacts:
         """Return the region's measured points (N, 3) in metres, in the camera's frame. The points are ordered by image
         row and then by column.
 
-        In-painted depth is not included. Raises CameraError for a frame without intrinsics.
+        Points from in-painted depth are not included. Raises CameraError for a frame without intrinsics.
 
-        trim_m: maximum distance of a point from the oriented box, in metres. Points farther outside are not returned,
-        because they are probably flying pixels, whose depth lies between object and background. If `trim_m` is None,
-        all points are returned.
+        trim_m: maximum distance of a point from the oriented box, in metres. Points farther from the box are not
+        returned, because they are probably flying pixels, whose depth lies between object and background. If `trim_m`
+        is None, all points are returned.
         """
         if self.frame.camera is None:
             raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
@@ -176,7 +176,7 @@ def measure_regions(
     - above: mask (H, W) of the measured pixels above the support plane.
     - inside: two masks (H, W), as returned by `roi_mask`: the pixels inside the region of interest, and the pixels
       whose position is known.
-    - stance: measurements of each region for the rules `Wall` and `Ledge`.
+    - stance: measurements of each region that separate objects from walls.
     - plane: support plane.
     """
     points = _sum_points(regions, frame)
@@ -207,8 +207,8 @@ def measure_regions(
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
     """Update the measurements of regions after their outlines have changed.
 
-    The measurements score, above, inside, contour, cut, hides, ledge and lean_deg are not updated. Rules have already
-    accepted or rejected the region by these measurements. All other measurements are updated.
+    All measurements except score, above, inside, contour, cut, hides, ledge and lean_deg are updated. These eight
+    measurements stay the same, because the rules have already accepted or rejected the regions by them.
 
     - facts: measurements before the change, indexed by new region number.
     - depth: in-painted depth map (H, W) in metres.
@@ -220,7 +220,7 @@ def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, dept
 def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
     """Return the measurements that are computed from each region's mask, as one dict for each region.
 
-    points: result (R, 4) of `_sum_points`.
+    points: number of measured pixels and sums of X, Y and Z of each region (R, 4), as returned by `_sum_points`.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)

@@ -13,8 +13,8 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Number of a region's measured pixels, divided by the number of image pixels, for which the factor 1 - exp(-measured /
-`SUPPORTED_SHARE`) of the score is 63 %.
+"""Number of a region's measured pixels, divided by the number of image pixels, at which the factor 1 - exp(-measured /
+`SUPPORTED_SHARE`) of the region's score is 63 %.
 """
 
 

@@ -28,15 +28,16 @@ class Config(Parameters):
     """All parameters of the method. Instances are frozen, and `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. A configuration made with `Config.replace` keeps the name, but has another `digest`."""
+    """Name of the preset. A configuration made with `Config.replace` keeps the name, but has another hash (`digest`).
+    """
     depth: DepthConfig = DepthConfig()
     """Smoothing, in-painting and comparison of depth (equations 5-9)."""
     color: ColorConfig = ColorConfig()
     """Colour difference between neighbouring pixels (equation 4)."""
     saliency: SaliencyConfig = SaliencyConfig()
-    """Saliency map (equation 10). Only some cost functions use this map."""
+    """Saliency map (equation 10). Only the first cost function (equation 22) uses the saliency map."""
     edges: EdgesConfig = EdgesConfig()
-    """Boundaries of objects (equations 12-20). Only some cost functions use these boundaries."""
+    """Boundaries of objects (equations 12-20). Only the second cost function (equation 23) uses these boundaries."""
     cost: Cost = BoundaryCost()
     """Cost function, which computes the weight of a graph edge (equations 22 and 23)."""
     partition: Partition = Partition()
@@ -63,8 +64,8 @@ class Config(Parameters):
     def to_toml(self, base: str | None = None) -> str:
         """Return the parameter values as TOML text that `from_toml` reads.
 
-        base: name of a preset. With `base`, the text contains the line `base` and only the values that differ from this
-        preset.
+        base: name of a preset. If `base` is given, the text contains the line `base = ...` and only the values that
+        differ from this preset.
         """
         import tomli_w
 
@@ -80,8 +81,8 @@ class Config(Parameters):
         """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys.
 
         base: configuration whose values the text changes. If the text contains a line such as `base = "TABLE"`, this
-        preset is used instead of the argument `base`. Without a base, keys that are missing in the text get their
-        default values.
+        preset is used instead of the argument `base`. Without a base configuration, keys that are missing in the text
+        get their default values.
         """
         values = parse_toml(text)
         named = values.pop("base", None)
@@ -108,8 +109,8 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _written(stage: Settings) -> dict[str, Any]:
-    """Return the values of a stage, indexed by field name. TOML has no null, so None becomes the string "none". A field
-    is not written if both its value and its default are None.
+    """Return the parameter values of a stage as a dict, indexed by field name. TOML has no null, so None becomes the
+    string "none". A field is left out if both its value and its default are None.
     """
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():
@@ -122,14 +123,14 @@ def _written(stage: Settings) -> dict[str, Any]:
 
 
 BASES: dict[str, Config] = {}
-"""Presets, indexed by name. The line `base` of a preset file must contain one of these names. The module `presets`
-fills this dict.
+"""Presets, indexed by name. The line `base` of a preset file must contain the name of one of these presets. The module
+`presets` fills the dict BASES.
 """
 
 
 def base_preset(name: object) -> Config:
-    """Return the preset with the name in the line `base` of a preset file. For an unknown name, raises ConfigError with
-    a list of the valid names.
+    """Return the preset that the line `base` of a preset file names. For an unknown name, raises ConfigError with a
+    list of the valid names.
     """
     importlib.import_module("spigolo.settings.presets")  # `presets` imports this module and fills BASES
     if str(name).upper() not in BASES:

@@ -28,8 +28,8 @@ class Weighing:
     cost: PixelCost
     """Parameters of the cost function."""
     missing: float | None
-    """Share of missing depth within the working range (`stages.depth.missing_share`). None if the cost function is
-    fixed.
+    """Share of missing depth, as returned by `stages.depth.missing_share`. None if the preset fixes the cost
+    function.
     """
     gamma: float
     """Threshold gamma of equation 3 for this cost function."""

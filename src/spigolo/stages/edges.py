@@ -1,8 +1,8 @@
 """Selection of the image edges that are boundaries of objects (equations 12-20).
 
 A Canny edge is a depth boundary if the depth changes by a step across the edge. A Canny edge is a contact boundary if
-an object touches its support at the edge. All other edges are removed, such as texture edges and convex edges of
-objects.
+an object touches its support at the edge. Canny edges of all other kinds are removed, such as texture edges and convex
+edges of objects.
 """
 
 from __future__ import annotations

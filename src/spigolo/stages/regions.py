@@ -1,5 +1,5 @@
-"""Partition of the graph of pixels into regions. The criterion is the internal difference of the regions (equations 2,
-3).
+"""Partition of the graph of pixels into regions. Edge weights inside the regions are compared with the weights of edges
+between regions (equations 2, 3).
 """
 
 from __future__ import annotations
@@ -17,16 +17,18 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.3, 0.6)
-"""Edges are sorted and merged in several rounds of increasing weight. A round begins at each of these quantiles of the
-positive edge weights.
+"""Quantiles of the positive edge weights at which a new round of merging begins. Regions are merged in several rounds
+with edges of increasing weight.
 """
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""If less than this share of the edges has weight 0, one more round is run first. This round ends at the first rejected
-merge.
+"""Minimum share of edges with weight 0 at which merging begins directly with the normal rounds. With a smaller share,
+an additional first round runs until a merge is rejected.
 """
 ONE, BOTH = 1, 2
-"""Minimum number of flagged pixels of an edge. Edges with fewer flagged pixels are not sorted."""
+"""Minimum number of flagged pixels of an edge. A pixel is flagged if its region can still merge or is small. Edges with
+fewer flagged pixels are not sorted.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +115,7 @@ class SortedEdges:
     ) -> tuple[npt.NDArray[np.uint64], float]:
         """Return the sorted packed edges with low <= weight < high, and the upper limit of their weights.
 
-        If these edges do not fit into the buffer of `forest`, only the lightest are returned, and the upper limit is
+        If these edges do not fit into the buffer, only the lightest edges are returned, and the returned upper limit is
         smaller than `high`.
 
         - forest: current regions.
@@ -130,7 +132,7 @@ class SortedEdges:
             if count >= 0:
                 break
             high = self._make_room(low, high)
-        if least == BOTH and low > 0:  # no region is final in absorb_small
+        if least == BOTH and low > 0:  # absorb_small merges regions without a merge bound
             count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
 
@@ -186,7 +188,7 @@ class Forest:
         weights for the next round.
 
         Before the first rejected merge, an edge has no effect if its two pixels are also connected by lighter edges.
-        Such edges are not sorted.
+        Edges without effect are not sorted.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)

@@ -1,6 +1,6 @@
 """Pinhole cameras: intrinsics, fields of view, scaling and undistortion.
 
-Pixel centres have integer coordinates. In x, an image of width W therefore reaches from -0.5 to W - 0.5.
+Pixel centres have integer coordinates. In the x direction, an image of width W therefore reaches from -0.5 to W - 0.5.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
 point, in pixels.
 """
 MAX_SKEW = 1e-3
-"""A skew of the camera matrix K counts as a rounding error if skew / fx is at most this limit."""
+"""Maximum skew of the camera matrix K, divided by fx, that counts as a rounding error."""
 MAX_ASPECT_CHANGE = 0.01
-"""Two aspect ratios count as equal if their relative difference is at most this limit. For example, 848:480 counts as
-equal to 16:9.
+"""Maximum relative difference between two aspect ratios that count as equal. For example, 848:480 counts as equal to
+16:9.
 """
 LEAST_FOCAL_SHARE = 0.05
 """Minimum focal length as a share of the image width. A focal length of 5 % of the image width means a field of view of
@@ -88,8 +88,8 @@ class Camera:
 
     @classmethod
     def from_matrix(cls, K: Any, width: int, height: int, distortion: Sequence[float] = ()) -> Camera:
-        """Return the camera with the camera matrix K, given as (3, 3) or as nine numbers row by row. Raises
-        CameraError.
+        """Return the camera with the camera matrix K, given as (3, 3) or as nine numbers row by row. Raises CameraError
+        for an invalid matrix.
         """
         rows = as_numbers(K)
         if rows.shape not in ((3, 3), (9,)):
@@ -110,7 +110,8 @@ class Camera:
     ) -> Camera:
         """Return the camera with a given field of view, in degrees, and the principal point in the image centre.
 
-        If only the horizontal or only the vertical angle is given, fx and fy are equal. Raises CameraError.
+        If only the horizontal or only the vertical angle is given, fx and fy are equal. Raises CameraError for an
+        invalid angle.
         """
         given = [angle for angle in (horizontal_deg, vertical_deg) if angle is not None]
         if not given or not all(0 < angle < 180 for angle in given):
@@ -188,7 +189,7 @@ class Camera:
         self, depth: npt.NDArray[Any], where: npt.NDArray[np.bool_] | None = None
     ) -> npt.NDArray[np.float32]:
         """Return the points (N, 3), in metres, of all pixels with depth. where: mask (H, W) of the pixels to use, or
-        None.
+        None to use all pixels.
         """
         valid = depth > 0 if where is None else (depth > 0) & where
         y, x = np.nonzero(valid)
@@ -226,7 +227,9 @@ def as_numbers(value: Any) -> npt.NDArray[np.float64]:
 
 
 def as_coefficients(values: Any) -> tuple[float, ...]:
-    """Return validated distortion coefficients, or an empty tuple if all coefficients are 0. Raises CameraError."""
+    """Return validated distortion coefficients, or an empty tuple if all coefficients are 0. Raises CameraError for
+    invalid coefficients.
+    """
     numbers = as_numbers(values).reshape(-1)
     if numbers.size not in DISTORTION_LENGTHS or not np.isfinite(numbers).all():
         raise CameraError(

@@ -38,7 +38,7 @@ class Frame:
     - color: (H, W, 3) uint8 RGB.
     - depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
     - depth_scale: metres per unit of integer depth, which may also be a field of `camera`.
-    - camera: any form that `as_camera` accepts, or None without intrinsics.
+    - camera: intrinsics in any form that `as_camera` accepts, or None if the intrinsics are unknown.
 
     Raises FrameError if the colour image and the depth map differ in size, or have more than `max_pixels` pixels.
     Raises CameraError for an invalid camera.
@@ -114,8 +114,8 @@ class Frame:
 
 
 def _own_scale(camera: CameraLike) -> float | None:
-    """Return the depth scale in the fields of a camera, in metres per unit, or None without such a field. Raises
-    CameraError.
+    """Return the depth scale in the fields of a camera, in metres per unit, or None if no field contains a depth scale.
+    Raises CameraError for an invalid depth scale.
     """
     plain = camera is None or isinstance(camera, Camera | str)
     fields = None if plain else fields_of(camera)
@@ -134,7 +134,8 @@ def depth_in_metres(
     values. Missing depth is 0 in the result. NaN, infinite depth, depth below NEAREST_M, depth beyond the range of
     cameras, and the largest value of an integer type count as missing.
 
-    depth: (H, W) floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
+    depth: (H, W) floating-point metres, or integers with depth_scale metres per unit. Raises FrameError for depth of a
+    wrong shape or type.
     """
     _check_depth(depth, depth_scale)
     with np.errstate(over="ignore"):  # values too large for float32 become infinite, which counts as missing

@@ -66,7 +66,7 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
     - a name of a camera model or a field of view, as in `Camera.named`
     - a dict of the fields that `camera_from_mapping` lists, or a camera object of pyrealsense2, ROS or Open3D
 
-    Raises CameraError.
+    Raises CameraError for invalid intrinsics and for any other value.
     """
     if value is None or isinstance(value, Camera):
         return value
@@ -140,7 +140,8 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
     The fields of the colour camera may be nested in another field.
 
-    width, height: image size in pixels, used if the fields contain no image size. Raises CameraError.
+    width, height: image size in pixels, used if the fields contain no image size. Raises CameraError for invalid or
+    missing fields.
     """
     values = own_fields(values)
     window = window_of(values)

@@ -15,20 +15,20 @@ NEAREST_M, FARTHEST_M = 1e-6, 1e8
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
-LEAST_WITHIN: the unit is wrong if (pixels up to REACH_M) / (pixels beyond REACH_M) is at most this limit. MOST_EQUAL: a
-value means missing depth if at least this share of the pixels beyond REACH_M has the value. If no value means missing
-depth, the unit is wrong if most pixels lie beyond REACH_M. Depth in a wrong unit does not count as missing, so that a
-message can suggest the right unit.
+LEAST_WITHIN: the unit is wrong if the number of pixels up to REACH_M, divided by the number of pixels beyond REACH_M,
+is at most this limit. MOST_EQUAL: a depth value means missing depth if at least this share of the pixels beyond REACH_M
+has the value. If no depth value means missing depth, the unit is wrong if most pixels lie beyond REACH_M. Depth in a
+wrong unit does not count as missing, so that a message can suggest the right unit.
 """
 LARGEST_UINT16 = 65535
 """The value 65535 means missing depth in 16-bit files. In arrays of 32-bit and 64-bit integers, which may have been
-read from such files, 65535 means missing depth too.
+read from 16-bit files, 65535 means missing depth too.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class OutOfReach:
-    """Description of positive depth values that no camera measures. Such values count as missing.
+    """Description of positive depth values that no camera measures. These implausible values count as missing depth.
 
     - value: the most frequent implausible depth value, as stored.
     - pixels: number of pixels with this value.

@@ -2,8 +2,8 @@
 labels.
 
 The width of the band depends on the width of the ramps at the borders. A ramp is a run of pixels at a blurred depth
-step. Their depths lie between the depths of both sides of the step. Pixels of the band are called open, because they
-get new labels.
+step. The depths of ramp pixels lie between the depths of both sides of the step. Pixels of the band are called open,
+because they get new labels.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from spigolo.kernels._jit import inlined, kernel
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
-"""Minimum and maximum relative depth of a ramp pixel (exclusive). At a depth step, the relative depth of the nearer
-side is 0, and that of the farther side is 1.
+"""Limits (exclusive) of the relative depth of a pixel on a ramp, which is a blurred depth step. At a depth step, the
+relative depth of the nearer side is 0, and that of the farther side is 1.
 """
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
@@ -76,8 +76,8 @@ def flag_differences(row, other, flags):
 
 @inlined
 def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, sums):
-    """Read the depth profile across the border between the pixels p and p + step. Add the result to the sums of
-    `count_ramps`.
+    """Read the depth profile across the border between the pixels p and p + step. Add the numbers of depth steps and of
+    ramp pixels to the array `sums` of `count_ramps`.
 
     flat (H * W,): depth map. place: position of pixel p in its image row or column. length: length of this image row or
     column.

@@ -7,7 +7,7 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def halve_depth(depth, out):
-    """Set each output pixel to the lower median of the valid depths in a block of 2x2 pixels, or to 0 if all are
+    """Set each output pixel to the lower median of the valid depths in a block of 2x2 pixels, or to 0 if all depths are
     missing.
 
     The mean of a block could lie between an object and the surface behind it, but the lower median is a measured depth.

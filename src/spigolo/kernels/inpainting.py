@@ -13,8 +13,8 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def blend(near, far, mean, step_m, step_share):
-    """Return the mean depth around a hole. If the nearest and the farthest depth around it differ by a depth step,
-    return the farthest depth.
+    """Return the mean depth around a hole. If the nearest and the farthest depth around the hole differ by a depth
+    step, return the farthest depth.
     """
     return far if far - near > max(step_m, step_share * near) else mean
 
@@ -57,7 +57,7 @@ def close_holes(depth, holes, step_m, step_share, values):
 def find_runs(depth, runs):
     """List the runs of missing pixels of all image rows in runs (N, 3) int32. Return the number of runs.
 
-    N must be large enough for all runs.
+    The array `runs` must be large enough for all runs.
     """
     height, width = depth.shape
     count = 0
@@ -118,7 +118,7 @@ def join_runs(runs, parent, gaps):
 def measure_gaps(depth, runs, gaps, area, near, far, on_border):
     """Measure each gap: number of pixels, minimum and maximum depth around the gap, and contact with the image border.
 
-    - runs (N, 3), gaps (N,): as in `join_runs`.
+    - runs (N, 3), gaps (N,): runs of missing pixels, and number of the gap of each run, as in `join_runs`.
     - area (G,) int64, initially zero: number of pixels of each gap.
     - near (G,) float32, initially +inf: minimum depth around each gap, in metres.
     - far (G,) float32, initially zero: maximum depth around each gap, in metres.

@@ -15,7 +15,7 @@ def first_measured(depth, y, x, dy, dx, most):
     """Return the first pixel that has depth on the line from (y, x) in the direction (dy, dx), after at most `most`
     steps.
 
-    If no such pixel exists, the result is (-1, -1).
+    If no pixel with depth is found, the result is (-1, -1).
     """
     height, width = depth.shape
     for _ in range(most + 1):

@@ -3,7 +3,7 @@
 In a Potts model, every pixel has a spin, which is an integer. Two neighbouring pixels have an interaction J, which is
 positive if their colours are similar and negative otherwise. The energy of the image is E = -(sum of J over all pairs
 of neighbouring pixels with equal spins). Interactions are stored in four planes, one for each direction to a neighbour.
-J is 0 for pairs that leave the image.
+The interaction J is 0 for pairs that leave the image.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def look_around(spins, planes, y, x, spin, force):
 @inlined
 def energy(spin, force, of):
     """Return the part of the energy E that depends on one pixel, for the case that its spin is `of`. The arrays `spin`
-    and `force` are the spins and interactions of its neighbours.
+    and `force` contain the spins and interactions of the neighbours of the pixel.
     """
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
@@ -131,9 +131,9 @@ def sweep(spins, planes, values, temperature, seed, number):
     """Run one Metropolis sweep over all pixels. The spin proposed for a pixel is the spin with the lowest energy, apart
     from its current spin.
 
-    A change of energy dE <= 0 is always accepted. A change dE > 0 is accepted with the probability exp(-dE /
-    temperature). Pixels are updated in four groups, each with every second pixel of every second row. Pixels of one
-    group are not neighbours, so that the order of updates in a group does not matter.
+    A new spin that changes the energy by dE <= 0 is always accepted. A new spin with dE > 0 is accepted with the
+    probability exp(-dE / temperature). Pixels are updated in four groups, each with every second pixel of every second
+    row. Pixels of one group are not neighbours, so that the order of updates in a group does not matter.
 
     - spins (H, W) int32: spins from 0 to values - 1, changed in place.
     - planes (4, H, W) float32: interactions.

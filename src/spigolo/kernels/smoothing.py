@@ -12,8 +12,7 @@ def mark_steps(depth, error_per_m, step_factor, out):
     """Compute the inverted depth-change map of Holzer et al.: 0 at depth steps and missing depth, 1 elsewhere.
 
     A depth step at depth d (m) is a difference of at least step_factor * error_per_m * d^2 to the right or lower
-    neighbour. The depth-change map is inverted, because the distance transform measures the distance to the nearest
-    zero.
+    neighbour. The depth-change map is inverted, because `distance_to_zero` measures the distance to the nearest zero.
     """
     height, width = depth.shape
     for y in range(height):
@@ -119,10 +118,10 @@ def count_boxes(integral, radius, out):
 @kernel
 def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
     """Eqs. 5, 8. Compute the mean depth in the smoothing window of each pixel. Excluded pixels do not enter the mean
-    (equation 8). If no pixel is excluded, this is equation 5.
+    (equation 8). If no pixel is excluded, the result is that of equation 5.
 
-    Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the
-    loop.
+    Pixels without depth stay without depth. Pixels of equal radius are processed together, so that the compiler
+    vectorises the loop.
 
     - depth_integral (H+1, W+1) float64: integral image of depth.
     - left_out_integral (H+1, W+1) int32: integral image of the mask of excluded pixels.

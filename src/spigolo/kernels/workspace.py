@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 LARGEST_HEAP_BLOCK = 32 * 2**20 - 2**13
-"""Size of a memory block in bytes. The C library glibc raises its memory thresholds only when it frees blocks up to
-this size (see mallopt(3)).
+"""Size in bytes of the memory block that `keep_freed_memory` frees. The C library glibc raises its memory thresholds
+only when it frees blocks up to this size (see mallopt(3)).
 """
 
 

@@ -69,8 +69,8 @@ class Trace:
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segment a frame and return the results of all stages.
 
-    frame, config, roi: the same arguments as those of `segment`. workspace: scratch memory to reuse from frame to
-    frame, with a separate workspace for each thread.
+    - frame, config, roi: the same arguments as those of `segment`.
+    - workspace: scratch memory to reuse from frame to frame. Use a separate workspace for each thread.
     """
     check_frame(frame)
     check_config(config)

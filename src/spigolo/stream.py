@@ -31,8 +31,8 @@ Timed = tuple[Segmentation, float, Workspace]
 class Segmenter:
     """Callable object that segments frames like `segment`, and reuses memory from frame to frame.
 
-    `map` segments several frames at the same time, because the kernels release Python's global interpreter lock. If
-    your own threads segment frames, create one Segmenter for each thread.
+    The method `map` segments several frames at the same time, because the kernels release Python's global interpreter
+    lock. If your own threads segment frames, create one Segmenter for each thread.
 
     - config: parameters of the segmentation.
     - ids: if True, each object gets an id that stays the same while the object is in view (`ObjectMask.id`).

@@ -29,7 +29,7 @@ LEAST_FITTED = 80
 """Minimum number of pixels to which the support surface is fitted."""
 BELOW, ABOVE = 3.0, 1.5
 """Maximum distances of a pixel below and above the fitted surface, as multiples of the noise. Pixels farther from the
-surface are left out of the next fit. `ABOVE` is smaller than `BELOW`, because objects lie above the surface.
+surface are left out of the next fit. The limit `ABOVE` is smaller than `BELOW`, because objects lie above the surface.
 """
 
 Heights = npt.NDArray[np.float32]

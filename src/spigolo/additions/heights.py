@@ -23,8 +23,9 @@ def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: 
     """Return the configuration with a lower `Support.min_height_m` if the plane has little noise. If the minimum height
     cannot be lowered, return the configuration unchanged.
 
-    The step height `Ledge.step_m` is multiplied by the same factor as `Support.min_height_m`. depth: depth map (H, W)
-    in metres.
+    The step height `Ledge.step_m` is multiplied by the same factor as `Support.min_height_m`.
+
+    depth: depth map (H, W) in metres.
     """
     ours = config.additions
     if ours is None or ours.support is None or ours.support.noise_factor is None or plane is None or camera is None:

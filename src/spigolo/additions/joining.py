@@ -9,8 +9,8 @@ Each rule compares two neighbouring regions. The class `Joining` contains the pa
 - cap: the upper face and the side of a box, or a filled cup. The rule joins two regions if the depth step across their
   border is small and the border is not a valley. The two regions must also lie above each other in the image, have
   similar top heights, and be nearly convex together.
-- smooth: two parts of one surface that were separated because of noise. The rule joins two regions if the depth step
-  across their border is small, the border is not a valley, and its mean boundary value is not too large.
+- smooth: two parts of one surface that were separated because of noise. The rule joins two regions if their border has
+  a small depth step, is not a valley, and has no large mean boundary value.
 - enclosed: a region that is surrounded by an object, such as the bottom of a bowl. The rule joins only regions on the
   support plane or without depth with the object around them.
 """

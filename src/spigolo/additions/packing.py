@@ -13,8 +13,8 @@ from spigolo.settings.support import Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""A pixel counts as close to an image edge if a square around the pixel contains an edge pixel. `PART` is the image
-width divided by the side length of this square.
+"""A pixel counts as close to an image edge if a square around the pixel contains an edge pixel. The side length of this
+square is the image width divided by `PART`.
 """
 OUTLINE_PX = 9
 """Side length in pixels of the square by which the mask of the support plane is eroded. After the erosion, image edges

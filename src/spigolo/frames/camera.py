@@ -20,9 +20,7 @@ from spigolo.frames.nominal import NOMINAL
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
 """Valid numbers of OpenCV's distortion coefficients k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y."""
 LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
-"""LEAST_FOCAL_PX: minimum focal length in pixels. MOST_PX: maximum focal length and maximum coordinate of the principal
-point, in pixels.
-"""
+"""Minimum focal length, and maximum focal length and coordinate of the principal point, in pixels."""
 MAX_SKEW = 1e-3
 """Maximum skew of the camera matrix K, divided by fx, that counts as a rounding error."""
 MAX_ASPECT_CHANGE = 0.01
@@ -188,8 +186,9 @@ class Camera:
     def back_project(
         self, depth: npt.NDArray[Any], where: npt.NDArray[np.bool_] | None = None
     ) -> npt.NDArray[np.float32]:
-        """Return the points (N, 3), in metres, of all pixels with depth. where: mask (H, W) of the pixels to use, or
-        None to use all pixels.
+        """Return the points (N, 3), in metres, of all pixels with depth.
+
+        where: mask (H, W) of the pixels to use, or None for all pixels.
         """
         valid = depth > 0 if where is None else (depth > 0) & where
         y, x = np.nonzero(valid)

@@ -158,7 +158,10 @@ def _names_file(text: str) -> bool:
 
 
 def write_png(path: PathLike, image: Image) -> None:
-    """Write an image as PNG. image: RGB (H, W, 3) uint8, or grey (H, W) with 8 or 16 bits."""
+    """Write an image as PNG.
+
+    image: RGB (H, W, 3) uint8, or grey (H, W) with 8 or 16 bits.
+    """
     bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if image.ndim == 3 else image
     done, data = cv2.imencode(".png", bgr)
     if not done:

@@ -176,7 +176,10 @@ def _advice(path: PathLike) -> str:
 
 
 def how_to_extract(suffix: str) -> str:
-    """Return instructions for the user to extract frames from a recording. suffix: file suffix of the recording."""
+    """Return instructions for the user to extract frames from a recording.
+
+    suffix: file suffix of the recording.
+    """
     if suffix in OPENED:
         return "read the frames with sp.open_source or `spigolo segment RECORDING`"
     tool = "Open3D or k4arecorder" if suffix == ".mkv" else "the recorder or driver of the camera"

@@ -34,8 +34,9 @@ MEND = "undistort the images first and give their camera without distortion"
 
 
 def model_name(value: object) -> str:
-    """Return the name of a lens model in lower case with underscores. value: text, an enumeration or librealsense's
-    number.
+    """Return the name of a lens model in lower case with underscores.
+
+    value: text, an enumeration or librealsense's number.
     """
     if isinstance(value, int) and 0 <= value < len(REALSENSE_MODELS):
         return REALSENSE_MODELS[value]

@@ -47,8 +47,9 @@ def _variables(data: bytes, order: str) -> Iterator[tuple[str, npt.NDArray[Any]]
 
 
 def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
-    """Yield the type number and the content of each data element of a MATLAB file. order: "<" or ">" for the byte
-    order.
+    """Yield the type number and the content of each data element of a MATLAB file.
+
+    order: "<" or ">" for the byte order.
     """
     place = 0
     while place + 8 <= len(data):

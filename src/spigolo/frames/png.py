@@ -14,8 +14,9 @@ DROPPED = (b"PLTE", b"tRNS", b"sBIT", b"bKGD", b"hIST", b"iCCP", b"sRGB", b"gAMA
 class Header(NamedTuple):
     """Header of a PNG file.
 
-    width, height: image size in pixels. bits: bits per channel. kind: colour type (0 grey, 2 RGB, 3 indexed, 4 grey
-    with alpha, 6 RGB with alpha).
+    - width, height: image size in pixels.
+    - bits: bits per channel.
+    - kind: colour type (0 grey, 2 RGB, 3 indexed, 4 grey with alpha, 6 RGB with alpha).
     """
 
     width: int

@@ -15,10 +15,12 @@ NEAREST_M, FARTHEST_M = 1e-6, 1e8
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
-LEAST_WITHIN: the unit is wrong if the number of pixels up to REACH_M, divided by the number of pixels beyond REACH_M,
-is at most this limit. MOST_EQUAL: a depth value means missing depth if at least this share of the pixels beyond REACH_M
-has the value. If no depth value means missing depth, the unit is wrong if most pixels lie beyond REACH_M. Depth in a
-wrong unit does not count as missing, so that a message can suggest the right unit.
+- LEAST_WITHIN: the unit is wrong if the number of pixels up to REACH_M, divided by that of pixels beyond REACH_M, is at
+  most this limit.
+- MOST_EQUAL: a depth value means missing depth if at least this share of the pixels beyond REACH_M has the value. If no
+  depth value means missing depth, the unit is wrong if most pixels lie beyond REACH_M.
+
+Depth in a wrong unit does not count as missing, so that a message can suggest the right unit.
 """
 LARGEST_UINT16 = 65535
 """The value 65535 means missing depth in 16-bit files. In arrays of 32-bit and 64-bit integers, which may have been
@@ -86,7 +88,8 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
 def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
     """Return True if depth values beyond REACH_M are probably valid distances in another unit, such as millimetres.
 
-    beyond: depth values (N,) beyond REACH_M, as stored. within: number of pixels within REACH_M.
+    - beyond: depth values (N,) beyond REACH_M, as stored.
+    - within: number of pixels within REACH_M.
     """
     if within <= LEAST_WITHIN * beyond.size:
         return True

@@ -84,8 +84,10 @@ def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.f
 def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.NDArray[np.float64]:
     """Return a validated rigid transform (4, 4) as float64.
 
-    name: name of the transform in error messages. farthest_m: maximum length of the translation in metres. Raises
-    CameraError for an invalid transform.
+    - name: name of the transform in error messages.
+    - farthest_m: maximum length of the translation in metres.
+
+    Raises CameraError for an invalid transform.
     """
     try:
         T: npt.NDArray[Any] = np.array(value, np.float64, order="C")

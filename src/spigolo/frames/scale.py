@@ -48,8 +48,9 @@ def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
 
 
 def check_scale(scale: float, where: object) -> None:
-    """Raise CameraError if a depth scale is too large for metres per unit. where: origin of the depth scale, as named
-    in the error message.
+    """Raise CameraError if a depth scale is too large for metres per unit.
+
+    where: origin of the depth scale, as named in the error message.
     """
     if scale > LARGEST_SCALE_M:
         raise CameraError(

@@ -29,7 +29,10 @@ def parse_yaml(text: str) -> Any:
 
 
 def _load(yaml: Any, text: str) -> Any:
-    """Return the first document of a YAML text. yaml: the module PyYAML. Raises YAMLError for invalid YAML."""
+    """Return the first document of a YAML text. Raises YAMLError for invalid YAML.
+
+    yaml: the module PyYAML.
+    """
 
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
         """YAML loader that also reads OpenCV matrices and all forms of numbers."""

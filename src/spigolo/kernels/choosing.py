@@ -215,7 +215,8 @@ def drop_final(edges, offsets, parent, records, useful):
     A region is final if its lightest edge is heavier than its merge bound. To save time, no edge is removed if only few
     edges are heavier than the merge bound of one of their two regions.
 
-    parent (H W,): root of the region of every pixel. useful (H W,) uint8: scratch memory.
+    - parent (H W,): root of the region of every pixel.
+    - useful (H W,) uint8: scratch memory.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):
@@ -242,8 +243,8 @@ def drop_final(edges, offsets, parent, records, useful):
 def flag_open(low_bits, parent, records, flags):
     """Set the parent of every pixel to the root of its region, and flag the regions that can still merge.
 
-    low_bits: bit pattern of a float32 weight, as an integer. flags (H W,): 1 for pixels of regions whose merge bound is
-    at least the weight `low_bits`, else 0.
+    - low_bits: bit pattern of a float32 weight, as an integer.
+    - flags (H W,): 1 for pixels of regions whose merge bound is at least the weight `low_bits`, else 0.
     """
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)

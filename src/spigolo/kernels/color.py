@@ -61,7 +61,8 @@ def hsv_points(rgb, k_dv, k_ds, out):
 
     The point is (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2) for hue h, saturation s and value v.
 
-    rgb (H, W, 3) float32: colours from 0 to 255. out (3, H, W) float32: points.
+    - rgb (H, W, 3) float32: colours from 0 to 255.
+    - out (3, H, W) float32: points.
     """
     height, width, _ = rgb.shape
     norm = np.sqrt(k_dv * k_dv + k_ds * k_ds)

@@ -38,8 +38,9 @@ def close_holes(depth, holes, step_m, step_share, values):
 
     Pixels without a valid neighbour stay 0. Each call fills the outermost layer of pixels of a hole.
 
-    depth (H, W) metres: changed in place. holes (N,) int64: indices y * W + x of missing pixels. values (N,) float32:
-    scratch memory.
+    - depth (H, W): depth map in metres, changed in place.
+    - holes (N,) int64: indices y * W + x of missing pixels.
+    - values (N,) float32: scratch memory.
     """
     width = depth.shape[1]
     for k in range(holes.size):
@@ -89,7 +90,9 @@ def root_of(parent, run):
 def join_runs(runs, parent, gaps):
     """Join the runs of missing pixels into 8-connected gaps, and number the gaps from 0. Return the number of gaps.
 
-    runs (N, 3): runs of `find_runs`. parent (N,) int32: scratch memory. gaps (N,) int32: number of the gap of each run.
+    - runs (N, 3): runs of missing pixels, as returned by `find_runs`.
+    - parent (N,) int32: scratch memory.
+    - gaps (N,) int32: number of the gap of each run.
     """
     for k in range(len(runs)):
         parent[k] = k

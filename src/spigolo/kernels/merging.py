@@ -16,8 +16,8 @@ HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
 """Number of bits in the lower half of a packed edge or record, and the mask of these bits."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""Index of the edge for which memory is prefetched, minus the index of the current edge. `NODES_AHEAD` applies to the
-parents of pixels. `ROOTS_AHEAD` applies to the records of regions.
+"""Index of the edge for which memory is prefetched, minus the index of the current edge. The constant `NODES_AHEAD`
+applies to the parents of pixels, and `ROOTS_AHEAD` to the records of regions.
 """
 
 
@@ -207,7 +207,9 @@ def number_regions(parent, number, labels):
     """Number the regions 0..R-1 in the order in which their first pixels appear in the image. Return the number of
     regions R.
 
-    parent (H W,) uint32. number (H W,) uint32: scratch memory. labels (H W,): number of the region of each pixel.
+    - parent (H W,) uint32: parent of each pixel in the union-find forest.
+    - number (H W,) uint32: scratch memory.
+    - labels (H W,): number of the region of each pixel.
     """
     number[:] = 0
     regions = np.uint32(0)

@@ -42,7 +42,7 @@ def measure_heights(depth, slope_x, slope_y, slope, offset, out):
 
 @kernel
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
-    """Classify the position of every pixel relative to a plane. out (H, W) uint8: MISSING, BELOW, ON or ABOVE.
+    """Classify the position of every pixel relative to a plane in out (H, W) uint8: MISSING, BELOW, ON or ABOVE.
 
     A pixel is ON the plane if its absolute height is at most max(least, noise * depth^2). A pixel without depth is
     MISSING. The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32 metres. The slopes and the

@@ -99,7 +99,8 @@ def advance(total, across, low, high, reached, origin):
 def go_around(radial, angular, low, high, total, reached, origin):
     """Compute the cost of paths that start on ray 0 and pass all rays once, with radii within low..high on each ray.
 
-    total: cost of the start at each radius on ray 0. reached: cost of the path that returns to each radius on ray 0.
+    - total: cost of the start at each radius on ray 0.
+    - reached: cost of the path that returns to each radius on ray 0.
     """
     rays = radial.shape[0]
     for t in range(1, rays + 1):
@@ -117,8 +118,8 @@ def closed_path(radial, angular, least, most, best):
 
     First, the cheapest path through one radius on ray 0 is computed. The cheapest path through any other radius on ray
     0 need not cross the first path. Paths with a smaller radius on ray 0 are therefore searched only inside the first
-    path, and paths with a larger radius only outside the first path. A start radius is skipped if a lower bound of its
-    cost exceeds the cost of the best path.
+    path. Paths with a larger radius are searched only outside the first path. A start radius is skipped if a lower
+    bound of its cost exceeds the cost of the best path.
 
     - radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k.
     - angular (T, R) float32, not negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the

@@ -58,10 +58,13 @@ def center_surround(gray, integral, surrounds, on, off):
     `on` contains the sum of the positive differences, and `off` the sum of the absolute values of the negative
     differences.
 
-    The surround of size n of a pixel (y, x) is the window of rows y-n+1..y+n and columns x-n+1..x+n, clipped to the
-    image, without the pixel. Each difference is truncated to whole grey levels.
+    The surround of size n of a pixel (y, x) is the window of rows y-n+1..y+n and columns x-n+1..x+n. The window is
+    clipped to the image, and the pixel itself is excluded. Each difference is truncated to whole grey levels.
 
-    gray (H, W) uint8. integral (H+1, W+1) int32: integral image of gray. surrounds (S,): sizes n. on, off (H, W) int32.
+    - gray (H, W) uint8: grey image.
+    - integral (H+1, W+1) int32: integral image of the grey image.
+    - surrounds (S,): sizes n of the surrounds.
+    - on, off (H, W) int32: results.
     """
     height, width = gray.shape
     pad = min(surrounds.max(), width)

@@ -59,8 +59,10 @@ def offer(bucket, p, s, size, least, head, tail, edges):
     """Add the edge from labelled pixel s to open pixel p to the queue. Nothing is added if the queue had an edge to p
     with an equal or smaller weight.
 
-    bucket: weight of the edge in whole grey levels. size: number of edges in the queue. Returns the new number of edges
-    in the queue.
+    - bucket: weight of the edge in whole grey levels.
+    - size: number of edges in the queue.
+
+    Returns the new number of edges in the queue.
     """
     if bucket >= least[p]:
         return size

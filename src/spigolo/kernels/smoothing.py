@@ -107,7 +107,8 @@ def box_row(integral, y, x, r, n, out):
 def count_boxes(integral, radius, out):
     """Eq. 7. Count the pixels of a mask in the smoothing window of each pixel (gamma_0).
 
-    integral (H+1, W+1): integral image of the mask. radius (H, W): half-width of each window, in pixels.
+    - integral (H+1, W+1): integral image of the mask.
+    - radius (H, W): half-width of each window, in pixels.
     """
     height, width = radius.shape
     for y in range(height):

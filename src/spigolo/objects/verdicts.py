@@ -22,9 +22,9 @@ class Reason(str, Enum):
     SUPPORT = "support"
     """The region lies on the support plane (`Support.min_above`)."""
     WALL = "wall"
-    """The region is part of a wall or a rim. A region counts as a wall if depth increases by a step along too little of
-    its outline, or if the region is long and cut off by the image border (`Wall`). A region counts as a rim if it
-    surrounds the support plane (`Rim`).
+    """The region is part of a wall or a rim. A region counts as a wall if too little of its outline is a depth step, or
+    if it is long and cut off by the image border (`Wall`). A region counts as a rim if it surrounds the support plane
+    (`Rim`).
     """
     WEAK_CONTOUR = "weak contour"
     """The mean boundary value along the region's border is too small (`Rules.min_contour`)."""

@@ -1,9 +1,9 @@
 """Parameters of our additions to the paper's method. In the paper's presets (SHELF, TABLE, CLUTTER), `Config.additions`
 is None.
 
-Three other modules contain further parameters of our additions. `settings.support` contains the parameters of the
-support plane. `settings.joining` contains the parameters of the rules that join regions. `settings.rules` contains the
-parameters of the rules that reject or keep regions.
+Three other modules contain further parameters of our additions. The module `settings.support` contains those of the
+support plane. The module `settings.joining` contains those of the rules that join regions. The module `settings.rules`
+contains those of the rules that reject or keep regions.
 
 Lengths in pixels are given for a 640x480 image. If `Additions.lengths_grow` is set, lengths in pixels are scaled with
 the image size.

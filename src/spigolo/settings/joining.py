@@ -55,8 +55,9 @@ class Vessel(Settings):
     vessel. For a certain inside, `sure_solidity` replaces `min_solidity`. A larger minimum joins fewer regions.
     """
     sure_solidity: Share = 0.75
-    """Minimum solidity of the wall and the inside of a vessel together. `sure_solidity` replaces `min_solidity` if the
-    hollowness reaches both `sure_hollow_back` and `sure_contrast`. A larger minimum solidity joins fewer regions.
+    """Minimum solidity of the wall and the inside of a vessel together. The limit `sure_solidity` replaces
+    `min_solidity` if the hollowness reaches both `sure_hollow_back` and `sure_contrast`. A larger minimum solidity
+    joins fewer regions.
     """
 
 

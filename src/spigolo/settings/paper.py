@@ -1,5 +1,5 @@
-"""Parameters of the paper's method, with one class for each stage of the method. `settings.additions` contains the
-parameters of our additions.
+"""Parameters of the paper's method, with one class for each stage of the method. The module `settings.additions`
+contains the parameters of our additions.
 
 The text of each field names the origin of its default value. The paper is Toscana & Rosa 2016. The words "authors'
 code" mean the code that the authors of the paper published. A default value is our choice if the paper gives no value
@@ -53,8 +53,8 @@ class Smoothing(Settings):
     equation 18 detects fewer creases. The default is our choice.
     """
     skip_steps: bool = True
-    """Exclude pixels on a depth step from the mean over the smoothing window. `skip_steps` has no effect if `mean` is
-    `plain`. The default comes from the authors' code.
+    """Exclude pixels on a depth step from the mean over the smoothing window. The field `skip_steps` has no effect if
+    `mean` is `plain`. The default comes from the authors' code.
     """
 
 
@@ -106,7 +106,7 @@ class ColorConfig(Settings):
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
     """Sigma of the Gaussian smoothing of the RGB image, in pixels. With 0, the image is not smoothed. Larger values
-    suppress more noise. The default comes from the authors' code, which smooths the HSV image instead.
+    suppress more noise. The default comes from the authors' code, which smooths the HSV image instead of the RGB image.
     """
     k_dv: Positive = 4.5
     """Weight of the difference in brightness (V of HSV). With a larger weight, brightness has more influence on the

@@ -1,5 +1,5 @@
-"""Parameters of our rules that reject or keep regions (`Additions.rules`). `settings.paper` contains the parameters of
-the paper's rules.
+"""Parameters of our rules that reject or keep regions (`Additions.rules`). The module `settings.paper` contains the
+parameters of the paper's rules.
 """
 
 from __future__ import annotations
@@ -126,9 +126,9 @@ class Rules(Settings):
     the cost function does not use the boundary map, boundary values are computed from the edge weights.
     """
     min_contour_holes: Share | None = None
-    """Minimum mean boundary value along a region's border in frames with much missing depth. `min_contour_holes`
-    replaces `min_contour` if hole outlines count as contours (`DepthContours.holes_from`). If None, `min_contour` is
-    used in all frames.
+    """Minimum mean boundary value along a region's border in frames with much missing depth. The limit
+    `min_contour_holes` replaces `min_contour` if hole outlines count as contours (`DepthContours.holes_from`). If None,
+    `min_contour` is used in all frames.
     """
     metric: bool = False
     """Ignore the size limits in pixels (`max_lambda1_px2`, `max_lambda2_px2`) if intrinsics are known. If intrinsics

@@ -23,18 +23,18 @@ class Facing(Settings):
     max_roll_deg: Annotated[float, Field(ge=0, le=90)] = 40.0
     """Maximum angle between the normal of the support plane and the Y-Z plane of the camera's frame, in degrees. A
     plane with a larger angle faces sideways. A plane that faces sideways is accepted only if at least the share
-    `min_share_sideways` of the measured pixels lies on it. `max_roll_deg` is used only if the upward direction `up` is
-    None.
+    `min_share_sideways` of the measured pixels lies on it. The limit `max_roll_deg` is used only if the upward
+    direction `up` is None.
     """
     max_down_deg: Annotated[float, Field(ge=0, le=90)] = 20.0
     """Maximum angle of the support plane's normal below the X-Z plane of the camera's frame, in degrees. A plane with a
-    larger angle faces down, such as a ceiling, and is never used as support plane. `max_down_deg` is used only if the
-    upward direction `up` is None.
+    larger angle faces down, such as a ceiling, and is never used as support plane. The limit `max_down_deg` is used
+    only if the upward direction `up` is None.
     """
     min_share_sideways: Share = 0.5
     """Minimum share of the frame's measured pixels on a plane that faces sideways. A sideways plane with at least this
-    share of the pixels is accepted, because the camera is probably mounted on its side. `min_share_sideways` is used
-    only if the upward direction `up` is None.
+    share of the pixels is accepted, because the camera is probably mounted on its side. The limit `min_share_sideways`
+    is used only if the upward direction `up` is None.
     """
 
     @model_validator(mode="after")
@@ -78,8 +78,8 @@ class Support(Settings):
     contour: bool = True
     """Add the outlines of the pixels above the support plane to the boundary map."""
     stacked_share: Positive | None = None
-    """Minimum size of a plane that lies above the largest plane and is parallel to it, as a share of the size of the
-    largest plane. The size of a plane is its number of pixels. An upper plane of at least this size, such as a table
+    """Minimum size of a plane that lies above the largest plane and is parallel to it, as a share of the largest
+    plane's size. The size of a plane is its number of pixels. An upper plane of at least this size, such as a table
     above the floor, becomes the support plane. If None, planes above the largest plane are not searched.
     """
     facing: Facing | None = None

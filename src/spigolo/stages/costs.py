@@ -52,8 +52,9 @@ def possible_costs(cost: Cost) -> tuple[PixelCost, ...]:
 
 
 def choose_cost(cost: Cost, missing: float | None) -> PixelCost:
-    """Return the cost function for a frame. missing: share of missing depth, as returned by
-    `stages.depth.missing_share`.
+    """Return the cost function for a frame.
+
+    missing: share of missing depth, as returned by `stages.depth.missing_share`.
     """
     if not isinstance(cost, AutoCost):
         return cost

@@ -121,8 +121,9 @@ def sampling_holes(missing: Mask) -> Mask:
 
 
 def _close(depth: DepthMap, holes: npt.NDArray[np.int64], layers: int, config: Inpainting) -> None:
-    """Fill holes in a depth map, one layer of pixels after the other, from outside to inside. holes: indices y * W + x
-    of the pixels in holes.
+    """Fill holes in a depth map, one layer of pixels after the other, from outside to inside.
+
+    holes: indices y * W + x of the pixels in holes.
     """
     values = np.empty(holes.size, np.float32)
     for _ in range(layers):
@@ -164,7 +165,10 @@ class Gaps:
         return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
 
     def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:
-        """Return the indices y * W + x of all pixels of the selected runs. wanted: mask (N,) of the runs."""
+        """Return the indices y * W + x of all pixels of the selected runs.
+
+        wanted: mask (N,) of the selected runs.
+        """
         row, first, _ = self.runs[wanted].astype(np.int64).T
         length = self.lengths[wanted]
         before = np.cumsum(length) - length

@@ -41,8 +41,9 @@ class Graph:
 def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_m: float = 0.0) -> Graph:
     """Compute the edge weights of a frame with a cost function.
 
-    color: colours as points (3, H, W), as returned by `color_points`. noise_per_m: depth noise divided by the squared
-    depth, 1/m. The noise is subtracted from depth differences (our addition). In the paper, this noise is 0.
+    - color: colours as points (3, H, W), as returned by `color_points`.
+    - noise_per_m: depth noise divided by the squared depth, 1/m. The noise is subtracted from depth differences (our
+      addition). In the paper, this noise is 0.
     """
     weights = np.empty((config.partition.connectivity // 2, *cues.depth.shape), np.float32)
     scale = depth_scale(cues.depth, config.depth.depth_range)
@@ -57,7 +58,8 @@ def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_
 def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
     """Return 1 / depth range for equation 9, in 1/m, or 0 if all depths are equal.
 
-    depth: (H, W) in metres. depth_range: range in metres, or None for the range of the valid depths.
+    - depth: depth map (H, W) in metres.
+    - depth_range: depth range in metres, or None for the range of the valid depths.
     """
     if depth_range is not None:
         return 1.0 / depth_range

@@ -35,8 +35,9 @@ fewer flagged pixels are not sorted.
 class Regions:
     """Partition of an image into regions.
 
-    labels: (H, W) int32, region number of each pixel, from 0 to count - 1. Regions are numbered in the order in which
-    their first pixels appear in the image. count: number of regions.
+    - labels: (H, W) int32, region number of each pixel, from 0 to count - 1. Regions are numbered in the order in which
+      their first pixels appear in the image.
+    - count: number of regions.
     """
 
     labels: npt.NDArray[np.int32]
@@ -49,8 +50,9 @@ class Regions:
         return counts
 
     def spread(self, of_region: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-        """Return an image (H, W) in which each pixel has the value of its region. of_region: values (R,) of the
-        regions.
+        """Return an image (H, W) in which each pixel has the value of its region.
+
+        of_region: values (R,) of the regions.
         """
         out = np.empty_like(self.labels)
         moments.spread(of_region, self.labels, out)
@@ -148,7 +150,10 @@ class SortedEdges:
         return high
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
-        """Sort packed edges by weight. base: bit pattern of the smallest possible weight, as an integer."""
+        """Sort packed edges by weight.
+
+        base: bit pattern of the smallest possible weight, as an integer.
+        """
         width = max(((int(edges.max()) >> merging.HALF_BITS) - base).bit_length(), 1)
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)

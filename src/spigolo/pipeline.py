@@ -46,13 +46,15 @@ class Trace:
     the frame.
     """
     plane: Plane | None
-    """Support plane (our addition). None if no plane was found."""
+    """Support plane (our addition). The value is None if no plane was found."""
     weighing: Weighing
     """Cost function and threshold gamma that were chosen for the frame."""
     edges: EdgeMaps | None
-    """Image edges and boundaries. None if the cost function does not read the boundary map."""
+    """Image edges and boundaries. The value is None if the cost function does not read the boundary map."""
     contours: Contours | None
-    """Contours from the depth map (our addition). None if the preset has no additions or if `edges` is None."""
+    """Contours from the depth map (our addition). The value is None if the preset has no additions or if `edges` is
+    None.
+    """
     cues: Cues
     """Cues from which the edge weights were computed."""
     graph: Graph

@@ -64,8 +64,8 @@ class Segmenter:
     def map(self, frames: Iterable[Frame], roi: Roi | None = None, threads: int = 2) -> Iterator[Segmentation]:
         """Segment frames on several threads, and yield the results in the order of the frames.
 
-        Each thread segments one frame at a time. The next frame is requested only when a thread is free. A live camera
-        therefore delivers its newest frame, and frames do not wait in a queue. Each result contains its frame as
+        Each of the threads segments one frame at a time. The next frame is requested only when a thread is free. A live
+        camera therefore delivers its newest frame, and frames do not wait in a queue. Each result contains its frame as
         `Segmentation.frame`.
 
         - frames: a source or any other iterable. A separate thread reads the frames.

@@ -30,7 +30,7 @@ class Contours:
     """Contours of a depth map, and the union of these contours with the boundary map E_F."""
 
     contours: Mask | None
-    """Mask (H, W) of the contours, without the boundary map E_F. None if contours are switched off."""
+    """Mask (H, W) of the contours, without the boundary map E_F. The value is None if contours are switched off."""
     lines: Mask
     """Mask (H, W) of the boundary map E_F and the contours together, dilated to a line width of `line_px` pixels."""
     in_holes: bool
@@ -84,7 +84,7 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
 
     The noise at a pixel is the depth difference between the pixel and a straight line in space. The line connects the
     pixels that are `reach_px` columns to the left and to the right. The returned noise is the median over the measured
-    pixels. The returned noise is 0 if it can be measured at fewer than `NOISE_SAMPLES` pixels.
+    pixels. If the noise can be measured at fewer than `NOISE_SAMPLES` pixels, the returned noise is 0.
     """
     rows = depth[::NOISE_ROWS]
     before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]
@@ -96,7 +96,7 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
 
 
 def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
-    """Return the mask (H, W) of pixels without depth. Return None if these pixels cover less than the share
+    """Return the mask (H, W) of pixels without depth. Return None if pixels without depth cover less than the share
     `holes_from` of the frame.
     """
     if config.holes_from is None or np.count_nonzero(depth) > (1 - config.holes_from) * depth.size:

@@ -155,7 +155,7 @@ def _with_pockets(
     reach: Square,
 ) -> npt.NDArray[np.uint8]:
     """Fill the holes of a patch, and add low cells with at least half of their border near the patch. For example, the
-    bottom of a tray is such a cell. Holes and cells that are larger than the patch itself are not added.
+    bottom of a tray is added to the patch. Holes and cells that are larger than the patch itself are not added.
     """
     filled = patch.astype(np.uint8)
     _, holes, stats, _ = cv2.connectedComponentsWithStats((~patch).view(np.uint8), connectivity=4)

@@ -2,7 +2,7 @@
 
 The graph partition can split an object into several regions. An object is split at depth steps within the object,
 between the wall and the inside of a cup, or because of noise. Four rules join regions that are parts of one object.
-Each rule compares two neighbouring regions. The class `Joining` contains the parameters of the four rules.
+Each of the four rules compares two neighbouring regions. The class `Joining` contains the parameters of the four rules.
 
 - vessel: the wall and the inside of a cup. The rule joins two regions if the front region is convex, the region behind
   it is concave, and both have the same top height.
@@ -43,7 +43,7 @@ regions are tested.
 """
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
-"""Minimum number of image columns that two joined regions share, divided by the number of columns of one of them.
+"""Minimum number of image columns that two joined regions share, divided by the number of image columns of one region.
 
 For the rule `vessel`, the divisor is the number of columns of the inside of the vessel. For the rule `cap`, the divisor
 is the number of columns of the narrower region.

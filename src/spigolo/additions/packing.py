@@ -13,8 +13,8 @@ from spigolo.settings.support import Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""A pixel counts as close to an image edge if a square around the pixel contains an edge pixel. The side length of this
-square is the image width divided by `PART`.
+"""A pixel of the support plane counts as close to an image edge if a square around the pixel contains an edge pixel.
+The side length of the square is the image width divided by `PART`.
 """
 OUTLINE_PX = 9
 """Side length in pixels of the square by which the mask of the support plane is eroded. After the erosion, image edges
@@ -25,7 +25,7 @@ at the outline of the mask are not counted.
 def warn_of_packing(
     edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> None:
-    """Warn if the support plane looks like a layer of packed objects: it is large, has many image edges, and almost no
+    """Warn if the support plane looks like a layer of packed objects: it is large and has many image edges, but few
     objects stand on it.
     """
     support, rule = config.support, config.packing

@@ -26,8 +26,8 @@ MEMORY = 0.5
 pixel has the remaining weight. The trees of the spanning forest grow from seed pixels.
 """
 CARRY = 0.9
-"""Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. Across a blurred
-image edge, the weights then add up to about the weight of a sharp image edge.
+"""Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. Because of this
+addition, the weights across a blurred image edge add up to about the weight of a sharp image edge.
 """
 HALVED_BAND_PX = 3
 """Width in pixels, on each side of a border, of the band in which pixels get new labels after a segmentation at half
@@ -54,8 +54,8 @@ def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinem
     """Move the borders of objects to the nearby colour differences. Only pixels within a band along the borders get new
     labels.
 
-    This band of pixels is wider where depth is smeared or missing. The innermost pixels of each object keep their
-    labels. Lengths in `config` must be scaled to the image size.
+    The band along the borders is wider where depth is smeared or missing. The innermost pixels of each object keep
+    their labels. Lengths in `config` must be scaled to the image size.
 
     - labels: (H, W), 0 = background, 1..N = objects.
     - color: (H, W, 3) uint8 RGB.
@@ -152,7 +152,8 @@ def claim(
     config: Refinement,
 ) -> Claimed:
     """Give each marked pixel of `opened` the label of a seed pixel. Seed pixels are the unmarked pixels next to marked
-    pixels. A spanning tree grows from each seed pixel. A marked pixel gets the label of the first tree that reaches it.
+    pixels. A spanning tree grows from each seed pixel. A marked pixel gets the label of the first spanning tree that
+    reaches it.
 
     Marked pixels that no tree reaches keep their label.
     """

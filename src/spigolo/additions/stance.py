@@ -27,13 +27,13 @@ normal, the mean normal of the region is not computed.
 REACH_INSIDE = 2.5
 """Distance from the outline at which a region's slope is measured, as a multiple of `Wall.reach_px`."""
 FLAT = Plane(np.zeros(3), 0.0)
-"""Placeholder for a missing support plane. Heights above this placeholder are always 0."""
+"""Placeholder for a missing support plane. Heights above the placeholder plane are always 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
     """Measurements of each region for the rule `Wall`, which rejects walls, and the rule `Ledge`, which keeps low
-    objects. Unknown values are NaN.
+    objects. Values that could not be measured are NaN.
     """
 
     cut: npt.NDArray[np.float64]

@@ -15,7 +15,7 @@ from spigolo.errors import FileError
 PathLike = str | os.PathLike[str]
 Array = npt.NDArray[Any]
 MAX_UNPACKED = 2 << 30
-"""Maximum size in bytes of all arrays of a .npz file after decompression. Without this limit, a small compressed file
+"""Maximum size in bytes of all arrays of a .npz file after decompression. Without the limit, a small compressed file
 could fill the memory.
 """
 ALONE = ""

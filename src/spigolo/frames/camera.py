@@ -40,8 +40,8 @@ FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Camera:
-    """Pinhole intrinsics of the colour camera, in pixels. The depth map is registered to the image of this camera.
-    Raises CameraError for invalid values.
+    """Pinhole intrinsics of the colour camera, in pixels. The depth map is registered to the image of the colour
+    camera. Raises CameraError for invalid values.
     """
 
     fx: float
@@ -168,7 +168,7 @@ class Camera:
     def undistort(self, image: npt.NDArray[Any], *, nearest: bool = False) -> npt.NDArray[Any]:
         """Remove the lens distortion from an image (H, W) or (H, W, C). Pixels that the camera did not see are 0.
 
-        nearest: use nearest-neighbour instead of bilinear interpolation, for depth and labels.
+        nearest: True to use nearest-neighbour instead of bilinear interpolation, as required for depth and labels.
         """
         if not self.distortion:
             return image

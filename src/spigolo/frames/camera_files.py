@@ -30,7 +30,7 @@ NAMES = (
     "intrinsics.yml", "camera.txt", "cam_K.txt", "camK.txt", "camera-intrinsics.txt", "camera_intrinsics.txt",
     "intrinsics.txt", "intrinsic.txt", "cam_K.npy", "camK.npy", "K.txt", "K.npy", "cameras.txt", "scene_camera.json",
 )  # fmt: skip
-"""Names of the camera files that are searched for next to the images. The first existing file is used."""
+"""Names of the camera files that are searched for next to the images. The first of these files that exists is used."""
 FORMS = (
     "JSON or YAML with fx, fy, cx, cy or a matrix K, a 3x3 matrix as .txt, .npy or .mat, or COLMAP's cameras.txt: write"
     ' {"K": [9 numbers, row by row]} as JSON'
@@ -174,8 +174,8 @@ def _matrix_fields(numbers: npt.NDArray[Any], path: PathLike) -> Mapping[str, An
 
 
 def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
-    """Return the cameras of COLMAP's cameras.txt, indexed by camera number. Each line is ID MODEL WIDTH HEIGHT
-    PARAMETERS.
+    """Return the cameras of COLMAP's cameras.txt, indexed by camera number. Each line of this file has the form ID
+    MODEL WIDTH HEIGHT PARAMETERS.
     """
     cameras = {}
     for row in rows:

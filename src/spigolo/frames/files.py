@@ -141,7 +141,7 @@ def _camera_and_fields(
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
     """Return the depth_scale in the fields of a camera file or dict, or None if the fields contain no depth_scale.
-    Raises CameraError for an invalid value.
+    Raises CameraError for an invalid depth scale.
     """
     is_file = isinstance(camera, str | os.PathLike)
     try:
@@ -175,8 +175,8 @@ def write_json(path: PathLike, values: Any) -> None:
 
 
 def append_lines(path: Path) -> BinaryIO:
-    """Open a text file to append lines, and create the folder of the file. If a crash left an incomplete last line in
-    the file, this line is removed.
+    """Open a text file to append lines, and create the folder of the file. An incomplete last line, which a crash may
+    have left in the file, is removed.
 
     Raises FileError for a file that cannot be written.
     """

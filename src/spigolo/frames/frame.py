@@ -49,7 +49,9 @@ class Frame:
     depth: DepthMap
     """Depth map (H, W) float32 in metres, 0 where missing."""
     camera: Camera | None
-    """Intrinsics of the colour image and the depth map, without distortion. None if the intrinsics are unknown."""
+    """Intrinsics of the colour image and the depth map, without distortion. The value is None if the intrinsics are
+    unknown.
+    """
     name: str = ""
     """Name of the frame, used in messages and file names."""
     stamp_ns: int | None = None
@@ -60,7 +62,7 @@ class Frame:
     """Metres per unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
     """Description of positive depth values that no camera can measure. Pixels with such values count as missing depth.
-    None if all depth values are plausible.
+    The value is None if all depth values are plausible.
     """
     undistorted: bool = field(init=False, default=False)
     """True if the images were undistorted. If the images were undistorted, results belong to `Frame.color`, not to the
@@ -131,8 +133,8 @@ def depth_in_metres(
     """Convert depth to metres.
 
     Return a depth map (H, W) in metres, the number of pixels with negative depth, and a description of implausible
-    values. Missing depth is 0 in the result. NaN, infinite depth, depth below NEAREST_M, depth beyond the range of
-    cameras, and the largest value of an integer type count as missing.
+    values. Missing depth is 0 in the returned depth map. NaN, infinite depth, depth below NEAREST_M, depth beyond the
+    range of cameras, and the largest value of an integer type count as missing.
 
     depth: (H, W) floating-point metres, or integers with depth_scale metres per unit. Raises FrameError for depth of a
     wrong shape or type.

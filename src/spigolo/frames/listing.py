@@ -16,7 +16,7 @@ NOT_OURS = ("__MACOSX", "@eaDir", "Thumbs.db", "$RECYCLE.BIN")
 """Names of files and folders that operating systems create. Files and folders with these names are skipped."""
 EXACT_FIRST = (".npz", ".npy", ".exr", ".tif", ".tiff", ".png", ".pgm", ".ppm", ".pnm", ".bmp", ".webp")
 """File suffixes in order of preference. If several file names differ only in the suffix, the file with the most
-preferred suffix is used. Suffixes that are not in this tuple come last.
+preferred suffix is used. Suffixes that are not in the tuple come last.
 """
 
 

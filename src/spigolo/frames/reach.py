@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 REACH_M = 50.0
-"""Maximum distance in metres that an RGB-D camera measures. Larger depth counts as missing."""
+"""Maximum distance in metres that an RGB-D camera measures. Depth beyond this distance counts as missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
 """Minimum and maximum depth in metres. Smaller and larger depth values count as missing."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
@@ -33,8 +33,8 @@ class OutOfReach:
     """Description of positive depth values that no camera measures. These implausible values count as missing depth.
 
     - value: the most frequent implausible depth value, as stored.
-    - pixels: number of pixels with this value.
-    - share: number of pixels with this value, divided by the number of all pixels of the frame.
+    - pixels: number of pixels with the most frequent implausible value.
+    - share: `pixels` divided by the number of all pixels of the frame.
     - kind: integer type whose largest value is `value`, such as "uint16". The text is empty if `value` is a distance
       beyond REACH_M.
     """
@@ -52,8 +52,8 @@ class OutOfReach:
 
 
 def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return the mask (H, W) of pixels with the largest value of the integer type. In types with more than 16 bits,
-    pixels with the value 65535 belong to the mask too.
+    """Return the mask (H, W) of pixels with the largest value of the integer type. In integer types with more than 16
+    bits, pixels with the value 65535 also belong to the mask.
     """
     largest = np.iinfo(stored.dtype).max
     found = stored == largest

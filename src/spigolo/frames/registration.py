@@ -39,7 +39,8 @@ def register_depth(
     step.
 
     - depth: depth map (h, w) of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
-    - depth_camera: intrinsics of the depth camera. If this camera has distortion, the depth map is undistorted first.
+    - depth_camera: intrinsics of the depth camera. If the depth camera has distortion, the depth map is undistorted
+      first.
     - color_camera: intrinsics of the colour camera, which must have no distortion.
     - T_color_depth: transform (4, 4) from the depth camera's frame to the colour camera's frame, translation in metres.
 

@@ -175,7 +175,7 @@ def open_layers(labels, layer, inner, share, opened):
     If a label has pixels beyond the maximum layer, all layers up to the maximum become open.
 
     - labels (H, W) int32: label of each pixel.
-    - layer (H, W) uint8, inner (N,) int32: results of `measure_layers`.
+    - layer (H, W) uint8, inner (N,) int32: results of the kernel `measure_layers`.
     - opened (H, W) uint8: flags of open pixels, 0 for other pixels.
     """
     height, width = labels.shape

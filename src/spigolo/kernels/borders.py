@@ -13,7 +13,8 @@ PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
 MOST_ROUND = 0.6
 """Maximum distance between the middle of a chord and the surface, divided by the width of the chord. For a half-circle,
-this ratio is 0.5. A chord is the straight line between both ends of a region in an image row (`sum_hollows`).
+the ratio of distance and width is 0.5. A chord is the straight line between both ends of a region in an image row
+(`sum_hollows`).
 """
 
 
@@ -50,7 +51,7 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     - number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped.
     - depth (H, W): depth map in metres.
     - boundary (H, W): boundary map, from 0 to 1.
-    - sums (S, S, 6) float64, initially zero: result.
+    - sums (S, S, 6) float64, initially zero: six values for each pair of numbered regions.
 
     The array sums[a, b] contains six values of the border between regions a and b:
 
@@ -131,7 +132,8 @@ def collect_pairs(labels, boundary, pairs, strength):
     - pairs (K,) int64: output buffer for the pairs.
     - strength (K,): output buffer for the values of the pairs.
 
-    Returns the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.
+    Returns the number of pairs, which may exceed K. If more than K pairs exist, the pairs beyond K are counted, but not
+    stored.
     """
     height, width = labels.shape
     count = 0

@@ -1,10 +1,10 @@
-"""Selection of the edges that are sorted and then used to merge regions. Edges that cannot merge two regions are
+"""Selection of the graph edges that are sorted and used to merge regions. Edges that cannot merge two regions are
 skipped to save time (see docs/performance.md). The merge bound of a region is the maximum weight of an edge that can
 merge the region with another region (`kernels.merging.merge_bound`).
 
 Three kinds of edges cannot merge two regions:
 
-- edges inside one region
+- edges between two pixels of one region
 - edges of a final region: a region whose remaining edges are all heavier than its merge bound
 - detours, which are edges between two pixels that are also connected by a chain of lighter edges
 """
@@ -19,7 +19,9 @@ from spigolo.kernels.merging import HALF_BITS, PLANE_BITS, bound_bits, ends, fin
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
 BLOCK = 4096
-"""Number of edges that are processed together, to stay in the processor's cache. BLOCK must be a multiple of 8."""
+"""Number of edges that are processed together, to stay in the processor's cache. The number BLOCK must be a multiple of
+8.
+"""
 
 
 @kernel
@@ -37,7 +39,7 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
     - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
     - out: buffer for the packed edges. The buffer must have room for one more edge than is packed.
 
-    Returns the number of packed edges, or -1 if out is too small.
+    Returns the number of packed edges, or -1 if the buffer `out` is too small.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)
@@ -179,7 +181,7 @@ def pack_edge(bits, plane, pixel):
 @inlined
 def pack(bits, plane, first, last, chosen, eights, count, out):
     """Append the marked edges among the edges first..last - 1 of one direction to out, which contains `count` edges.
-    Return the new count.
+    Return the new number of edges in out.
 
     Unmarked edges are written too, and the next edge overwrites them, so that the loop needs few branches.
     """
@@ -210,7 +212,7 @@ def is_heavy(edge, offsets, parent, records):
 
 @kernel
 def drop_final(edges, offsets, parent, records, useful):
-    """Remove the packed edges (K,) at final regions. Return the number of remaining edges.
+    """Remove the packed edges (K,) at final regions. Return the number of edges that remain.
 
     A region is final if its lightest edge is heavier than its merge bound. To save time, no edge is removed if only few
     edges are heavier than the merge bound of one of their two regions.

@@ -9,9 +9,9 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""Margins of the fast float32 tests that select candidate pixels of contours. The thresholds are multiplied by `CLOSE`.
-The constant `ROUNDING` is a margin for rounding errors, as a share of the depth. The candidate pixels are tested again
-in float64.
+"""Margins of the fast float32 tests that select the pixels that may lie on contours. The thresholds are multiplied by
+`CLOSE`. The constant `ROUNDING` is a margin for rounding errors, as a share of the depth. The selected pixels are
+tested again in float64.
 """
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8

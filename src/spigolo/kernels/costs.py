@@ -24,9 +24,9 @@ def depth_difference(a, b, scale, noise):
     pixel of the edge.
 
     - a, b: depths of both pixels, in metres.
-    - scale: 1 / depth range, 1/m.
+    - scale: 1 / depth range of the frame, 1/m.
     - noise: depth noise divided by the squared depth, 1/m. The noise is subtracted from the depth difference. The paper
-      uses noise = 0.
+      uses a noise of 0.
     """
     near = a if a < b else b
     beyond = abs(a - b) - noise * near * near

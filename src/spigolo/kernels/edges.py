@@ -8,10 +8,10 @@ from spigolo.kernels._jit import inlined, kernel
 
 SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
-"""Value of tan 22.5 degrees."""
+"""Tangent of 22.5 degrees, which is half the angle between two neighbouring directions."""
 ROUNDING = 1e-9
-"""Relative rounding error of a cosine. If the cosine of an angle differs from a limit by less than this error, the
-angle is compared instead of the cosine.
+"""Relative rounding error of a cosine. If the cosine of an angle differs from a limit by less than the rounding error,
+the angle is compared instead of the cosine.
 """
 
 
@@ -29,8 +29,8 @@ def steepest(gx, gy):
 
 @inlined
 def normal_direction(gx, gy):
-    """Round the direction of a gradient to one of four neighbours of a pixel, and return it as N = (n_y, n_x). Opposite
-    gradients have the same result.
+    """Round the direction of a gradient to one of four neighbours of a pixel, and return the offset N = (n_y, n_x) of
+    this neighbour. Opposite gradients have the same result.
 
     Gradients near 0, 45, 90 and 135 degrees give the neighbour at the right, upper right, top and upper left. The code
     has no branches, for speed.

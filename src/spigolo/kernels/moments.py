@@ -7,7 +7,7 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 DARK_BELOW = 24
-"""A pixel is dark if its brightness, from 0 to 255, is below this value."""
+"""Limit of the brightness of a pixel, from 0 to 255. A pixel with a smaller brightness is dark."""
 
 
 @inlined

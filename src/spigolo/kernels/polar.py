@@ -73,10 +73,10 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
 def advance(total, across, low, high, reached, origin):
     """Compute the cheapest path from any radius on one ray to each radius low..high - 1 on the next ray.
 
-    - total: cost of the path to each radius on this ray.
-    - across: cost of changing between the radii k and k + 1, on the way from this ray to the next ray.
-    - reached: cost of the path to each radius on the next ray.
-    - origin: for each radius on the next ray, the radius on this ray from which the cheapest path comes.
+    - total: cost of the cheapest path to each radius on the first ray.
+    - across: cost of changing between the radii k and k + 1, on the way from the first ray to the next ray.
+    - reached: cost of the cheapest path to each radius on the next ray.
+    - origin: for each radius on the next ray, the radius on the first ray from which the cheapest path comes.
     """
     best, source = np.inf, low
     for k in range(low, high):

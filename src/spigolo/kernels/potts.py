@@ -47,7 +47,9 @@ def color_interaction(distance, mean, repulsion):
 
 @inlined
 def is_step(z_here, z_there, step, step_per_m):
-    """Return True if two depth values, in metres, differ by a depth step. Missing depth gives False."""
+    """Return True if two depth values, in metres, differ by a depth step. If one depth is missing, the result
+    is False.
+    """
     near = min(z_here, z_there)
     return near > 0.0 and abs(z_here - z_there) > max(step, step_per_m * near * near)
 
@@ -60,8 +62,8 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
     depth of the pair.
 
     - distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image.
-    - depth (H, W) metres, 0 = missing.
-    - mean, repulsion: as in `color_interaction`.
+    - depth (H, W): depth map in metres, 0 = missing.
+    - mean, repulsion: parameters of the function `color_interaction`.
     - step: minimum depth step, in metres.
     - step_per_m: minimum depth step per squared depth, 1/m.
     - out (H, W) float32: interaction of each pair.
@@ -114,8 +116,8 @@ def energy(spin, force, of):
 
 @inlined
 def best_other(spin, force, own, stranger):
-    """Return the spin with the lowest energy, and this energy. Candidates are the random spin `stranger`, and the spins
-    of the neighbours that differ from the spin `own`.
+    """Return the spin with the lowest energy, and the energy for this spin. Candidates are the random spin `stranger`,
+    and the spins of the neighbours that differ from the spin `own`.
     """
     best, least = stranger, energy(spin, force, stranger)
     for k in range(NEIGHBOURS):
@@ -137,7 +139,7 @@ def sweep(spins, planes, values, temperature, seed, number):
 
     - spins (H, W) int32: spins from 0 to values - 1, changed in place.
     - planes (4, H, W) float32: interactions.
-    - seed, number: seed of the random bits, and number of this sweep.
+    - seed, number: seed of the random bits, and number of the sweep.
 
     Returns the number of changed spins.
     """

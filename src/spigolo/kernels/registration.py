@@ -7,7 +7,9 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 NEAREST_M = 0.01
-"""Minimum distance of a surface from the target camera, in metres. Nearer surfaces are not drawn."""
+"""Minimum distance of a surface from the target camera, in metres. Surfaces nearer to the target camera are not
+drawn.
+"""
 FARTHEST_PX = 1e9
 """Maximum absolute image coordinate of a drawn point, in pixels."""
 ROUNDING = 1e-6

@@ -44,8 +44,8 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    The distance is exact. First, the distance along the column is computed for each pixel. Then, these distances are
-    combined along each row.
+    The computed distance is exact. First, the distance along the column is computed for each pixel. Then, the distances
+    along the columns are combined along each row.
 
     steps (H, W) int16: scratch memory. out (H, W) float32.
     """
@@ -71,9 +71,9 @@ def distance_to_zero(mask, cap, steps, out):
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
     """Compute the half-width of the smoothing window of each pixel, in pixels: min(beta alpha d^2, T / sqrt 2).
 
-    The parameters of the formula are alpha = error_per_m and beta = radius_per_error. The depth d is in metres. T is
-    the distance to the nearest depth step or missing pixel, in pixels. The half-width is rounded and limited to
-    max_radius and to the image.
+    In this formula, alpha is error_per_m, beta is radius_per_error, and d is the depth in metres. The length T is the
+    distance to the nearest depth step or missing pixel, in pixels. The half-width is rounded and limited to max_radius
+    and to the image.
     """
     height, width = depth.shape
     for y in range(height):

@@ -33,8 +33,8 @@ def tint_of(number: int) -> Tint:
 
 
 def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
-    """Draw the masks of objects over an image (H, W, 3). The background is darkened. Each object is tinted in its
-    colour and outlined.
+    """Draw the masks of objects over an image (H, W, 3). The background of the image is darkened. Each object is tinted
+    in its colour and outlined.
 
     masks: dict of masks (H, W), indexed by object number. The object number determines the colour of an object.
     """

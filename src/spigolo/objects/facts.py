@@ -41,7 +41,9 @@ class RegionFacts:
     centroid_px: tuple[float, float]
     """Centroid (y, x) of the region in pixels."""
     centroid_m: tuple[float, float, float] | None
-    """Mean (X, Y, Z) of the region's measured points in metres. None if measured points or intrinsics are missing."""
+    """Mean (X, Y, Z) of the region's measured points in metres. The value is None if measured points or intrinsics are
+    missing.
+    """
     spread_px2: tuple[float, float]
     """Eigenvalues (lambda1, lambda2) of the covariance of the region's pixel coordinates, px^2, largest first."""
     eccentricity: float
@@ -54,10 +56,12 @@ class RegionFacts:
     """Share of the region's pixels that are dark. A pixel is dark if its brightness max(R, G, B) is at most 23 of 255.
     """
     above: float | None
-    """Share of the region's measured pixels above the support plane. None if the frame has no support plane."""
+    """Share of the region's measured pixels above the support plane. The value is None if the frame has no support
+    plane.
+    """
     inside: float | None
     """Share of the region's pixels inside the region of interest. If the region of interest is a box in metres, pixels
-    without depth are not counted. None if no region of interest is given.
+    without depth are not counted. The value is None if no region of interest is given.
     """
     contour: float
     """Mean boundary value along the region's border, from 0 to 1."""
@@ -88,7 +92,7 @@ class RegionFacts:
     frame: Frame
     """Frame that contains the region."""
     plane: Plane | None
-    """Support plane of the frame. None if no plane was found."""
+    """Support plane of the frame. The value is None if no plane was found."""
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._summary()})"
@@ -100,17 +104,19 @@ class RegionFacts:
 
     @property
     def mask(self) -> Mask:
-        """Mask (H, W) of the region's pixels. Each access creates a new array."""
+        """Mask (H, W) of the region's pixels. Each access to the property creates a new array."""
         return np.asarray(self.regions == self.region)
 
     @property
     def distance_m(self) -> float | None:
-        """Distance of the region's centroid from the camera in metres. None if depth or intrinsics are missing."""
+        """Distance of the region's centroid from the camera in metres. The value is None if depth or intrinsics are
+        missing.
+        """
         return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
 
     @property
     def size_m(self) -> tuple[float, float] | None:
-        """Approximate length and width of the region in metres. None if depth or intrinsics are missing.
+        """Approximate length and width of the region in metres. The value is None if depth or intrinsics are missing.
 
         Length and width are the side lengths of a rectangle that faces the camera, at the distance of the region. The
         pixel coordinates of the rectangle have the same variances (`spread_px2`) as those of the region.
@@ -207,7 +213,7 @@ def measure_regions(
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
     """Update the measurements of regions after their outlines have changed.
 
-    All measurements except score, above, inside, contour, cut, hides, ledge and lean_deg are updated. These eight
+    All measurements except score, above, inside, contour, cut, hides, ledge and lean_deg are updated. The excepted
     measurements stay the same, because the rules have already accepted or rejected the regions by them.
 
     - facts: measurements before the change, indexed by new region number.

@@ -26,7 +26,7 @@ Value = TypeVar("Value", bound=np.generic)
 @stage("outlines")
 def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
     """Move the outlines of all objects to nearby colour differences. Only pixels within a band along the outlines get
-    new labels. This band is wider where depth is smeared or missing.
+    new labels. The band along the outlines is wider where depth is smeared or missing.
 
     A pixel that is removed from an object is added to a neighbouring region. Regions that lose all their pixels are
     removed, and the other regions are numbered again.

@@ -57,8 +57,8 @@ def region_score(
 
     - contour: mean boundary value (R,) along each region's border.
     - measured: number (R,) of each region's measured pixels, divided by the number of image pixels.
-    - above: share (R,) of each region's measured pixels that lie above the support plane. None if the frame has no
-      support plane.
+    - above: share (R,) of each region's measured pixels that lie above the support plane. The value is None if the
+      frame has no support plane.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

@@ -85,7 +85,8 @@ class Segmentation:
     rejected: tuple[RejectedRegion, ...]
     """Rejected regions with the reasons for their rejection. Every region is either an object or a rejected region."""
     left_out: tuple[str, ...]
-    """Names of results that were not computed, because the frame has no intrinsics. Empty if the frame has intrinsics.
+    """Names of results that were not computed, because the frame has no intrinsics. The tuple is empty if the frame has
+    intrinsics.
     """
     preset: str
     """Name of the preset that was used for the segmentation."""
@@ -112,8 +113,8 @@ class Segmentation:
 
     @property
     def support(self) -> Mask | None:
-        """Mask (H, W) of background pixels on the support plane. None if the frame has no support plane. Each access
-        creates a new array.
+        """Mask (H, W) of background pixels on the support plane. The value is None if the frame has no support plane.
+        Each access to the property creates a new array.
         """
         return self.scene.on_support(self.labels)
 

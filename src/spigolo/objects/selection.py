@@ -23,10 +23,12 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
-"""Minimum and maximum plausible median depth of a frame, in metres. No RGB-D camera measures outside this range."""
+"""Minimum and maximum plausible median depth of a frame, in metres. No RGB-D camera measures depth outside this
+range.
+"""
 CLOSE_M, FAR_M = 0.15, 3.0
 """Minimum and maximum median depth of a usual frame, in metres. If no object is found, a median depth below `CLOSE_M`
-gives a warning. A median depth above `FAR_M` gives a warning only if it is also above `max_distance_m`.
+gives a warning. A median depth above `FAR_M` gives a warning only if the median depth is also above `max_distance_m`.
 """
 SAMPLED = 8
 

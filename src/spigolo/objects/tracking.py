@@ -35,7 +35,9 @@ class Track:
     area_px: int
     """Area of the object in pixels at its last detection."""
     center_m: npt.NDArray[np.float64] | None
-    """Centroid (X, Y, Z) of the object at its last detection, metres. None if depth or intrinsics are missing."""
+    """Centroid (X, Y, Z) of the object at its last detection, metres. The value is None if depth or intrinsics are
+    missing.
+    """
     unseen: int = 0
     """Number of frames since the last detection of the object."""
 

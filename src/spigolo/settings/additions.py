@@ -1,9 +1,9 @@
 """Parameters of our additions to the paper's method. In the paper's presets (SHELF, TABLE, CLUTTER), `Config.additions`
 is None.
 
-Three other modules contain further parameters of our additions. The module `settings.support` contains those of the
-support plane. The module `settings.joining` contains those of the rules that join regions. The module `settings.rules`
-contains those of the rules that reject or keep regions.
+Three other modules contain further parameters of our additions. The module `settings.support` contains the parameters
+of the support plane. The module `settings.joining` contains the parameters of the rules that join regions. The module
+`settings.rules` contains the parameters of the rules that reject or keep regions.
 
 Lengths in pixels are given for a 640x480 image. If `Additions.lengths_grow` is set, lengths in pixels are scaled with
 the image size.
@@ -41,7 +41,8 @@ class DepthContours(Settings):
 
     max_shadow_px: Length_px = 60
     """Maximum width of a shadow that is filled before contours are searched, in pixels. A shadow (missing depth next to
-    an object) is filled with the larger of the depths on both sides. Shadows wider than this maximum are not filled.
+    an object) is filled with the larger of the depths on both sides. Shadows wider than this maximum width are not
+    filled.
     """
     step_offset_px: Offset_px = 2
     """Distance from a pixel to each of two depth samples on opposite sides of the pixel, in pixels. The depths of the
@@ -49,8 +50,8 @@ class DepthContours(Settings):
     are smeared over more pixels are also detected.
     """
     step_m: NotNegative = 0.015
-    """Minimum second difference of depth at a pixel that counts as a depth step, in metres. A larger minimum gives
-    fewer contours.
+    """Minimum second difference of depth at a pixel that counts as a depth step, in metres. With a larger minimum,
+    fewer depth steps are found.
     """
     step_per_m: NotNegative = 0.012
     """Minimum second difference of depth at a pixel that counts as a depth step, divided by the squared distance, 1/m.
@@ -62,21 +63,22 @@ class DepthContours(Settings):
     crease, the surfaces from the pixel to both samples meet at a certain angle.
     """
     crease_low_deg: Angle_deg = 30.0
-    """Minimum angle between the two sides of a concave crease, in degrees. A larger minimum angle gives fewer contours.
+    """Minimum angle between the two sides of a concave crease, in degrees. With a larger minimum angle, fewer creases
+    are found.
     """
     crease_high_deg: Angle_deg = 140.0
-    """Maximum angle between the two sides of a concave crease, in degrees. A larger maximum angle gives more contours.
-    With a maximum angle of 0, no creases are found.
+    """Maximum angle between the two sides of a concave crease, in degrees. With a larger maximum angle, more creases
+    are found. With a maximum angle of 0, no creases are found.
     """
     crease_noise: NotNegative | None = None
     """Minimum distance by which a crease pixel lies behind the straight line between its two depth samples, as a
-    multiple of the frame's depth noise. Larger values give fewer false creases in noise. If None, this distance is not
-    tested.
+    multiple of the frame's depth noise. Larger values give fewer false creases in noise. If None, the distance behind
+    the straight line is not tested.
     """
     holes_from: Share | None = None
-    """Minimum share of missing depth in a frame in which holes (areas without depth) give contours. In such frames,
-    hole outlines and the image edges inside holes become contours. Without contours at holes, regions on opposite sides
-    of a hole could merge. If None, holes give no contours.
+    """Minimum share of missing depth in a frame in which holes (areas without depth) give contours. In frames with at
+    least this share, hole outlines and the image edges inside holes become contours. Without contours at holes, regions
+    on opposite sides of a hole could merge. If None, holes in the depth map give no contours.
     """
 
 
@@ -84,8 +86,8 @@ class Merging(Settings):
     """Merging of neighbouring regions whose common border has a small mean value in the boundary map."""
 
     max_mean: Share = 0.4
-    """Maximum mean boundary value (0 to 1) along the common border of two regions that are merged. A larger maximum
-    merges more regions.
+    """Maximum mean boundary value (0 to 1) along the common border of two regions that are merged. With a larger
+    maximum mean value, more regions are merged.
     """
     line: Share = 0.35
     """Minimum boundary value (0 to 1) of a pixel that counts as part of a boundary line. A larger minimum gives thinner
@@ -93,8 +95,8 @@ class Merging(Settings):
     """
     min_open_px2: Area_px2 = 200.0
     """Minimum number of pixels of a region that are not part of a boundary line, px^2. A region with fewer pixels
-    outside of boundary lines is merged with a neighbouring region. The neighbour with the weakest common border is
-    chosen. A larger minimum merges more regions.
+    outside of boundary lines is merged with a neighbouring region. The neighbour with the smallest mean boundary value
+    along the common border is chosen. With a larger minimum number, more regions are merged.
     """
 
 
@@ -109,7 +111,7 @@ class Refinement(Settings):
     ramp_factor: NotNegative = 5.0
     """Width of the band in which pixels get new labels, on each side of an object border, as a multiple of the ramp
     width. A ramp is a depth step that is smeared over several pixels, as in stereo depth. A larger factor gives a wider
-    band.
+    band along object borders.
     """
     min_width_px: Length_px = 2
     """Minimum width of the band in which pixels get new labels, on each side of an object border, in pixels."""
@@ -133,7 +135,7 @@ class Refinement(Settings):
     """
     max_opened: Share = 0.6
     """Maximum share of an object's thickness in which pixels get new labels, if the object lies entirely inside the
-    band along its border. The innermost pixels of such a small object keep their labels, so that it does not vanish.
+    band along its border. The innermost pixels of a small object keep their labels, so that the object does not vanish.
     With a larger share, fewer pixels of small objects keep their labels.
     """
     min_solidity: Share | None = 0.5
@@ -143,7 +145,7 @@ class Refinement(Settings):
     """
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
     """Sigma of the Gaussian smoothing of the colour image before colour differences are computed, in pixels. With 0,
-    the image is not smoothed. A larger sigma suppresses more noise.
+    the image is not smoothed. With a larger sigma, more noise is suppressed.
     """
     step_m: Positive = 0.018
     """Minimum depth difference between neighbouring pixels that counts as a full depth step, in metres. With a larger
@@ -161,7 +163,7 @@ class Refinement(Settings):
 
 
 class Additions(Settings):
-    """Our additions to the paper. All additions are off by default."""
+    """Our additions to the method of the paper. All additions are off by default."""
 
     support: Support | None = None
     """Find the support plane, and reject regions that are not above the plane."""
@@ -189,8 +191,8 @@ class Additions(Settings):
     """Refine the outlines of objects by colour where depth is missing or smeared."""
     noise_per_m: NotNegative = 0.0
     """Depth noise that is subtracted from the depth difference between neighbouring pixels (equation 9), divided by the
-    squared distance, 1/m. The depth of some cameras is quantised, so that small depth steps divide large surfaces.
-    Larger values remove more of these small steps.
+    squared distance, 1/m. The depth of some cameras is quantised, so that small depth steps divide large surfaces. With
+    larger values, more of the small depth steps are ignored.
     """
     line_px: Offset_px = 1
     """Width of the boundary lines E_F before they are blurred, in pixels. The value 1 gives the lines of equation 20.

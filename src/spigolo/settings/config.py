@@ -37,7 +37,9 @@ class Config(Parameters):
     saliency: SaliencyConfig = SaliencyConfig()
     """Saliency map (equation 10). Only the first cost function (equation 22) uses the saliency map."""
     edges: EdgesConfig = EdgesConfig()
-    """Boundaries of objects (equations 12-20). Only the second cost function (equation 23) uses these boundaries."""
+    """Boundaries of objects (equations 12-20). Only the second cost function (equation 23) uses the boundaries of
+    objects.
+    """
     cost: Cost = BoundaryCost()
     """Cost function, which computes the weight of a graph edge (equations 22 and 23)."""
     partition: Partition = Partition()
@@ -64,8 +66,8 @@ class Config(Parameters):
     def to_toml(self, base: str | None = None) -> str:
         """Return the parameter values as TOML text that `from_toml` reads.
 
-        base: name of a preset. If `base` is given, the text contains the line `base = ...` and only the values that
-        differ from this preset.
+        base: name of a preset to start from. If `base` is given, the text contains the line `base = ...` and only the
+        values that differ from this preset.
         """
         import tomli_w
 
@@ -78,7 +80,7 @@ class Config(Parameters):
 
     @classmethod
     def from_toml(cls, text: str, base: Config | None = None) -> Config:
-        """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys.
+        """Read TOML text as written by `to_toml`. Raises ConfigError for unknown keys in the text.
 
         base: configuration whose values the text changes. If the text contains a line such as `base = "TABLE"`, this
         preset is used instead of the argument `base`. Without a base configuration, keys that are missing in the text

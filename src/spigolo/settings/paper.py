@@ -34,19 +34,19 @@ class Smoothing(Settings):
 
     mean: Literal["valid", "plain", "none"] = "valid"
     """Kind of mean over the smoothing window of a pixel. With `valid`, pixels without depth are ignored (equation 8).
-    With `plain`, pixels without depth count as 0 (equation 5). With `none`, depth is not smoothed.
+    With `plain`, pixels without depth count as 0 (equation 5). With `none`, the depth map is not smoothed.
     """
     error_per_m: Positive = 0.0028
-    """Depth error divided by the squared distance (alpha), 1/m. With a larger depth error, depth is smoothed more. The
-    default comes from the authors' code.
+    """Depth error divided by the squared distance (alpha), 1/m. With a larger depth error, the depth map is smoothed
+    more. The default comes from the authors' code.
     """
     radius_per_error_px_m: Annotated[Positive, Grows()] = 1500.0
-    """Smoothing radius divided by the depth error (beta), px/m. With a larger radius, depth is smoothed more. The
-    default comes from the authors' code.
+    """Smoothing radius divided by the depth error (beta), px/m. With a larger radius, the depth map is smoothed more.
+    The default comes from the authors' code.
     """
     step_factor: Positive = 18.0
     """Minimum depth difference between neighbouring pixels that counts as a depth step, as a multiple of the depth
-    error. Depth is not smoothed across depth steps. The default comes from the authors' code.
+    error. The depth map is not smoothed across depth steps. The default comes from the authors' code.
     """
     max_radius_px: Length_px = 10
     """Maximum smoothing radius, in pixels. With a larger radius, creases between objects are smoothed more, so that
@@ -105,8 +105,9 @@ class ColorConfig(Settings):
     """Colour difference between neighbouring pixels (equation 4)."""
 
     sigma_px: Annotated[NotNegative, Grows()] = 0.8
-    """Sigma of the Gaussian smoothing of the RGB image, in pixels. With 0, the image is not smoothed. Larger values
-    suppress more noise. The default comes from the authors' code, which smooths the HSV image instead of the RGB image.
+    """Sigma of the Gaussian smoothing of the RGB image, in pixels. With a sigma of 0, the image is not smoothed. With a
+    larger sigma, more noise is suppressed. The default comes from the authors' code, which smooths the HSV image
+    instead of the RGB image.
     """
     k_dv: Positive = 4.5
     """Weight of the difference in brightness (V of HSV). With a larger weight, brightness has more influence on the
@@ -127,8 +128,8 @@ class SaliencyConfig(Settings):
     Montabone's code.
     """
     power: Positive = 4.0
-    """Exponent to which the saliency of each pixel is raised (equation 10). With larger values, only the most salient
-    pixels have a high saliency. The default comes from the paper.
+    """Exponent to which the saliency of each pixel is raised (equation 10). With a larger exponent, only the most
+    salient pixels have a high saliency. The default comes from the paper.
     """
 
 
@@ -146,17 +147,17 @@ class EdgesConfig(Settings):
     fewer image edges. The default comes from the authors' code.
     """
     canny_floor: NotNegative = 60.0
-    """Minimum of the low threshold of the Canny edge detector, in units of the Scharr gradient. If the low threshold is
-    raised to this minimum, the high threshold is raised by the same factor. In frames without strong image edges, a
-    larger minimum gives fewer false edges in noise. The default is our choice.
+    """Minimum of the low threshold of the Canny edge detector, in units of the Scharr gradient. If the low threshold of
+    Canny is raised to this minimum, the high threshold is raised by the same factor. In frames without strong image
+    edges, a larger minimum gives fewer false edges in noise. The default is our choice.
     """
     step_offset_px: Offset_px = 7
     """Distance epsilon_rho from an edge pixel to the depth samples on both sides of the edge, in pixels. The default
     comes from the authors' code.
     """
     step_m: Positive = 0.03
-    """Minimum depth difference t_rho between both sides of an image edge that counts as a depth boundary, in metres. A
-    larger minimum gives fewer boundaries. The default comes from the authors' code.
+    """Minimum depth difference t_rho between both sides of an image edge that counts as a depth boundary, in metres.
+    With a larger minimum depth difference, fewer boundaries are found. The default comes from the authors' code.
     """
     signed_step: bool = False
     """Compare the depth difference with its sign with `step_m`, as printed in equation 13. If False, the absolute depth
@@ -165,19 +166,19 @@ class EdgesConfig(Settings):
     """
     missing_is_boundary: bool = False
     """Count an image edge as a depth boundary if a depth sample next to the edge is missing. If False, missing depth
-    samples at an image edge are ignored.
+    samples next to an image edge are ignored.
     """
     contact_offset_px: Offset_px = 5
     """Distance epsilon_e from an edge pixel to the points on both sides of the edge, from which the contact angle is
     computed, in pixels. The default comes from the authors' code.
     """
     contact_low_deg: Angle_deg = 56.0
-    """Minimum angle t_theta_L between the surfaces on both sides of a contact boundary, in degrees. A larger minimum
-    gives fewer contact boundaries. The default comes from the authors' code.
+    """Minimum angle t_theta_L between the surfaces on both sides of a contact boundary, in degrees. With a larger
+    minimum angle, fewer contact boundaries are found. The default comes from the authors' code.
     """
     contact_high_deg: Angle_deg = 154.0
-    """Maximum angle t_theta_H between the surfaces on both sides of a contact boundary, in degrees. A larger maximum
-    gives more contact boundaries. The default comes from the authors' code.
+    """Maximum angle t_theta_H between the surfaces on both sides of a contact boundary, in degrees. With a larger
+    maximum angle, more contact boundaries are found. The default comes from the authors' code.
     """
     sign_rule: Literal["tangent", "x", "none"] = "tangent"
     """Rule for the sign of the contact angle, which is computed from a cross product. With `tangent`, the sign comes
@@ -278,12 +279,12 @@ class Partition(Settings):
     """Merging of pixels into regions, by comparison of edge weights inside and between regions (equations 2 and 3)."""
 
     gamma: NotNegative = 0.0016
-    """Threshold gamma of equation 3, in units of edge weight times pixels. Larger values give larger regions. The paper
-    uses 5 (preset SHELF), 0.0016 (TABLE) and 0.001 (CLUTTER).
+    """Threshold gamma of equation 3, in units of edge weight times pixels. A larger gamma gives larger regions. The
+    paper uses 5 (preset SHELF), 0.0016 (TABLE) and 0.001 (CLUTTER).
     """
     gamma_shadows: NotNegative | None = None
     """Threshold gamma of equation 3 for frames with the cost function `AutoCost.shadows`. The weights of the cost
-    function `AutoCost.shadows` are larger by orders of magnitude than those of `AutoCost.full`. Larger values give
+    function `AutoCost.shadows` are larger by orders of magnitude than those of `AutoCost.full`. A larger gamma gives
     larger regions.
     """
     connectivity: Literal[4, 8] = 8
@@ -297,23 +298,23 @@ class Partition(Settings):
 
 
 class Rejection(Settings):
-    """Rules that reject regions (paper, section III-F). A rule with the value None is switched off."""
+    """Rules that reject regions (paper, section III-F). A rejection rule with the value None is switched off."""
 
     max_distance_m: Positive | None = None
-    """Maximum distance of a region's centroid from the camera, in metres. Regions farther away are rejected. If None,
-    there is no maximum distance. The authors' code uses a maximum distance of 1.8.
+    """Maximum distance of a region's centroid from the camera, in metres. Regions beyond this distance are rejected. If
+    None, there is no maximum distance. The authors' code uses a maximum distance of 1.8.
     """
     max_lambda1_px2: MaxArea_px2 = None
-    """Maximum variance of a region's pixel coordinates along its longer axis (lambda1), px^2. Longer regions are
-    rejected. The authors' code uses a maximum lambda1 of 3800.
+    """Maximum variance of a region's pixel coordinates along its longer axis (lambda1), px^2. Regions with a larger
+    lambda1 are rejected. The authors' code uses a maximum lambda1 of 3800.
     """
     max_lambda2_px2: MaxArea_px2 = None
-    """Maximum variance of a region's pixel coordinates along its shorter axis (lambda2), px^2. Wider regions are
-    rejected. The authors' code uses a maximum lambda2 of 950.
+    """Maximum variance of a region's pixel coordinates along its shorter axis (lambda2), px^2. Regions with a larger
+    lambda2 are rejected. The authors' code uses a maximum lambda2 of 950.
     """
     max_eccentricity: Share | None = None
-    """Maximum eccentricity sqrt(1 - lambda2 / lambda1) of a region. More elongated regions are rejected. The authors'
-    code uses a maximum eccentricity of 0.978.
+    """Maximum eccentricity sqrt(1 - lambda2 / lambda1) of a region. Regions with a larger eccentricity are rejected.
+    The authors' code uses a maximum eccentricity of 0.978.
     """
     max_missing: Share | None = None
     """Maximum share of a region's pixels without depth. Pixels that in-painting filled count as pixels with depth.

@@ -70,7 +70,7 @@ S = TypeVar("S", bound="Settings")
 
 class Settings(BaseModel):
     """Parameters of one stage. Instances cannot be changed, but `replace` returns a changed copy. Raises ConfigError
-    for an invalid value.
+    for an invalid parameter value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
@@ -85,7 +85,7 @@ class Settings(BaseModel):
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
         """Convert the string "none" to None for fields that may be None. Preset files and command-line flags can
-        express None only as this string.
+        express None only as the string "none".
         """
         if not isinstance(values, Mapping):
             return values
@@ -96,7 +96,7 @@ class Settings(BaseModel):
         }
 
     def replace(self: S, **changes: Any) -> S:
-        """Return a validated copy with changed values.
+        """Return a validated copy of the parameters with changed values.
 
         Field names may be dotted, for example `replace(**{"partition.gamma": 0.004})`. The value of a stage may be a
         dict, for example `replace(partition={"gamma": 0.004})`. Fields of the stage that are not in this dict keep
@@ -113,8 +113,8 @@ class Settings(BaseModel):
         because a second call scales the lengths and areas again.
 
         Areas grow in proportion to the number of pixels of the image. Lengths marked with `Grows.always` grow in
-        proportion to the square root of the number of pixels. Lengths without this mark grow in proportion to the
-        square root only if `lengths` is True.
+        proportion to the square root of the number of pixels. Lengths without the mark `Grows.always` are scaled in the
+        same way only if `lengths` is True.
         """
         area = shape[0] * shape[1] / VGA_PX
         return self if area == 1 else self._grown(area, lengths)
@@ -139,7 +139,7 @@ class Parameters(Settings):
 
     @property
     def digest(self) -> str:
-        """Return a hash of all values except the name, as eight hexadecimal digits."""
+        """Return a hash of all parameter values except the name, as eight hexadecimal digits."""
         values = json.dumps(self.model_dump(mode="json", exclude={"name"}), sort_keys=True)
         return hashlib.sha256(values.encode()).hexdigest()[:8]
 

@@ -106,7 +106,7 @@ OBJECTS_2 = OBJECTS_1.replace(
         "lengths_grow": True,
     },
 )
-"""Second version of the preset OBJECTS. Compared to OBJECTS_1, this version also joins the parts of an object, rejects
+"""Second version of the preset OBJECTS. Compared to OBJECTS_1, OBJECTS_2 also joins the parts of an object, rejects
 walls, limits sizes in metres, and refines outlines by colour.
 """
 
@@ -139,7 +139,7 @@ WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
 def preset(name: str | Path) -> Config:
     """Return a preset by its name, in upper or lower case, or read a preset from a TOML file.
 
-    A preset file may contain a line such as `base = "TABLE"`. A file with this line contains only the values that
+    A preset file may contain a line such as `base = "TABLE"`. A file with the line `base` contains only the values that
     differ from the named preset. The value "none" switches a rule off. A file without a line `base` contains all
     fields, as written by `Config.to_toml`. Raises ConfigError for an unknown name or key.
     """

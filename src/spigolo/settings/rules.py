@@ -27,8 +27,8 @@ class Wall(Settings):
     """
     min_hides_cut: NotNegative = 0.7
     """Increase of `min_hides` for regions that touch the image border. The increase is `min_hides_cut` multiplied by
-    the share of the region's outline that lies on the image border. Larger values reject more regions at the image
-    border.
+    the share of the region's outline that lies on the image border. Larger values of `min_hides_cut` reject more
+    regions at the image border.
     """
     slant_deg: Angle_deg = 36.0
     """Maximum angle between a region's mean surface normal and the line of sight at which `min_hides` is not increased,
@@ -38,12 +38,13 @@ class Wall(Settings):
     """
     hides_per_deg: NotNegative = 0.025
     """Increase of `min_hides` for each degree by which a region's slant is above `slant_deg`, 1/degree. The slant is
-    the angle between the region's mean surface normal and the line of sight. Larger values reject more slanted regions.
+    the angle between the region's mean surface normal and the line of sight. Larger values of `hides_per_deg` reject
+    more slanted regions.
     """
     min_height_m: Positive = 0.06
     """Minimum height of a region that is tested for being a wall, in metres. At least 5 % of the region's measured
-    pixels must reach this height above the support plane. Lower regions are not tested. If no support plane was found,
-    every region is tested.
+    pixels must reach this height above the support plane. Lower regions are not tested for being a wall. If no support
+    plane was found, every region is tested.
     """
     min_measured: Share = 0.4
     """Minimum share of a region's outline that has depth on both sides. If less of the outline has depth on both sides,
@@ -77,17 +78,17 @@ class Ledge(Settings):
     """Rule that keeps low objects although the boundary map is weak along their border."""
 
     min_share: Share = 0.5
-    """Minimum share of a region's outline along which the height above the support plane changes by a step. If the
-    share is at least this large, the region is not rejected by `min_contour`.
+    """Minimum share of a region's outline along which the height above the support plane changes by a step. A region
+    with height steps along at least this share of its outline is not rejected by `min_contour`.
     """
     step_m: Positive = 0.006
     """Minimum difference in height above the support plane across a region's outline that counts as a step, in metres.
-    With a larger minimum, fewer low regions are kept.
+    With a larger minimum difference, fewer low regions are kept.
     """
     step_per_m: NotNegative = 0.0056
     """Minimum difference in height across a region's outline that counts as a step, divided by the squared distance,
-    1/m. The minimum height difference is max(`step_m`, `step_per_m` * distance^2). With larger values, fewer distant
-    low regions are kept.
+    1/m. The minimum height difference is max(`step_m`, `step_per_m` * distance^2). With a larger minimum difference,
+    fewer distant low regions are kept.
     """
 
 
@@ -107,7 +108,9 @@ class Rim(Settings):
 
 
 class Rules(Settings):
-    """Rules that reject regions, in addition to the rules of the paper. A rule with the value None is switched off."""
+    """Rules that reject regions, in addition to the rules of the paper. A rule of this class with the value None is
+    switched off.
+    """
 
     wall: Wall | None = None
     """Reject high regions that have few depth steps along their outline, such as the walls of a bin. The rule `wall`
@@ -126,9 +129,9 @@ class Rules(Settings):
     the cost function does not use the boundary map, boundary values are computed from the edge weights.
     """
     min_contour_holes: Share | None = None
-    """Minimum mean boundary value along a region's border in frames with much missing depth. The limit
-    `min_contour_holes` replaces `min_contour` if hole outlines count as contours (`DepthContours.holes_from`). If None,
-    `min_contour` is used in all frames.
+    """Minimum mean boundary value along a region's border in frames with much missing depth. In frames in which hole
+    outlines count as contours (`DepthContours.holes_from`), the limit `min_contour_holes` replaces `min_contour`. If
+    None, `min_contour` is used in all frames.
     """
     metric: bool = False
     """Ignore the size limits in pixels (`max_lambda1_px2`, `max_lambda2_px2`) if intrinsics are known. If intrinsics
@@ -136,15 +139,15 @@ class Rules(Settings):
     """
     min_length_m: Positive | None = None
     """Minimum length of a region, in metres. The length is estimated in the way that the text of `max_length_m`
-    describes. Shorter regions are rejected. If None, there is no minimum length.
+    describes. Regions below this length are rejected. If None, there is no minimum length.
     """
     max_length_m: Positive | None = None
     """Maximum length of a region, in metres. The length is the longer side of a rectangle that faces the camera at the
     distance of the region. The pixel coordinates of the rectangle have the same variances as those of the region. The
-    length of this rectangle can differ from the length of the region's oriented box. Longer regions are rejected. If
-    None, there is no maximum length.
+    length of this rectangle can differ from the length of the region's oriented box. Regions above this length are
+    rejected. If None, there is no maximum length.
     """
     max_width_m: Positive | None = None
     """Maximum width of a region, in metres. The width is the shorter side of the rectangle that the text of
-    `max_length_m` describes. Wider regions are rejected. If None, there is no maximum width.
+    `max_length_m` describes. Regions above this width are rejected. If None, there is no maximum width.
     """

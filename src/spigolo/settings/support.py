@@ -51,17 +51,17 @@ class Support(Settings):
 
     min_height_m: Positive = 0.008
     """Minimum height of an object pixel above the support plane, in metres. Pixels with a smaller height count as
-    pixels of the plane. With a larger minimum height, more low objects are missed.
+    pixels of the plane. With a larger minimum height, more low objects are not found.
     """
     noise_factor: NotNegative | None = None
     """Minimum height of an object pixel above the support plane, as a multiple of the noise of the plane. The noise is
     the standard deviation of the heights of the plane's pixels. If the height computed from the noise is lower than
-    `min_height_m`, it replaces `min_height_m`. The step height `Ledge.step_m` is then lowered by the same factor. If
-    None, the minimum height is always `min_height_m`.
+    `min_height_m`, it replaces `min_height_m`. The step height `Ledge.step_m` is lowered by the same factor as
+    `min_height_m`. If None, the minimum height is always `min_height_m`.
     """
     lowest_m: Positive = 0.004
     """Lower limit of the minimum object height that is computed from `noise_factor`, in metres. With a larger limit,
-    more low objects are missed.
+    more low objects are not found.
     """
     noise_per_m: NotNegative = 0.0056
     """Minimum height of an object pixel above the support plane, divided by the squared distance of the pixel, 1/m. The
@@ -72,8 +72,8 @@ class Support(Settings):
     pixels above the plane are rejected.
     """
     min_share: Share = 0.15
-    """Minimum share of the frame's measured pixels that lie on the support plane. A plane with a smaller share of the
-    pixels is never used as support plane.
+    """Minimum share of the frame's measured pixels that lie on the support plane. A plane on which fewer pixels lie is
+    never used as support plane.
     """
     contour: bool = True
     """Add the outlines of the pixels above the support plane to the boundary map."""
@@ -89,14 +89,14 @@ class Support(Settings):
     min_things: Share | None = None
     """Minimum share of the frame's measured pixels that stand on the support plane. A pixel stands on a plane if it is
     less than 0.3 m above the plane and the plane surrounds it on at least three sides. Few pixels stand on the wall of
-    a bin, for example. If the share is too small for the largest plane, the largest other plane with at least this
-    share is used. If None, the pixels that stand on a plane are not counted.
+    a bin, for example. If too few pixels stand on the largest plane, the largest other plane with at least this share
+    of standing pixels is used. If None, the pixels that stand on a plane are not counted.
     """
     max_below: Share | None = None
     """Maximum number of points below the support plane, divided by the number of points on or below the plane. Only
-    points that the plane surrounds in the image are counted. If too many points lie below the plane, a parallel plane
-    below it is used instead. For example, a plane on the upper side of a heap of objects is replaced by the table. If
-    None, the points below the plane are not counted.
+    points that the plane surrounds in the image are counted. If too many points lie below the support plane, it is
+    replaced by a parallel plane below it. For example, a plane on the upper side of a heap of objects is replaced by
+    the table. If None, the points below the plane are not counted.
     """
     near_roi: NotNegative | None = None
     """Width of a margin around the region of interest, as a share of the height and width of this region. The support
@@ -116,8 +116,8 @@ class Packing(Settings):
     """Conditions for the warning that a layer of packed objects may have been mistaken for the support plane."""
 
     min_share: Share = 0.6
-    """Minimum share of the frame's measured pixels that lie on the support plane. If fewer pixels lie on the plane, no
-    warning of packed objects is given.
+    """Minimum share of the frame's measured pixels that lie on the support plane. If fewer pixels lie on the support
+    plane, no warning of packed objects is given.
     """
     min_edges: Share = 0.9
     """Minimum share of the support plane's pixels that lie close to an image edge. If fewer pixels lie close to an
@@ -125,7 +125,7 @@ class Packing(Settings):
     """
     max_things: Share = 0.02
     """Maximum share of the frame's measured pixels that stand on the support plane, as defined in `Support.min_things`.
-    If more pixels stand on the plane, no warning of packed objects is given.
+    If more pixels stand on the support plane, no warning of packed objects is given.
     """
 
 

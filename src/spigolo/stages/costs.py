@@ -47,7 +47,9 @@ def reads(cost: PixelCost, cue: Reads) -> bool:
 
 
 def possible_costs(cost: Cost) -> tuple[PixelCost, ...]:
-    """Return the cost functions that can be chosen for a frame: two for AutoCost, otherwise one."""
+    """Return the cost functions that can be chosen for a frame: two for AutoCost, and one for any other cost
+    function.
+    """
     return (cost.full, cost.shadows) if isinstance(cost, AutoCost) else (cost,)
 
 

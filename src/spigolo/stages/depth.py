@@ -36,8 +36,8 @@ def missing_mask(depth: DepthMap) -> Mask:
 def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[np.int32], Mask]:
     """Return the smoothing radius S (H, W) of each pixel, in pixels, and the depth-change map C (H, W) of Holzer et al.
 
-    The smoothing radius grows with the depth error alpha d^2 at depth d. It decreases near depth steps, missing depth
-    and the image border.
+    The smoothing radius grows with the depth error alpha d^2 at depth d. The radius decreases near depth steps, missing
+    depth and the image border.
     """
     smooth_here = np.empty(depth.shape, np.uint8)
     smoothing.mark_steps(depth, config.error_per_m, config.step_factor, smooth_here)

@@ -20,7 +20,9 @@ from spigolo.kernels import edges as kernel
 from spigolo.settings.paper import EdgesConfig
 
 NO_ANGLE_DEG = 360.0
-"""Threshold that no contact angle reaches. Without intrinsics, this threshold switches contact boundaries off."""
+"""Threshold in degrees that no contact angle reaches. Without intrinsics, `NO_ANGLE_DEG` is used as threshold, so that
+no contact boundaries are found.
+"""
 
 SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
 

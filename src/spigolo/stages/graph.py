@@ -43,7 +43,7 @@ def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_
 
     - color: colours as points (3, H, W), as returned by `color_points`.
     - noise_per_m: depth noise divided by the squared depth, 1/m. The noise is subtracted from depth differences (our
-      addition). In the paper, this noise is 0.
+      addition). In the paper, the subtracted noise is 0.
     """
     weights = np.empty((config.partition.connectivity // 2, *cues.depth.shape), np.float32)
     scale = depth_scale(cues.depth, config.depth.depth_range)

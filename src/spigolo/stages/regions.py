@@ -22,8 +22,8 @@ with edges of increasing weight.
 """
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""Minimum share of edges with weight 0 at which merging begins directly with the normal rounds. With a smaller share,
-an additional first round runs until a merge is rejected.
+"""Minimum share of edges with weight 0 at which merging begins directly with the normal rounds. If fewer edges have
+weight 0, an additional first round runs until a merge is rejected.
 """
 ONE, BOTH = 1, 2
 """Minimum number of flagged pixels of an edge. A pixel is flagged if its region can still merge or is small. Edges with
@@ -75,7 +75,7 @@ def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: W
     largest weight in the minimum spanning tree of region R, as in Felzenszwalb & Huttenlocher 2004.
 
     - graph: edge weights, not negative and not NaN. Edges of weight +inf are ignored.
-    - gamma: threshold of equation 3. Larger values make larger regions.
+    - gamma: threshold of equation 3. A larger gamma gives larger regions.
     - min_size_px: minimum number of pixels of a region.
     - workspace: scratch memory to reuse from frame to frame.
     """
@@ -120,7 +120,7 @@ class SortedEdges:
         If these edges do not fit into the buffer, only the lightest edges are returned, and the returned upper limit is
         smaller than `high`.
 
-        - forest: current regions.
+        - forest: union-find forest of the current regions.
         - least: minimum number of flagged pixels of an edge, 1 or 2.
         - detours: True to include the heaviest edge of each triangle or square of neighbouring pixels.
         """
@@ -193,7 +193,7 @@ class Forest:
         weights for the next round.
 
         Before the first rejected merge, an edge has no effect if its two pixels are also connected by lighter edges.
-        Edges without effect are not sorted.
+        Edges that have no effect are not sorted.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)

@@ -42,8 +42,8 @@ class Trace:
     frame: Frame
     """Input frame."""
     config: Config
-    """Parameters of the segmentation. Their lengths and areas are for an image of 640x480, not scaled to the size of
-    the frame.
+    """Parameters of the segmentation. The lengths and areas in the parameters are given for an image of 640x480, and
+    not scaled to the frame.
     """
     plane: Plane | None
     """Support plane (our addition). The value is None if no plane was found."""

@@ -54,7 +54,7 @@ class Segmenter:
         return type(self), (self.config, self.ids)
 
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
-        """Segment a frame into objects. The result shares no memory with later results.
+        """Segment a frame into objects. The returned result shares no memory with later results.
 
         roi: region of interest, in any form that the function `segment` accepts.
         """

@@ -1,8 +1,9 @@
 """Search for flat objects, which the other stages miss because of their small height (`settings.Flats`).
 
-The colour image is divided along its edges into cells. A cell is raised if its mean height above the support surface is
-larger than a limit. The mean height of many pixels has far less noise than that of one pixel, so the limit can be a few
-millimetres. Printed patterns on the surface have edges too, but the cells between these edges are not raised.
+The colour image is divided along its edges into cells. A cell counts as raised if its mean height above the support
+surface is larger than a limit. The mean height of many pixels has far less noise than that of one pixel, so the limit
+can be a few millimetres. Printed patterns on the surface have edges too, but the cells between these edges are not
+raised.
 """
 
 from __future__ import annotations
@@ -104,7 +105,7 @@ def surface_heights(heights: Heights, measured: Mask, band_m: float) -> tuple[He
 def _mean_heights(
     cells: Labels, areas: npt.NDArray[np.int32], heights: Heights, config: Flats
 ) -> npt.NDArray[np.float64]:
-    """Return the mean height of each cell in metres. Very small and very large cells get the value 0."""
+    """Return the mean height of each cell in metres. Very small and very large cells get the mean height 0."""
     asked = (STEP**2 * areas >= config.min_cell_px2) & (areas <= config.max_share * cells.size)
     asked[0] = False
     sums = np.bincount(cells.ravel(), heights.ravel(), areas.size)

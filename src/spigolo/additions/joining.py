@@ -4,15 +4,15 @@ The graph partition can split an object into several regions. An object is split
 between the wall and the inside of a cup, or because of noise. Four rules join regions that are parts of one object.
 Each of the four rules compares two neighbouring regions. The class `Joining` contains the parameters of the four rules.
 
-- vessel: the wall and the inside of a cup. The rule joins two regions if the front region is convex, the region behind
-  it is concave, and both have the same top height.
-- cap: the upper face and the side of a box, or a filled cup. The rule joins two regions if the depth step across their
-  border is small and the border is not a valley. The two regions must also lie above each other in the image, have
-  similar top heights, and be nearly convex together.
-- smooth: two parts of one surface that were separated because of noise. The rule joins two regions if their border has
-  a small depth step, is not a valley, and has no large mean boundary value.
-- enclosed: a region that is surrounded by an object, such as the bottom of a bowl. The rule joins only regions on the
-  support plane or without depth with the object around them.
+- vessel: the wall and the inside of a cup. The rule `vessel` joins two regions if the front region is convex, the
+  region behind it is concave, and both have the same top height.
+- cap: the upper face and the side of a box, or a filled cup. The rule `cap` joins two regions if the depth step across
+  their border is small and the border is not a valley. The two regions must also lie above each other in the image,
+  have similar top heights, and form a nearly convex shape.
+- smooth: two parts of one surface that were separated because of noise. The rule `smooth` joins two regions if their
+  border has a small depth step, is not a valley, and has no large mean boundary value.
+- enclosed: a region that is surrounded by an object, such as the bottom of a bowl. The rule `enclosed` joins only
+  regions on the support plane or without depth with the object around them.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Border:
     - gap_m: mean absolute depth difference across the border, metres.
     - behind_m: mean signed depth difference across the border, metres, positive if region b is behind region a.
     - bend_m: mean distance of the border behind the straight line between the depth samples on both sides, metres. The
-      value is positive if the border is a valley.
+      distance is positive if the border is a valley.
     - boundary: mean value of the boundary map along the border.
     """
 
@@ -240,7 +240,7 @@ class _Parts:
         return out
 
     def top_m(self, k: int) -> float:
-        """Return the height of the top of region k above the support plane, in metres. The height is stored for later
+        """Return the height of the top of region k above the support plane, in metres, and store the height for later
         calls.
         """
         if k not in self._tops:

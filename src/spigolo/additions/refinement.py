@@ -23,7 +23,7 @@ in metres. A ramp is a depth step that is smeared over several pixels.
 """
 MEMORY = 0.5
 """Weight from 0 to 1 of the previous mean colour of a tree when a pixel is added to the tree. The colour of the added
-pixel has the remaining weight. The trees of the spanning forest grow from seed pixels.
+pixel has the weight 1 - `MEMORY`. The trees of the spanning forest grow from seed pixels.
 """
 CARRY = 0.9
 """Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. Because of this
@@ -111,8 +111,8 @@ def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refine
 
 
 def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
-    """Return the width in pixels, on each side of a border, of the band in which pixels get new labels. The width
-    depends on the mean width of smeared depth steps along the borders.
+    """Return the width in pixels, on each side of a border, of the band in which pixels get new labels. The width of
+    the band depends on the mean width of smeared depth steps along the borders.
     """
     sums = np.zeros(2, np.int64)
     bands.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)

@@ -54,7 +54,7 @@ def measure_stance(
     """Measure the depth steps along the outline, and the slant, of every region.
 
     tall: mask (H, W) of the pixels that are high enough to belong to a wall. Regions with few high pixels get NaN for
-    `cut`, `hides` and `lean_deg`. Without a support plane, `ledge` is NaN.
+    `cut`, `hides` and `lean_deg`. Without a support plane, the measurement `ledge` is NaN.
     """
     valid, high = regions.count_where(np.asarray(depth > 0)), regions.count_where(tall)
     asked = (high >= TALL_SHARE * valid) & (high > 0)

@@ -130,7 +130,7 @@ class Camera:
         individual camera by one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for
         accurate positions.
 
-        width, height: image size in pixels. The default is the size of the camera model's colour image, or 640x480 for
+        width, height: image size in pixels. The default size is that of the camera model's colour image, or 640x480 for
         a field of view. Nominal intrinsics are scaled to `width` and `height`, which must have the same aspect ratio.
         Raises CameraError for an unknown name or another aspect ratio.
         """

@@ -98,7 +98,7 @@ def camera_in(folder: Path) -> Path | None:
 def camera_for(folder: Path, top: Path) -> Path | None:
     """Return the camera file for the images in `folder`, from this folder or the nearest folder above.
 
-    top: folder that the user gave as input. The search ends in the parent folder of `top`.
+    top: folder that the user gave as input. The search for a camera file ends in the parent folder of `top`.
     """
     places = [folder, *folder.parents]
     places = places[: places.index(top) + 1] if top in places else [folder]

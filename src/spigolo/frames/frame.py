@@ -61,8 +61,8 @@ class Frame:
     unit_m: float | None = field(init=False, default=None)
     """Metres per unit of integer depth. None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
-    """Description of positive depth values that no camera can measure. Pixels with such values count as missing depth.
-    The value is None if all depth values are plausible.
+    """Description of positive depth values that no camera can measure. Pixels with implausible values count as missing
+    depth. The value is None if all depth values are plausible.
     """
     undistorted: bool = field(init=False, default=False)
     """True if the images were undistorted. If the images were undistorted, results belong to `Frame.color`, not to the

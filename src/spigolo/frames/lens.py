@@ -68,8 +68,8 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
 
 
 def inverse_error_px(coefficients: Sequence[float], camera: Camera) -> float:
-    """Return the position error in pixels that results if inverse Brown-Conrady coefficients are ignored. The error is
-    computed in the four image corners, and the largest of the four errors is returned.
+    """Return the position error in pixels that results if inverse Brown-Conrady coefficients are ignored. The position
+    error is computed in the four image corners, and the largest of the four errors is returned.
 
     Inverse Brown-Conrady coefficients describe a polynomial from distorted pixels to rays.
     """

@@ -11,7 +11,7 @@ import numpy.typing as npt
 REACH_M = 50.0
 """Maximum distance in metres that an RGB-D camera measures. Depth beyond this distance counts as missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
-"""Minimum and maximum depth in metres. Smaller and larger depth values count as missing."""
+"""Minimum and maximum depth in metres. Depth values outside this range count as missing."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
@@ -35,8 +35,8 @@ class OutOfReach:
     - value: the most frequent implausible depth value, as stored.
     - pixels: number of pixels with the most frequent implausible value.
     - share: `pixels` divided by the number of all pixels of the frame.
-    - kind: integer type whose largest value is `value`, such as "uint16". The text is empty if `value` is a distance
-      beyond REACH_M.
+    - kind: integer type whose largest value is `value`, such as "uint16". The type `kind` is empty if `value` is a
+      distance beyond REACH_M.
     """
 
     value: float

@@ -200,7 +200,7 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 
 @inlined
 def is_heavy(edge, offsets, parent, records):
-    """Test if an edge is heavier than the merge bounds of the two regions that it connects.
+    """Test if a graph edge is heavier than the merge bounds of the two regions that it connects.
 
     The result is a flag for the first region, a flag for the second region, and the roots of both regions. The flag of
     a region is True if the edge is heavier than the merge bound of the region.

@@ -19,8 +19,8 @@ below 4e-8.
 
 @inlined
 def hue_in_sector(r, g, b, value, chroma):
-    """Return the angle between a hue and the hue of the nearest primary colour (red, green or blue). The result is
-    between -1 and 1, in units of 60 degrees.
+    """Return the angle between a hue and the hue of the nearest primary colour (red, green or blue). The returned angle
+    is between -1 and 1, in units of 60 degrees.
     """
     difference = g - b if value == r else (b - r if value == g else r - g)
     return difference / (chroma if chroma > TINY else TINY)

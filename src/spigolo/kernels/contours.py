@@ -72,9 +72,10 @@ def least_hollow(camera, shape, crease_px, crease_high_deg):
     """Return the minimum distance of a crease behind its chord, divided by the depth of the crease. The chord is the
     straight line between the samples crease_px pixels away on both sides.
 
-    The minimum distance holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is
-    at least crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle /
-    2). Pixels with a smaller distance behind the chord are not creases, and their angle is not computed.
+    The minimum distance is valid for creases with an angle of at most crease_high_deg. At depth d, each side of a
+    crease is at least crease_px d / f long, where f is the focal length in pixels. The crease lies behind the chord by
+    at least the length of a side times cos(angle / 2). Pixels with a smaller distance behind the chord are not creases,
+    and their angle is not computed.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy

@@ -1,5 +1,5 @@
-"""Kernels that compute edge weights in float32. The weights are the depth difference (equation 9 of the paper) and the
-two cost functions (equations 22 and 23).
+"""Kernels that compute edge weights in float32. The kernels compute the depth difference (equation 9 of the paper) and
+the two cost functions (equations 22 and 23).
 
 A plane is an array (H, W) with the weight of the edge from each pixel to its neighbour at the offset (dy, dx). The
 column offset dx is 0 or 1. Edges that leave the image have the weight +inf. Each cue is computed for a whole image row

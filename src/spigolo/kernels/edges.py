@@ -30,10 +30,10 @@ def steepest(gx, gy):
 @inlined
 def normal_direction(gx, gy):
     """Round the direction of a gradient to one of four neighbours of a pixel, and return the offset N = (n_y, n_x) of
-    this neighbour. Opposite gradients have the same result.
+    this neighbour. Opposite gradients give the same neighbour.
 
     Gradients near 0, 45, 90 and 135 degrees give the neighbour at the right, upper right, top and upper left. The code
-    has no branches, for speed.
+    of the function has no branches, for speed.
     """
     along_x, along_y = abs(float(gx)), abs(float(gy))
     level, upright = along_y <= TAN_HALF_BIN * along_x, along_x <= TAN_HALF_BIN * along_y
@@ -138,8 +138,8 @@ def cosine_limits(low_deg, high_deg):
 
 @inlined
 def scaled_point(depth, y, x, fx, fy, cx, cy):
-    """Return the point of equation 14, multiplied by fx fy. The multiplication avoids divisions and leaves angles
-    unchanged.
+    """Return the point of equation 14, multiplied by fx fy. The multiplication by fx fy avoids divisions and leaves
+    angles unchanged.
     """
     d = float(depth[y, x])
     return (x - cx) * d * fy, (y - cy) * d * fx, d * fx * fy

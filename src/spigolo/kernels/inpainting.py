@@ -58,7 +58,7 @@ def close_holes(depth, holes, step_m, step_share, values):
 def find_runs(depth, runs):
     """List the runs of missing pixels of all image rows in runs (N, 3) int32. Return the number of runs.
 
-    The array `runs` must be large enough for all runs.
+    The array `runs` must have enough rows for all runs.
     """
     height, width = depth.shape
     count = 0

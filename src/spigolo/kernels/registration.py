@@ -15,7 +15,9 @@ FARTHEST_PX = 1e9
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
-"""Minimum value of twice the area of a triangle in the image, in square pixels. Smaller triangles are not drawn."""
+"""Minimum value of twice the area of a triangle in the image, in square pixels. Triangles with a smaller area are not
+drawn.
+"""
 
 
 @inlined

@@ -43,8 +43,8 @@ def measure_areas(rows, half, width, areas, inverses):
 
 @inlined
 def difference_row(gray, left, right, areas, inverses, out):
-    """Compute the grey value of each pixel minus the mean of the other pixels in its window. The result is truncated to
-    whole grey levels.
+    """Compute the grey value of each pixel minus the mean of the other pixels in its window. The differences are
+    truncated to whole grey levels.
     """
     for x in range(out.size):
         excess = areas[x] * gray[x] - (right[x] - left[x])
@@ -58,12 +58,12 @@ def center_surround(gray, integral, surrounds, on, off):
     `on` contains the sum of the positive differences, and `off` the sum of the absolute values of the negative
     differences.
 
-    The surround of size n of a pixel (y, x) is the window of rows y-n+1..y+n and columns x-n+1..x+n. The window is
+    The surround of size n of a pixel (y, x) is the window of rows y-n+1..y+n and columns x-n+1..x+n. Each window is
     clipped to the image, and the pixel itself is excluded. Each difference is truncated to whole grey levels.
 
     - gray (H, W) uint8: grey image.
     - integral (H+1, W+1) int32: integral image of the grey image.
-    - surrounds (S,): sizes n of the surrounds.
+    - surrounds (S,): half the side lengths n of the windows around a pixel.
     - on, off (H, W) int32: results.
     """
     height, width = gray.shape

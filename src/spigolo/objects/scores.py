@@ -28,8 +28,8 @@ def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
     """Return a map (H, W) of boundary values from 0 to 1 that is computed from the edge weights of a graph.
 
-    The value of a pixel is the larger weight of two graph edges: to its right neighbour and to its lower neighbour. The
-    values are divided by their 95th percentile and clipped to 1.
+    The value of a pixel is the larger weight of two graph edges: that to its right neighbour and that to its lower
+    neighbour. The values of all pixels are divided by their 95th percentile and clipped to 1.
     """
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)

@@ -54,8 +54,8 @@ Verdict = tuple[Reason, str]
 
 
 def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
-    """Return the reason for rejecting a region, with an explanation, or None if the region violates no rule. The reason
-    is the first rule that the region violates.
+    """Return the reason for rejecting a region, with an explanation, or None if the region violates no rule. The
+    returned reason is the first rule that the region violates.
 
     All limits in pixels must be scaled to the image size.
 

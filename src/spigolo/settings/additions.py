@@ -41,8 +41,8 @@ class DepthContours(Settings):
 
     max_shadow_px: Length_px = 60
     """Maximum width of a shadow that is filled before contours are searched, in pixels. A shadow (missing depth next to
-    an object) is filled with the larger of the depths on both sides. Shadows wider than this maximum width are not
-    filled.
+    an object) is filled with the larger one of the depths on its two sides. Shadows wider than this maximum width are
+    not filled.
     """
     step_offset_px: Offset_px = 2
     """Distance from a pixel to each of two depth samples on opposite sides of the pixel, in pixels. The depths of the
@@ -72,8 +72,8 @@ class DepthContours(Settings):
     """
     crease_noise: NotNegative | None = None
     """Minimum distance by which a crease pixel lies behind the straight line between its two depth samples, as a
-    multiple of the frame's depth noise. Larger values give fewer false creases in noise. If None, the distance behind
-    the straight line is not tested.
+    multiple of the frame's depth noise. With a larger minimum distance, fewer false creases are found in noise. If
+    None, the distance behind the straight line is not tested.
     """
     holes_from: Share | None = None
     """Minimum share of missing depth in a frame in which holes (areas without depth) give contours. In frames with at
@@ -96,7 +96,7 @@ class Merging(Settings):
     min_open_px2: Area_px2 = 200.0
     """Minimum number of pixels of a region that are not part of a boundary line, px^2. A region with fewer pixels
     outside of boundary lines is merged with a neighbouring region. The neighbour with the smallest mean boundary value
-    along the common border is chosen. With a larger minimum number, more regions are merged.
+    along the common border is chosen. With a larger minimum number of pixels, more regions are merged.
     """
 
 
@@ -196,12 +196,10 @@ class Additions(Settings):
     """
     line_px: Offset_px = 1
     """Width of the boundary lines E_F before they are blurred, in pixels. The value 1 gives the lines of equation 20.
-    Wider lines close wider gaps between boundary pixels.
+    Wider boundary lines close wider gaps between boundary pixels.
     """
     lengths_grow: bool = False
-    """Scale all lengths in pixels with the image size. The values of the lengths in a preset are for a 640x480
-    image.
-    """
+    """Scale all lengths in pixels with the image size. The lengths in a preset are given for a 640x480 image."""
     resolution: Literal["full", "half"] = "full"
     """Image size at which the frame is segmented. With `half`, the frame is segmented at half the width and height, and
     the outlines of objects are then refined at full size. For frames of 1280x720, `half` needs less than half of the

@@ -93,8 +93,8 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from the values in `old`, as nested dicts. The value None is written as
-    the string "none".
+    """Return the values of `new` that differ from the values in `old`, as nested dicts. In the returned dicts, the
+    value None is replaced by the string "none".
     """
     changes: dict[str, Any] = {}
     for key, value in new.items():

@@ -39,21 +39,21 @@ class Vessel(Settings):
     """
     top_share: Share = 0.1
     """Maximum difference between the top heights of the wall and of the inside of a vessel, divided by the larger of
-    both heights. Heights are measured from the support plane. The maximum difference is max(`top_m`, `top_share` *
-    height). A larger maximum height difference joins more regions.
+    both heights. Heights are measured from the support plane. The maximum difference of the top heights is max(`top_m`,
+    `top_share` * height). A larger maximum height difference joins more regions.
     """
     min_solidity: Share = 0.87
     """Minimum solidity of the wall and the inside of a vessel together. Solidity is the area of both regions divided by
     the area of their common convex hull. A larger minimum solidity joins fewer regions.
     """
     sure_hollow_back: float = -0.01
-    """Minimum hollowness of a region that is certainly the inside of a vessel. For an inside that is certain,
-    `sure_solidity` replaces `min_solidity`. A larger minimum hollowness joins fewer regions.
+    """Minimum hollowness of a region that is certainly the inside of a vessel. For a region that is certainly the
+    inside of a vessel, `sure_solidity` replaces `min_solidity`. A larger minimum hollowness joins fewer regions.
     """
     sure_contrast: float = 0.25
     """Minimum difference in hollowness between the inside and the wall, for a region that is certainly the inside of a
-    vessel. For an inside that is certain, `sure_solidity` replaces `min_solidity`. A larger minimum difference joins
-    fewer regions.
+    vessel. For a region that is certainly the inside of a vessel, `sure_solidity` replaces `min_solidity`. A larger
+    minimum difference joins fewer regions.
     """
     sure_solidity: Share = 0.75
     """Minimum solidity of the wall and the inside of a vessel together. The limit `sure_solidity` replaces
@@ -116,8 +116,8 @@ class Joining(Settings):
     enclosed: Share | None = None
     """Minimum share of the pixels around a region that belong to one object. A region with at least this share is
     joined with the object around it. Only regions on the support plane or without depth, such as the bottom of a bowl,
-    are joined with the object around them. A larger minimum share joins fewer regions. If None, regions inside objects
-    are not joined.
+    are joined with the object around them. With a larger minimum share, fewer regions are joined with the object around
+    them. If None, regions inside objects are not joined.
     """
     reach_px: Offset_px = 4
     """Distance from the border of two regions to the depth samples on both sides, in pixels. The depth difference

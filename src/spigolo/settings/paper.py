@@ -217,7 +217,7 @@ class SaliencyCost(Settings):
     """
 
     kind: Literal["saliency"] = "saliency"
-    """Name of this cost function in preset files."""
+    """Name of the first cost function in preset files."""
     k_x: NotNegative = 1.05
     """Weight of the depth difference in equation 22. The default comes from the paper."""
     k_y: NotNegative = 1.5
@@ -236,7 +236,7 @@ class BoundaryCost(Settings):
     """
 
     kind: Literal["boundary"] = "boundary"
-    """Name of this cost function in preset files."""
+    """Name of the second cost function in preset files."""
     k_x: NotNegative = 7.5
     """Weight of the product of depth difference and colour difference in equation 23. The default comes from the paper.
     """
@@ -261,7 +261,7 @@ class AutoCost(Settings):
     """
 
     kind: Literal["auto"] = "auto"
-    """Name of this cost function in preset files."""
+    """Name of the automatic choice of the cost function in preset files."""
     full: BoundaryCost = BoundaryCost()
     """Cost function for frames with little missing depth."""
     shadows: SaliencyCost = SaliencyCost()

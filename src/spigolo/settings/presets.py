@@ -2,8 +2,8 @@
 
 SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that the paper does not
 print come from the code that its authors published, or are our choice. The preset OBJECTS uses our additions to the
-paper's method. Its values are fitted to real frames of several sensors. OBJECTS is the newest of the versions
-OBJECTS_1, OBJECTS_2 and so on. The values of a numbered version, such as OBJECTS_1, never change.
+paper's method. The values of OBJECTS are fitted to real frames of several sensors. OBJECTS is the newest of the
+versions OBJECTS_1, OBJECTS_2 and so on. The values of a numbered version, such as OBJECTS_1, never change.
 """
 
 from __future__ import annotations

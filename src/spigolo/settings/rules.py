@@ -51,8 +51,8 @@ class Wall(Settings):
     `min_hides` is not tested.
     """
     reach_px: Annotated[int, Field(ge=1, le=100), Grows(always=True)] = 4
-    """Distance from a region's outline to the depth samples on both sides, in pixels. The distance is always scaled
-    with the image size.
+    """Distance from a region's outline to the depth samples on both sides, in pixels. The distance to the samples is
+    always scaled with the image size.
     """
     shadow_px: Annotated[int, Field(ge=0, le=1000), Grows(always=True)] = 60
     """Maximum width of missing depth next to a region's outline, in pixels. Next to wider missing depth, the depths on
@@ -69,8 +69,9 @@ class Wall(Settings):
     values, fewer steps are found and more regions are rejected.
     """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
-    """Maximum length of a high region that touches the image border, divided by its width. More elongated regions at
-    the image border are rejected, because they are probably rails, rims or legs. If None, there is no maximum ratio.
+    """Maximum length of a high region that touches the image border, divided by its width. High regions with a larger
+    ratio at the image border are rejected, because they are probably rails, rims or legs. If None, there is no maximum
+    ratio.
     """
 
 
@@ -102,8 +103,9 @@ class Rim(Settings):
     Regions with a larger ratio are rejected. A larger maximum ratio rejects fewer regions.
     """
     min_length_m: Positive = 0.35
-    """Minimum length of a region that is tested for being a rim, in metres. The length is estimated in the way that the
-    text of `Rules.max_length_m` describes. Shorter regions, such as tools and cables, are not tested.
+    """Minimum length of a region that is tested for being a rim, in metres. The length of a region is estimated from
+    the variances of its pixel coordinates (see `Rules.max_length_m`). Shorter regions, such as tools and cables, are
+    not tested.
     """
 
 
@@ -138,16 +140,17 @@ class Rules(Settings):
     are known, only the size limits in metres apply.
     """
     min_length_m: Positive | None = None
-    """Minimum length of a region, in metres. The length is estimated in the way that the text of `max_length_m`
-    describes. Regions below this length are rejected. If None, there is no minimum length.
+    """Minimum length of a region, in metres. The length of a region is estimated from the variances of its pixel
+    coordinates (see `max_length_m`). Regions below this length are rejected. If None, there is no minimum length.
     """
     max_length_m: Positive | None = None
-    """Maximum length of a region, in metres. The length is the longer side of a rectangle that faces the camera at the
-    distance of the region. The pixel coordinates of the rectangle have the same variances as those of the region. The
-    length of this rectangle can differ from the length of the region's oriented box. Regions above this length are
-    rejected. If None, there is no maximum length.
+    """Maximum length of a region, in metres. The length of a region is the longer side of a rectangle that faces the
+    camera at the distance of the region. The pixel coordinates of the rectangle have the same variances as those of the
+    region. The length of the rectangle can differ from the length of the region's oriented box. Regions above this
+    length are rejected. If None, there is no maximum length.
     """
     max_width_m: Positive | None = None
-    """Maximum width of a region, in metres. The width is the shorter side of the rectangle that the text of
-    `max_length_m` describes. Regions above this width are rejected. If None, there is no maximum width.
+    """Maximum width of a region, in metres. The width of a region is estimated from the variances of its pixel
+    coordinates, as the shorter side of a rectangle (see `max_length_m`). Regions above this width are rejected. If
+    None, there is no maximum width.
     """

@@ -65,7 +65,8 @@ class Support(Settings):
     """
     noise_per_m: NotNegative = 0.0056
     """Minimum height of an object pixel above the support plane, divided by the squared distance of the pixel, 1/m. The
-    minimum height is max(`min_height_m`, `noise_per_m` * distance^2). The default is twice `Smoothing.error_per_m`.
+    minimum height is max(`min_height_m`, `noise_per_m` * distance^2). The default of `noise_per_m` is twice the depth
+    error `Smoothing.error_per_m`.
     """
     min_above: Share = 0.6
     """Minimum share of a region's measured pixels that lie above the support plane. Regions with a smaller share of
@@ -149,8 +150,8 @@ class Flats(Settings):
     """Maximum height of a flat object, in metres. Higher objects are found by the partition of the frame into regions.
     """
     min_cell_px2: Area_px2 = 40.0
-    """Minimum area of a cell in px^2. A cell is a connected area between image edges. The height of smaller cells is
-    not measured.
+    """Minimum area of a cell in px^2. A cell is a connected area between image edges. The height of cells with a
+    smaller area is not measured.
     """
     min_area_px2: Area_px2 = 500.0
     """Minimum area of a flat object in px^2. With a smaller minimum area, more objects are found."""
@@ -166,5 +167,5 @@ class Flats(Settings):
     """
     ring_px: Offset_px = 11
     """Approximate distance between a flat object and the outer border of the ring of pixels around it, in pixels. The
-    ring is at least 2 pixels wide.
+    ring around a flat object is at least 2 pixels wide.
     """

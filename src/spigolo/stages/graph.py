@@ -1,8 +1,8 @@
 """Graph of neighbouring pixels and its edge weights (equations 4, 9, 22, 23).
 
 Edge weights are stored in arrays (H, W) that are called planes, one for each direction. Plane p contains at (y, x) the
-weight of the edge from pixel (y, x) to the neighbour at the offset OFFSETS[p]. Edges are numbered plane by plane, row
-by row. Edges that leave the image have the weight +inf.
+weight of the edge from pixel (y, x) to the neighbour at the offset OFFSETS[p]. Graph edges are numbered plane by plane,
+and row by row inside each plane. Edges that leave the image have the weight +inf.
 """
 
 from __future__ import annotations

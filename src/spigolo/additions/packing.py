@@ -26,7 +26,7 @@ def warn_of_packing(
     edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> None:
     """Warn if the support plane looks like a layer of packed objects: it is large and has many image edges, but few
-    objects stand on it.
+    objects.
     """
     support, rule = config.support, config.packing
     if rule is None or support is None or edges is None or plane is None or camera is None:

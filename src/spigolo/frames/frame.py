@@ -59,7 +59,7 @@ class Frame:
     negative_depth: int = field(init=False, default=0)
     """Number of pixels with negative depth, which counts as missing."""
     unit_m: float | None = field(init=False, default=None)
-    """Metres per unit of integer depth. None for floating-point depth."""
+    """Metres per unit of integer depth. The value is None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
     """Description of positive depth values that no camera can measure. Pixels with implausible values count as missing
     depth. The value is None if all depth values are plausible.

@@ -17,8 +17,8 @@ OPENCV_MODELS = (
 """Names of lens models whose coefficients `cv2.undistort` accepts."""
 INVERSE = "inverse_brown_conrady"
 POLYNOMIALS = (INVERSE, "modified_brown_conrady")
-"""Names of lens models that OpenCV does not support. A camera with one of these unsupported models is accepted if all
-its coefficients are 0.
+"""Names of lens models that OpenCV does not support. A camera with an unsupported lens model is accepted if all its
+coefficients are 0.
 """
 NO_PINHOLE = (
     "equi", "fish", "kannala", "kb4", "kb8", "omni", "mei", "unified", "sphere", "spherical", "eucm", "ucm", "ftheta",

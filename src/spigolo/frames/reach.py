@@ -11,7 +11,7 @@ import numpy.typing as npt
 REACH_M = 50.0
 """Maximum distance in metres that an RGB-D camera measures. Depth beyond this distance counts as missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
-"""Minimum and maximum depth in metres. Depth values outside this range count as missing."""
+"""Minimum and maximum depth in metres. Depth values below NEAREST_M or above FARTHEST_M count as missing."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 

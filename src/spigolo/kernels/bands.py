@@ -1,9 +1,9 @@
 """Kernels that mark a band of pixels along the borders of objects. The kernels in `kernels.seeding` give the pixels of
 the band new labels.
 
-The width of the band depends on the width of the ramps at the borders. A ramp is a run of pixels at a blurred depth
-step. The depths of ramp pixels lie between the depths of both sides of the step. Pixels of the band are called open,
-because they get new labels.
+The width of the band depends on the width of the ramps (blurred depth steps) at the borders. A ramp is a run of pixels
+at a blurred depth step. The depths of ramp pixels lie between the depths of both sides of the step. Pixels of the band
+are called open, because they get new labels.
 """
 
 from __future__ import annotations

@@ -103,7 +103,7 @@ def drop_detours(weights, plane, width, first, last, chosen):
 def drop_right(right, down, width, n, kept):
     """Unmark each edge to the right that is the heaviest edge of a square of 2x2 pixels above or below the edge.
 
-    The arrays right and down begin one image row before the first of the n tested edges.
+    The arrays `right` and `down` of edge weights begin one image row before the first of the n tested edges.
     """
     weight, above, below = right[width:], right, right[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
@@ -117,7 +117,7 @@ def drop_right(right, down, width, n, kept):
 def drop_down(right, down, width, n, kept):
     """Unmark each downward edge that is the heaviest edge of a square of 2x2 pixels on its left or right side.
 
-    The arrays right and down begin one pixel before the first of the n tested edges.
+    The arrays `right` and `down` of edge weights begin one pixel before the first of the n tested edges.
     """
     weight, before, after = down[1:], down, down[2:]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
@@ -141,7 +141,7 @@ def drop_right_8(right, down, falling, rising, width, n, kept):
     """Unmark each edge to the right whose two pixels are also connected by two lighter edges, through a pixel in the
     row above or below.
 
-    All edge arrays begin one image row before the first of the n tested edges.
+    All arrays of edge weights begin one image row before the first of the n tested edges.
     """
     weight, falling_here = right[width:], falling[width:]
     rising_here, rising_below = rising[width:], rising[2 * width :]
@@ -157,7 +157,7 @@ def drop_down_8(right, down, falling, rising, width, n, kept):
     """Unmark each downward edge whose two pixels are also connected by two lighter edges, through a pixel in the column
     on the left or right.
 
-    All edge arrays begin one pixel before the first of the n tested edges.
+    All arrays of edge weights begin one pixel before the first of the n tested edges.
     """
     weight, falling_here, rising_left, rising_here = down[1:], falling[1:], rising[width:], rising[width + 1 :]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]

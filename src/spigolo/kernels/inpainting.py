@@ -1,7 +1,7 @@
 """Kernels that fill small holes in the depth map, and find and measure connected areas of missing depth (gaps).
 
-Each gap consists of runs. A run is an uninterrupted series of missing pixels in one image row, stored as (row, first
-column, last column + 1).
+Each gap consists of runs of missing pixels. A run is an uninterrupted series of missing pixels in one image row, stored
+as (row, first column, last column + 1).
 """
 
 from __future__ import annotations

@@ -141,8 +141,8 @@ def splat_depth(depth, P, step_m, step_share, out):
 
     Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. A depth step is a
     difference of more than max(step_m, step_share * nearest depth). If the four depths contain a depth step, one
-    quarter is drawn for each of the four pixels (`draw_quarter`). At a depth step, a surface ends half a pixel beyond
-    its last pixel.
+    quarter of its pixel square is drawn for each of the four pixels (`draw_quarter`). At a depth step, a surface ends
+    half a pixel beyond its last pixel.
 
     - depth (h, w): depth map in metres.
     - P (3, 4): projection matrix, (u Z, v Z, Z) = P (x z, y z, z, 1). Pixel (x, y) at depth z is projected to the image

@@ -23,7 +23,7 @@ class Reason(str, Enum):
     """The region lies on the support plane (`Support.min_above`)."""
     WALL = "wall"
     """The region is part of a wall or a rim. A region counts as a wall if too little of its outline is a depth step, or
-    if it is long and cut off by the image border (`Wall`). A region counts as a rim if it surrounds the support plane
+    if the image border cuts off the long region (`Wall`). A region counts as a rim if it surrounds the support plane
     (`Rim`).
     """
     WEAK_CONTOUR = "weak contour"

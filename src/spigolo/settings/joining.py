@@ -26,8 +26,8 @@ class Vessel(Settings):
     hollowness joins more regions, because flatter walls are also accepted.
     """
     min_hollow_back: float = -0.11
-    """Minimum hollowness of the inside of a vessel. If this minimum is negative, the inside may also be nearly flat,
-    for example because depth is missing. A larger minimum hollowness joins fewer regions.
+    """Minimum hollowness of the inside of a vessel. If this minimum is negative, the inside of a vessel may also be
+    nearly flat, for example because depth is missing. A larger minimum hollowness joins fewer regions.
     """
     min_contrast: float = 0.15
     """Minimum difference in hollowness: the hollowness of the inside of a vessel minus the hollowness of its wall. A

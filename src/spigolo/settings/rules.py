@@ -69,9 +69,9 @@ class Wall(Settings):
     values, fewer steps are found and more regions are rejected.
     """
     max_cut_ratio: Annotated[float, Field(ge=1)] | None = 3.5
-    """Maximum length of a high region that touches the image border, divided by its width. High regions with a larger
-    ratio at the image border are rejected, because they are probably rails, rims or legs. If None, there is no maximum
-    ratio.
+    """Maximum length of a high region that touches the image border, divided by its width. High regions at the image
+    border with a larger ratio of length to width are probably rails, rims or legs, and are rejected. If None, there is
+    no maximum ratio.
     """
 
 

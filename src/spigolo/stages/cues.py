@@ -67,9 +67,9 @@ class Cues:
 
 
 def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
-    """Choose the cost function and the threshold gamma for a frame (section III-E).
+    """Choose the cost function and the threshold gamma for a frame (paper, section III-E).
 
-    depth: depth map (H, W) of `prepare_depth` in metres.
+    depth: depth map (H, W) in metres, as returned by `prepare_depth`.
     """
     missing = missing_share(depth, config.rejection.max_distance_m) if isinstance(config.cost, AutoCost) else None
     cost, gamma = choose_cost(config.cost, missing), config.partition.gamma
@@ -83,7 +83,7 @@ def gather_cues(image: Color, depth: DepthMap, lines: Mask | None, weighing: Wei
     """Compute the cues that the cost function of a frame reads.
 
     - image: (H, W, 3) RGB.
-    - depth: depth map (H, W) of `prepare_depth` in metres.
+    - depth: depth map (H, W) in metres, as returned by `prepare_depth`.
     - lines: mask (H, W) of the boundary lines E_F, or None if the cost function does not read the boundary map.
     """
     return Cues(

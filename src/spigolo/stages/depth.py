@@ -161,7 +161,7 @@ class Gaps:
 
     @property
     def lengths(self) -> npt.NDArray[np.int64]:
-        """Return the number of pixels (N,) of each run."""
+        """Return the number of pixels (N,) of each run of missing pixels."""
         return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
 
     def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:

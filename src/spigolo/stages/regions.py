@@ -26,8 +26,8 @@ MANY_WEIGHTLESS = 0.25
 weight 0, an additional first round runs until a merge is rejected.
 """
 ONE, BOTH = 1, 2
-"""Minimum number of flagged pixels of an edge. A pixel is flagged if its region can still merge or is small. Edges with
-fewer flagged pixels are not sorted.
+"""Minimum number of flagged pixels of an edge. A pixel is flagged if its region can still merge, or if its region is
+too small. Edges with fewer flagged pixels are not sorted.
 """
 
 

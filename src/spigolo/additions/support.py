@@ -31,8 +31,8 @@ A parallel plane above the largest plane is fitted to points with a height of mo
 plane. The points used for this fit differ in height by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
-"""Maximum share of points below a plane that counts as opaque. The share is computed from all points on or below the
-plane that the plane surrounds in the image.
+"""Maximum share of points below a plane that counts as opaque. Only points on or below the plane are counted, and only
+if the plane surrounds them in the image.
 """
 LOWER_SHARE = 0.5
 """Minimum number of points on a lower plane that replaces the support plane, divided by the number of points on the

@@ -61,8 +61,8 @@ def _scale(picture: Color) -> float:
 
 
 def _draw_number(picture: Color, number: int, mask: Mask, tint: Tint, scale: float) -> None:
-    """Draw a number in a disc at the innermost pixel of a mask. The centroid is not used, because it may lie outside
-    the mask.
+    """Draw a number in a disc at the innermost pixel of a mask. The number is not drawn at the centroid, because the
+    centroid may lie outside the mask.
     """
     inside = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)
     y, x = np.unravel_index(int(inside.argmax()), inside.shape)

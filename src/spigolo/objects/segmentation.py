@@ -134,7 +134,7 @@ class Segmentation:
         contains no masks.
 
         The keys of the measurements are the field names of `RegionFacts`. Points in space are in metres in the camera's
-        frame. Pixels are (y, x).
+        frame. Pixels are given as (y, x).
         """
         return {
             "preset": self.preset,

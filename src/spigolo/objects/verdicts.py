@@ -76,7 +76,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
 
 def judge_flat(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
     """Return the reason for rejecting a flat object (`settings.Flats`), or None. The rules for heights, walls and
-    contours do not apply to flat objects. The arguments are the same as those of `judge`.
+    contours do not apply to flat objects. The functions `judge_flat` and `judge` have the same arguments.
     """
     return (
         _judge_place(facts, None)

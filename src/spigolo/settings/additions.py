@@ -203,7 +203,7 @@ class Additions(Settings):
     resolution: Literal["full", "half"] = "full"
     """Image size at which the frame is segmented. With `half`, the frame is segmented at half the width and height, and
     the outlines of objects are then refined at full size. For frames of 1280x720, `half` needs less than half of the
-    time of `full`. However, `half` misses objects of only a few pixels.
+    time of `full`. At half resolution, objects of only a few pixels are missed.
     """
 
     @model_validator(mode="after")

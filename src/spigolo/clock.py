@@ -1,4 +1,5 @@
-"""Timing of the processing stages. `stopwatch` measures the run time of each function that has the decorator `stage`.
+"""Timing of the processing stages. The function `stopwatch` measures the run time of each function that has the
+decorator `stage`.
 
 The following code measures the stage "partition" of one frame:
 
@@ -22,7 +23,11 @@ T = TypeVar("T")
 
 
 class Lap(NamedTuple):
-    """Duration of one run of a stage. cpu_s: CPU time of the process in seconds. wall_s: wall time in seconds."""
+    """Duration of one run of a stage.
+
+    - cpu_s: CPU time of the process in seconds.
+    - wall_s: wall time in seconds.
+    """
 
     cpu_s: float
     wall_s: float
@@ -46,8 +51,8 @@ def stopwatch() -> Iterator[Times]:
 
 
 def stage(name: str) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Return a decorator for functions. Inside a `stopwatch` block, the decorator measures the duration of each call.
-    The durations are listed under the stage `name`.
+    """Return a decorator for the function of a processing stage. Inside a `stopwatch` block, the decorator measures the
+    duration of each call. The durations are listed under the stage name `name`.
     """
 
     def named(function: Callable[P, T]) -> Callable[P, T]:

@@ -9,8 +9,8 @@ import sys
 import warnings
 
 PACKAGE = os.path.dirname(__file__) + os.sep
-"""Folder of this package, with a path separator at the end. The paths of all source files of the package start with
-this text.
+"""Folder of this package, with a path separator at the end. The path of each source file of the package starts with
+this folder.
 """
 
 

@@ -42,17 +42,19 @@ class Trace:
     frame: Frame
     """Input frame."""
     config: Config
-    """Parameters of the segmentation. Their lengths and areas are for an image of 640x480, not scaled to the size of
-    the frame.
+    """Parameters of the segmentation. The lengths and areas in the parameters are given for an image of 640x480, and
+    not scaled to the frame.
     """
     plane: Plane | None
-    """Support plane (our addition). None if no plane was found."""
+    """Support plane (our addition). The value is None if no plane was found."""
     weighing: Weighing
     """Cost function and threshold gamma that were chosen for the frame."""
     edges: EdgeMaps | None
-    """Image edges and boundaries. None if the cost function does not read the boundary map."""
+    """Image edges and boundaries. The value is None if the cost function does not read the boundary map."""
     contours: Contours | None
-    """Contours from the depth map (our addition). None if the preset has no additions or if `edges` is None."""
+    """Contours from the depth map (our addition). The value is None if the preset has no additions or if `edges` is
+    None.
+    """
     cues: Cues
     """Cues from which the edge weights were computed."""
     graph: Graph
@@ -69,7 +71,8 @@ class Trace:
 def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, workspace: Workspace | None = None) -> Trace:
     """Segment a frame and return the results of all stages.
 
-    frame, config, roi: as for `segment`. workspace: scratch memory to reuse from frame to frame, one for each thread.
+    - frame, config, roi: the same arguments as those of `segment`.
+    - workspace: scratch memory to reuse from frame to frame. Use a separate workspace for each thread.
     """
     check_frame(frame)
     check_config(config)
@@ -115,8 +118,8 @@ def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> S
 
     - frame: colour image, depth map and camera.
     - config: a preset or your own configuration.
-    - roi: mask (H, W), pixel box (y0, x0, y1, x1) or MetricBox of the region of interest. Regions outside of it are
-      rejected.
+    - roi: mask (H, W), pixel box (y0, x0, y1, x1) or MetricBox of the region of interest. Regions outside the region of
+      interest are rejected.
 
     Returns the label image, the objects with their measurements in the image and in space, and the rejected regions
     with reasons.

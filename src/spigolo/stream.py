@@ -34,8 +34,8 @@ END: Any = object()
 class Segmenter:
     """Callable object that segments frames like `segment`, and reuses memory from frame to frame.
 
-    `map` segments several frames at the same time, because the kernels release Python's global interpreter lock. If
-    your own threads segment frames, create one Segmenter for each thread.
+    The method `map` segments several frames at the same time, because the kernels release Python's global interpreter
+    lock. If your own threads segment frames, create one Segmenter for each thread.
 
     - config: parameters of the segmentation.
     - ids: if True, each object gets an id that stays the same while the object is in view (`ObjectMask.id`).
@@ -47,7 +47,7 @@ class Segmenter:
         self.config = config
         self.ids = ids
         self.pace = Pace()
-        """Frame rate and latency of the last frames."""
+        """Frame rate and latency of the last segmented frames."""
         self._tracker = Tracker() if ids else None
         self.workspace = Workspace()
         self._busy = threading.Lock()
@@ -57,9 +57,9 @@ class Segmenter:
         return type(self), (self.config, self.ids)
 
     def __call__(self, frame: Frame, roi: Roi | None = None) -> Segmentation:
-        """Segment a frame into objects. The result shares no memory with later results.
+        """Segment a frame into objects. The returned result shares no memory with later results.
 
-        roi: region of interest, as for `segment`.
+        roi: region of interest, in any form that the function `segment` accepts.
         """
         with self._alone():
             return self._finish(*self._segment(frame, roi, self.workspace))
@@ -67,12 +67,12 @@ class Segmenter:
     def map(self, frames: Iterable[Frame], roi: Roi | None = None, threads: int = 2) -> Iterator[Segmentation]:
         """Segment frames on several threads, and yield the results in the order of the frames.
 
-        Each thread segments one frame at a time. The next frame is requested only when a thread is free. A live camera
-        then delivers its newest frame, and frames do not wait in a queue. `Segmentation.frame` is the frame of a
-        result.
+        Each of the threads segments one frame at a time. The next frame is requested only when a thread is free. A live
+        camera therefore delivers its newest frame, and frames do not wait in a queue. Each result contains its frame as
+        `Segmentation.frame`.
 
         - frames: a source or any other iterable. A separate thread reads the frames.
-        - roi: region of interest in all frames, as for `segment`.
+        - roi: region of interest in all frames, in any form that the function `segment` accepts.
         - threads: number of frames that are segmented at the same time.
 
         Raises SpigoloError if `threads` is below 1.
@@ -124,7 +124,7 @@ class Segmenter:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Reserve the segmenter for one caller. Raises SpigoloError if it is in use."""
+        """Reserve the segmenter for one caller. Raises SpigoloError if the segmenter is in use."""
         if not self._busy.acquire(blocking=False):
             raise SpigoloError("expected one thread at a time in a Segmenter, got two: make one Segmenter per thread")
         try:

@@ -1,7 +1,7 @@
 """Contours of the depth map, added to the boundary map (`settings.DepthContours`).
 
-Canny marks no image edge where object and background have the same colour. Depth steps, concave creases and the
-outlines of objects on the support plane are found in the depth map, without the colour image.
+The Canny edge detector marks no image edge where object and background have the same colour. Depth steps, concave
+creases and the outlines of objects on the support plane are found in the depth map, without the colour image.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Contours:
     """Contours of a depth map, and the union of these contours with the boundary map E_F."""
 
     contours: Mask | None
-    """Mask (H, W) of the contours, without the boundary map E_F. None if contours are switched off."""
+    """Mask (H, W) of the contours, without the boundary map E_F. The value is None if contours are switched off."""
     lines: Mask
     """Mask (H, W) of the boundary map E_F and the contours together, dilated to a line width of `line_px` pixels."""
     in_holes: bool
@@ -41,7 +41,7 @@ class Contours:
 def add_contours(
     edges: EdgeMaps, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> Contours:
-    """Add the contours of a prepared depth map (H, W), in metres, to the boundary map E_F."""
+    """Add the contours of an in-painted and smoothed depth map (H, W), in metres, to the boundary map E_F."""
     contours, holes = None, None
     if plane is not None and camera is not None and config.support is not None and config.support.contour:
         contours = foot_contour(plane, depth, camera, config.support)
@@ -83,8 +83,8 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
     """Return the depth noise of a depth map (H, W) in metres, divided by the squared depth, in 1/m.
 
     The noise at a pixel is the depth difference between the pixel and a straight line in space. The line connects the
-    pixels that are `reach_px` columns to the left and to the right. The result is the median over the measured pixels.
-    The result is 0 if fewer than `NOISE_SAMPLES` pixels can be measured.
+    pixels that are `reach_px` columns to the left and to the right. The returned noise is the median over the measured
+    pixels. If the noise can be measured at fewer than `NOISE_SAMPLES` pixels, the returned noise is 0.
     """
     rows = depth[::NOISE_ROWS]
     before, here, after = rows[:, : -2 * reach_px], rows[:, reach_px:-reach_px], rows[:, 2 * reach_px :]
@@ -96,7 +96,7 @@ def measure_noise(depth: DepthMap, reach_px: int) -> float:
 
 
 def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
-    """Return the mask (H, W) of pixels without depth. Return None if these pixels cover less than the share
+    """Return the mask (H, W) of pixels without depth. Return None if pixels without depth cover less than the share
     `holes_from` of the frame.
     """
     if config.holes_from is None or np.count_nonzero(depth) > (1 - config.holes_from) * depth.size:
@@ -107,7 +107,7 @@ def find_holes(depth: DepthMap, config: DepthContours) -> Mask | None:
 def hole_contours(holes: Mask, canny: Mask, line_px: int) -> Mask:
     """Return the mask (H, W) of two kinds of contours: the outlines of holes, and the image edges inside holes.
 
-    Image edges are dilated to the width of other contours. After the Gaussian blur, both are then equally strong.
+    Image edges are dilated to the width of other contours, so that both are equally strong after the Gaussian blur.
     """
     borders = cv2.morphologyEx(holes.view(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
     return np.asarray(borders).view(bool) | (holes & widen(canny, 2 * line_px + 1))

@@ -1,8 +1,9 @@
-"""Flat objects, which are too low for the other stages (`settings.Flats`).
+"""Search for flat objects, which the other stages miss because of their small height (`settings.Flats`).
 
-The colour image is divided along its edges into cells. A cell is raised if its mean height above the support surface is
-larger than a limit. The mean of many pixels has far less noise than a single pixel, so the limit can be a few
-millimetres. Printed patterns have edges too, but their cells are not raised.
+The colour image is divided along its edges into cells. A cell counts as raised if its mean height above the support
+surface is larger than a limit. The mean height of many pixels has far less noise than that of one pixel, so the limit
+can be a few millimetres. Printed patterns on the surface have edges too, but the cells between these edges are not
+raised.
 """
 
 from __future__ import annotations
@@ -19,17 +20,17 @@ from spigolo.frames.frame import DepthMap, Mask
 from spigolo.settings.support import Flats
 
 STEP = 2
-"""Distance between the rows, and between the columns, in which flat objects are searched."""
+"""Distance in pixels between the rows, and between the columns, in which flat objects are searched."""
 FIT_STEP = 4
 """Distance between the rows, and between the columns, to which the support surface is fitted. The distance is counted
-in the rows and columns of the search.
+in rows and columns of the search for flat objects, which are `STEP` pixels apart.
 """
 FIT_ROUNDS = 4
 LEAST_FITTED = 80
 """Minimum number of pixels to which the support surface is fitted."""
 BELOW, ABOVE = 3.0, 1.5
-"""Pixels farther below or above the fitted surface than these multiples of the noise are left out in the next round.
-The limit above is smaller, because objects lie above the surface.
+"""Maximum distances of a pixel below and above the fitted surface, as multiples of the noise. Pixels farther from the
+surface are left out of the next fit. The limit `ABOVE` is smaller than `BELOW`, because objects lie above the surface.
 """
 
 Heights = npt.NDArray[np.float32]
@@ -71,14 +72,14 @@ def find_flats(free: Mask, depth: DepthMap, camera: Camera, plane: Plane, edges:
 
 def surface_heights(heights: Heights, measured: Mask, band_m: float) -> tuple[Heights, float] | None:
     """Return the heights (H, W) above the support surface, and the noise of the surface, in metres. Returns None if too
-    few pixels lie near the plane.
+    few pixels lie near the support plane.
 
     The surface is a polynomial of the second degree in the pixel coordinates, because the depth of many cameras is
     slightly curved.
 
     - heights: heights (H, W) above the support plane in metres.
     - measured: mask (H, W) of the pixels with depth.
-    - band_m: maximum distance from the plane of the pixels to which the surface is fitted.
+    - band_m: maximum distance of a pixel from the support plane, in metres, at which the pixel is used for the fit.
     """
     height, width = heights.shape
     y, x = np.linspace(-1, 1, height, dtype=np.float32)[:, None], np.linspace(-1, 1, width, dtype=np.float32)[None, :]
@@ -104,7 +105,7 @@ def surface_heights(heights: Heights, measured: Mask, band_m: float) -> tuple[He
 def _mean_heights(
     cells: Labels, areas: npt.NDArray[np.int32], heights: Heights, config: Flats
 ) -> npt.NDArray[np.float64]:
-    """Return the mean height of each cell in metres. Very small and very large cells get the value 0."""
+    """Return the mean height of each cell in metres. Very small and very large cells get the mean height 0."""
     asked = (STEP**2 * areas >= config.min_cell_px2) & (areas <= config.max_share * cells.size)
     asked[0] = False
     sums = np.bincount(cells.ravel(), heights.ravel(), areas.size)
@@ -155,7 +156,7 @@ def _with_pockets(
     reach: Square,
 ) -> npt.NDArray[np.uint8]:
     """Fill the holes of a patch, and add low cells with at least half of their border near the patch. For example, the
-    bottom of a tray is such a cell. Holes and cells that are larger than the patch itself are not added.
+    bottom of a tray is added to the patch. Holes and cells that are larger than the patch itself are not added.
     """
     filled = patch.astype(np.uint8)
     _, holes, stats, _ = cv2.connectedComponentsWithStats((~patch).view(np.uint8), connectivity=4)

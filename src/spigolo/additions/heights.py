@@ -1,4 +1,4 @@
-"""Minimum heights of objects, lowered where the support plane has little noise (`settings.Support.noise_factor`).
+"""Computation of a lower minimum height of objects if the support plane has little noise (`Support.noise_factor`).
 
 A fixed minimum height of objects must be large enough for the noisiest camera. If the noise of the support plane is
 small, a lower minimum height also separates objects from the plane.
@@ -20,10 +20,12 @@ SIGMA = 1.4826
 
 
 def lower_heights(config: Config, plane: Plane | None, depth: DepthMap, camera: Camera | None) -> Config:
-    """Return the configuration with a lower `Support.min_height_m` if the plane has little noise. Otherwise return the
-    configuration unchanged.
+    """Return the configuration with a lower `Support.min_height_m` if the plane has little noise. If the minimum height
+    cannot be lowered, return the configuration unchanged.
 
-    `Ledge.step_m` is multiplied by the same factor as `Support.min_height_m`. depth: depth map (H, W) in metres.
+    The step height `Ledge.step_m` is multiplied by the same factor as `Support.min_height_m`.
+
+    depth: depth map (H, W) in metres.
     """
     ours = config.additions
     if ours is None or ours.support is None or ours.support.noise_factor is None or plane is None or camera is None:

@@ -1,18 +1,18 @@
 """Joining of regions that are parts of one object (our addition, not in the paper).
 
-The graph partition can split an object into several regions. The splits lie at depth steps within the object, between
-the wall and the inside of a cup, and at noise. Four rules join such regions. Each rule compares two neighbouring
-regions. The class `Joining` holds the parameters of these rules.
+The graph partition can split an object into several regions. An object is split at depth steps within the object,
+between the wall and the inside of a cup, or because of noise. Four rules join regions that are parts of one object.
+Each of the four rules compares two neighbouring regions. The class `Joining` contains the parameters of the four rules.
 
-- vessel: the wall and the inside of a cup. The rule joins two regions if the front region is convex, the region behind
-  it is concave, and both have the same top height.
-- cap: the upper face and the side of a box, or a filled cup. The depth step across the border is small, and the border
-  is not a valley. The regions lie above each other in the image and have similar top heights. Both regions together are
-  nearly convex.
-- smooth: two parts of one surface that were separated because of noise. The depth step across the border is small, and
-  the border is not a valley.
-- enclosed: a region that is surrounded by an object, such as the bottom of a bowl. The region lies on the support plane
-  or has no depth.
+- vessel: the wall and the inside of a cup. The rule `vessel` joins two regions if the front region is convex, the
+  region behind it is concave, and both have the same top height.
+- cap: the upper face and the side of a box, or a filled cup. The rule `cap` joins two regions if the depth step across
+  their border is small and the border is not a valley. The two regions must also lie above each other in the image,
+  have similar top heights, and form a nearly convex shape.
+- smooth: two parts of one surface that were separated because of noise. The rule `smooth` joins two regions if their
+  border has a small depth step, is not a valley, and has no large mean boundary value.
+- enclosed: a region that is surrounded by an object, such as the bottom of a bowl. The rule `enclosed` joins only
+  regions on the support plane or without depth with the object around them.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ regions are tested.
 """
 CUT_SOLIDITY = 0.9
 LEAST_ABOVE = 0.85
-"""Minimum number of image columns that two joined regions share, divided by the number of columns of one of them.
+"""Minimum number of image columns that two joined regions share, divided by the number of image columns of one region.
 
 For the rule `vessel`, the divisor is the number of columns of the inside of the vessel. For the rule `cap`, the divisor
 is the number of columns of the narrower region.
@@ -60,7 +60,7 @@ class Border:
     - gap_m: mean absolute depth difference across the border, metres.
     - behind_m: mean signed depth difference across the border, metres, positive if region b is behind region a.
     - bend_m: mean distance of the border behind the straight line between the depth samples on both sides, metres. The
-      value is positive if the border is a valley.
+      distance is positive if the border is a valley.
     - boundary: mean value of the boundary map along the border.
     """
 
@@ -91,7 +91,7 @@ def join_parts(regions: Regions, cues: Cues, plane: Plane | None, camera: Camera
 
 
 def _unite(root: Counts, a: int, b: int) -> None:
-    """Merge the groups that contain regions a and b. The root of the merged group is the smaller of both roots."""
+    """Merge the groups that contain regions a and b. The root of a group is its smallest region number."""
     low, high = sorted((root[a], root[b]))
     root[root == high] = low
 
@@ -165,7 +165,7 @@ class _Parts:
         """Return True if region b fits into a vessel whose wall is region a.
 
         Region b must overlap region a in image columns. The distance of region b behind region a must be at most the
-        width of region a.
+        width of region a in metres.
         """
         shared, across, own = self._columns(border)
         y0, x0, y1, x1 = self.boxes[border.a]
@@ -204,8 +204,9 @@ class _Parts:
         )
 
     def enclosed(self, root: Counts) -> Iterator[tuple[int, int]]:
-        """Yield pairs (region, object) of region numbers for the rule `enclosed`. The region lies on the support plane
-        or has no depth. The object surrounds the region and is given by the root of its group of joined regions.
+        """Yield pairs (region, object) of region numbers that the rule `enclosed` joins. The first region of a pair
+        lies on the support plane or has no depth. The object surrounds this region and is given by the smallest number
+        of its joined regions.
         """
         least = self.config.enclosed
         if least is None:
@@ -239,7 +240,9 @@ class _Parts:
         return out
 
     def top_m(self, k: int) -> float:
-        """Return the height of the top of region k above the support plane, in metres. The value is cached."""
+        """Return the height of the top of region k above the support plane, in metres, and store the height for later
+        calls.
+        """
         if k not in self._tops:
             self._tops[k] = self._find_top_m(k)
         return self._tops[k]

@@ -1,9 +1,10 @@
 """Merging of neighbouring regions by the boundary values along their common border (`settings.Merging`).
 
-Equation 3 compares two regions by the edge of smallest weight between them. Noise at a short part of the border can
-therefore split one surface into two regions. In this module, two regions merge if the mean boundary value along their
-whole common border is small. Regions with the weakest common border merge first. Regions above the support plane do not
-merge with the support plane.
+Equation 3 compares two regions by the graph edge of smallest weight between them. Noise at a short part of the border
+can therefore split one surface into two regions. In this module, two regions merge if the mean boundary value along
+their whole common border is small. Regions with the weakest common border merge first. A small mean boundary value does
+not merge regions above the support plane with regions on the support plane. In the last step, each region with few
+pixels outside of boundary lines merges with a neighbour.
 """
 
 from __future__ import annotations
@@ -59,8 +60,8 @@ def find_borders(labels: Labels, boundary: Boundary) -> tuple[Labels, Labels, Su
 
 
 class _Borders:
-    """Regions of a frame. For every two neighbouring regions, the length of their common border and the sum of the
-    boundary map along this border are stored.
+    """Regions of a frame, with the measurements of their common borders. For every two neighbouring regions, the length
+    of their common border and the sum of the boundary map along this border are stored.
     """
 
     def __init__(self, regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, line: float) -> None:
@@ -84,7 +85,7 @@ class _Borders:
     def are_alike(self, a: int, b: int) -> bool:
         """Return True if two regions both lie above the support plane, or both lie on the support plane.
 
-        Return True also if one of the two regions has no measured depth.
+        If one of the two regions has no measured depth, the result is True.
         """
         if not (self.measured[a] and self.measured[b]):
             return True

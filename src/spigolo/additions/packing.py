@@ -13,20 +13,20 @@ from spigolo.settings.support import Packing, Support
 from spigolo.stages.edges import EdgeMaps
 
 PART = 32
-"""A pixel counts as close to an image edge if a square around the pixel contains an edge pixel. `PART` is the image
-width divided by the side length of this square.
+"""A pixel of the support plane counts as close to an image edge if a square around the pixel contains an edge pixel.
+The side length of the square is the image width divided by `PART`.
 """
 OUTLINE_PX = 9
-"""Side length in pixels of the square by which the mask of the support plane is eroded. The erosion excludes image
-edges at the outline of the mask.
+"""Side length in pixels of the square by which the mask of the support plane is eroded. After the erosion, image edges
+at the outline of the mask are not counted.
 """
 
 
 def warn_of_packing(
     edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
 ) -> None:
-    """Warn if the support plane looks like a layer of packed objects: it is large, has many image edges, and almost no
-    objects stand on it.
+    """Warn if the support plane looks like a layer of packed objects: it is large and has many image edges, but few
+    objects.
     """
     support, rule = config.support, config.packing
     if rule is None or support is None or edges is None or plane is None or camera is None:

@@ -1,8 +1,8 @@
 """Planes of a frame: heights of pixels above a plane, and masks of pixels on or above a plane (our addition, not in the
 paper).
 
-The masks are computed from all pixels. The share of points that stand on a plane (`Sample.share_standing_on`) is
-estimated from a sample of pixels.
+The masks of the pixels on or above a plane are computed from all pixels. The share of points that stand on a plane
+(`Sample.share_standing_on`) is estimated from a sample of pixels.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Sample:
         return cls(points, np.stack([y, x], axis=1) * CELLS // max(depth.shape))
 
     def on(self, plane: Plane, config: Support) -> Mask:
-        """Return a mask (N,) of the points that lie on a plane, within the tolerance."""
+        """Return a mask (N,) of the points that lie on a plane, within the tolerance of `tolerance_m`."""
         return np.asarray(np.abs(plane.height_m(self.points)) <= tolerance_m(self.points[:, 2], config))
 
     def share_on(self, plane: Plane, config: Support) -> float:
@@ -90,8 +90,8 @@ class Sample:
     def share_standing_on(self, plane: Plane, config: Support) -> float:
         """Return the share of the sampled points that stand on a plane.
 
-        A point stands on a plane if the plane surrounds the point on at least three sides. The height of the point must
-        also be above the tolerance and below `TALLEST_M`.
+        A point stands on a plane if the plane surrounds the point on at least three sides. The height of the point
+        above the plane must also be larger than the tolerance and smaller than `TALLEST_M`.
         """
         height = plane.height_m(self.points)
         above = (height > tolerance_m(self.points[:, 2], config)) & (height < TALLEST_M)
@@ -122,12 +122,12 @@ def tolerance_m(depth: npt.NDArray[np.floating], config: Support) -> npt.NDArray
 
 
 def support_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
-    """Return the mask (H, W) of pixels that lie on the plane, within the tolerance."""
+    """Return the mask (H, W) of pixels that lie on the plane, within the tolerance of `tolerance_m`."""
     return np.asarray(_sides(plane, depth, camera, config) == kernel.ON)
 
 
 def above_mask(plane: Plane, depth: DepthMap, camera: Camera, config: Support) -> Mask:
-    """Return the mask (H, W) of pixels that are above the plane by more than the tolerance."""
+    """Return the mask (H, W) of pixels that are above the plane by more than the tolerance of `tolerance_m`."""
     return np.asarray(_sides(plane, depth, camera, config) == kernel.ABOVE)
 
 

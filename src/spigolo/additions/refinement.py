@@ -23,15 +23,15 @@ in metres. A ramp is a depth step that is smeared over several pixels.
 """
 MEMORY = 0.5
 """Weight from 0 to 1 of the previous mean colour of a tree when a pixel is added to the tree. The colour of the added
-pixel has the remaining weight. The trees of the spanning forest grow from seed pixels.
+pixel has the weight 1 - `MEMORY`. The trees of the spanning forest grow from seed pixels.
 """
 CARRY = 0.9
-"""Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. Across a blurred
-image edge, the weights then add up to about the weight of a sharp image edge.
+"""Share of the weight of a graph edge that is added to the weight of the next graph edge of the tree. Because of this
+addition, the weights across a blurred image edge add up to about the weight of a sharp image edge.
 """
 HALVED_BAND_PX = 3
-"""Width in pixels, on each side of a border, of the band in which pixels get new labels. This width is used after a
-segmentation at half resolution.
+"""Width in pixels, on each side of a border, of the band in which pixels get new labels after a segmentation at half
+resolution.
 """
 
 
@@ -41,7 +41,7 @@ class Claimed:
 
     - labels: (H, W) int32, object at each pixel, 0 = background.
     - source_of: (H * W,) int32. For each pixel in `opened`, the index y * W + x of the seed pixel from which the label
-      comes. Values at other pixels are undefined.
+      comes. At pixels outside `opened`, the index is undefined.
     - opened: mask (H, W) of the pixels that got their label from a seed pixel.
     """
 
@@ -54,8 +54,8 @@ def refine_labels(labels: Labels, color: Color, depth: DepthMap, config: Refinem
     """Move the borders of objects to the nearby colour differences. Only pixels within a band along the borders get new
     labels.
 
-    The band is wider where depth is smeared or missing. The innermost pixels of each object keep their labels. Lengths
-    in `config` must be scaled to the image size.
+    The band along the borders is wider where depth is smeared or missing. The innermost pixels of each object keep
+    their labels. Lengths in `config` must be scaled to the image size.
 
     - labels: (H, W), 0 = background, 1..N = objects.
     - color: (H, W, 3) uint8 RGB.
@@ -73,8 +73,8 @@ def open_hulls(labels: Labels, opened: npt.NDArray[np.uint8], min_solidity: floa
     """Mark background pixels inside the convex hull of nearly convex objects, so that these pixels get new labels.
     Return the number of newly marked pixels.
 
-    For example, the bottom of a bowl has nearly the same depth as the table. The bottom may therefore be labelled as
-    background.
+    For example, the bottom of a bowl has nearly the same depth as the table. The bottom of the bowl may therefore be
+    labelled as background.
     """
     count = int(labels.max(initial=0)) + 1
     sums, boxes = np.zeros((count, 6)), np.zeros((count, 4), np.int32)
@@ -111,8 +111,8 @@ def place_outlines(labels: Labels, color: Color, depth: DepthMap, config: Refine
 
 
 def band_width_px(labels: Labels, depth: DepthMap, config: Refinement) -> int:
-    """Return the width in pixels, on each side of a border, of the band in which pixels get new labels. The width
-    depends on the mean width of smeared depth steps along the borders.
+    """Return the width in pixels, on each side of a border, of the band in which pixels get new labels. The width of
+    the band depends on the mean width of smeared depth steps along the borders.
     """
     sums = np.zeros(2, np.int64)
     bands.count_ramps(labels, depth, config.reach_px, np.float32(RAMP_STEP_M), np.float32(RAMP_STEP_SHARE), sums)
@@ -128,13 +128,13 @@ def open_band(
     """Mark the pixels near borders between labels, so that these pixels get new labels. Return the marks (H, W) uint8
     and the number of marked pixels.
 
-    near_hole: (H, W) uint8, nonzero near missing depth. The band has a width of hole_width_px at these pixels, and of
-    width_px at other pixels.
+    near_hole: (H, W) uint8, nonzero near missing depth. The band of marked pixels has a width of hole_width_px near
+    missing depth, and of width_px elsewhere.
 
-    Each object is divided into layers that are one pixel wide. Layer 1 is its border, and the next layers follow
-    inwards. If an object lies entirely inside the band, only the share `max_opened` of its layers is marked, outermost
-    layers first. If an object reaches beyond the band, all its pixels inside the band are marked. All pixels of the
-    background (label 0) inside the band are marked too.
+    Each object is divided into layers that are one pixel wide. Layer 1 is the border of the object, and the next layers
+    follow inwards. If an object lies entirely inside the band, only the share `max_opened` of its layers is marked,
+    outermost layers first. If an object reaches beyond the band, all its pixels inside the band are marked. All pixels
+    of the background (label 0) inside the band are marked too.
     """
     layer, inner = np.empty(labels.shape, np.uint8), np.zeros(int(labels.max(initial=0)) + 1, np.int32)
     bands.measure_layers(labels, near_hole, width_px, min(hole_width_px, 250), layer, inner)
@@ -152,7 +152,8 @@ def claim(
     config: Refinement,
 ) -> Claimed:
     """Give each marked pixel of `opened` the label of a seed pixel. Seed pixels are the unmarked pixels next to marked
-    pixels. A spanning tree grows from each seed pixel. A marked pixel gets the label of the first tree that reaches it.
+    pixels. A spanning tree grows from each seed pixel. A marked pixel gets the label of the first spanning tree that
+    reaches it.
 
     Marked pixels that no tree reaches keep their label.
     """

@@ -1,5 +1,5 @@
-"""Area of the support plane that a region surrounds. The rule `settings.Rim` uses this area to separate the rims of
-bins and trays from objects.
+"""Area of the support plane that a region surrounds. The rule `settings.Rim` uses the surrounded area to separate the
+rims of bins and trays from objects.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""Measurements that separate objects from walls: depth steps along the outline, slant, and the part of the outline on
-the image border.
+"""Measurements that separate objects from walls: depth steps along the outline, slant of the surface, and the part of
+the outline on the image border.
 """
 
 from __future__ import annotations
@@ -17,22 +17,24 @@ from spigolo.settings.rules import Ledge, Wall
 from spigolo.stages.regions import Regions
 
 TALL_SHARE = 0.05
-"""Minimum share of a region's measured pixels that are higher than `Wall.min_height_m` above the support plane. Regions
-with a smaller share are not tested for walls.
+"""Minimum share of a region's measured pixels that are higher than `Wall.min_height_m` above the support plane. Lower
+regions are not tested for being a wall.
 """
 SLOPES_SHARE = 0.1
 """Minimum share of a region's measured pixels for which a surface normal can be computed. If fewer pixels have a
-normal, no mean normal of the region is computed.
+normal, the mean normal of the region is not computed.
 """
 REACH_INSIDE = 2.5
 """Distance from the outline at which a region's slope is measured, as a multiple of `Wall.reach_px`."""
 FLAT = Plane(np.zeros(3), 0.0)
-"""Placeholder for a missing support plane. Heights above this placeholder are always 0."""
+"""Placeholder for a missing support plane. Heights above the placeholder plane are always 0."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
-    """Measurements of each region for the rejection rules `Wall` and `Ledge`. Unknown values are NaN."""
+    """Measurements of each region for the rule `Wall`, which rejects walls, and the rule `Ledge`, which keeps low
+    objects. Values that could not be measured are NaN.
+    """
 
     cut: npt.NDArray[np.float64]
     """Share (R,) of each region's outline that lies on the image border."""
@@ -51,8 +53,8 @@ def measure_stance(
 ) -> Stance:
     """Measure the depth steps along the outline, and the slant, of every region.
 
-    tall: mask (H, W) of the pixels that are high enough to belong to a wall. Regions with few of these pixels get NaN
-    for `cut`, `hides` and `lean_deg`. Without a support plane, `ledge` is NaN.
+    tall: mask (H, W) of the pixels that are high enough to belong to a wall. Regions with few high pixels get NaN for
+    `cut`, `hides` and `lean_deg`. Without a support plane, the measurement `ledge` is NaN.
     """
     valid, high = regions.count_where(np.asarray(depth > 0)), regions.count_where(tall)
     asked = (high >= TALL_SHARE * valid) & (high > 0)

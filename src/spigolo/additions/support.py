@@ -1,8 +1,8 @@
 """Search for the support plane, on which objects stand (our addition, not in the paper).
 
-RANSAC proposes the largest planes in a sample of pixels, and least squares refines these planes. The rules in
-`settings.Support` then choose one plane. For example, the support plane must face up, and points below it must not be
-visible.
+RANSAC proposes the largest planes in a sample of pixels, and least squares refines the proposed planes. Then, one plane
+is chosen by the rules in `settings.Support`. For example, the support plane must face up, and points below it must not
+be visible.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ REFINEMENTS = 3
 STACKED_M = 0.1
 STACKED_SLACK_M = 0.05
 STACKED_COSINE = 0.97
-"""Minimum cosine of the angle between the normals of two planes that count as parallel. The corresponding maximum angle
-is 14 degrees.
+"""Minimum cosine of the angle between the normals of two planes that count as parallel. The normals of parallel planes
+therefore differ by at most 14 degrees.
 
 A parallel plane above the largest plane is fitted to points with a height of more than `STACKED_M` above the largest
-plane. The heights of these points differ by at most `STACKED_SLACK_M`.
+plane. The points used for this fit differ in height by at most `STACKED_SLACK_M`.
 """
 MOST_BELOW = 0.25
-"""Maximum share of points below a plane that counts as opaque. The share refers to all points on or below the plane
-that the plane surrounds in the image.
+"""Maximum share of points below a plane that counts as opaque. Only points on or below the plane are counted, and only
+if the plane surrounds them in the image.
 """
 LOWER_SHARE = 0.5
 """Minimum number of points on a lower plane that replaces the support plane, divided by the number of points on the
 replaced plane.
 """
 SPARSE = 0.6
-"""If the share of pixels with depth is smaller than this value, the test for opaque planes is stricter. A plane then
-does not count as opaque if more points lie below it than on it.
+"""Minimum share of pixels with depth in a frame with the normal test for opaque planes. If a smaller share of the frame
+has depth, a plane does not count as opaque if more points lie below it than on it.
 """
 MOST_PLANES = 6
 SEED = 7
@@ -157,7 +157,8 @@ def _below(plane: Plane, sample: Sample, config: Support) -> Mask:
 
 def _visible_below(plane: Plane, sample: Sample, config: Support) -> tuple[Mask, float]:
     """Return a mask (N,) of the points that lie below a plane and are surrounded by the plane in the image. Also return
-    the number of these points, divided by the number of all surrounded points on or below the plane.
+    the number of surrounded points below the plane, divided by the number of all surrounded points on or below the
+    plane.
     """
     on = sample.on(plane, config)
     surrounded = sample.surrounded(on)
@@ -168,11 +169,11 @@ def _visible_below(plane: Plane, sample: Sample, config: Support) -> tuple[Mask,
 
 def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Generator, config: Support) -> Plane:
     """Lower a plane in steps, as long as too many points are visible below the plane. Each lower plane is nearly
-    parallel to the plane before.
+    parallel to the previous plane.
 
     For example, if a plane lies on the upper side of a heap of objects, many points between the objects are visible
-    below it. A lower plane must have a smaller share of points below it. The number of points on a lower plane must be
-    at least `LOWER_SHARE` times the number of points on the plane before.
+    below it. A lower plane is used only if a smaller share of points is visible below it. The number of points on a
+    lower plane must be at least `LOWER_SHARE` times the number of points on the previous plane.
     """
     below, share = _visible_below(plane, sample, config)
     while share > max_below:
@@ -191,8 +192,8 @@ def _lowered(plane: Plane, max_below: float, sample: Sample, rng: np.random.Gene
 
 
 def _with_things(plane: Plane, others: Iterable[Plane], min_things: float, sample: Sample, config: Support) -> Plane:
-    """Return the first plane on which at least the share `min_things` of the points stands. The given plane is tested
-    first, and then the other planes. If no plane has this share, return the given plane.
+    """Return the first plane on which at least the share `min_things` of the points stands. The plane `plane` is tested
+    first, and then the planes `others`. If too few points stand on every plane, return `plane`.
     """
     if sample.share_standing_on(plane, config) >= min_things:
         return plane
@@ -246,8 +247,8 @@ def _is_alike(plane: Plane, other: Plane) -> bool:
 
 
 def _hypotheses(points: Points, rng: np.random.Generator, config: Support) -> Iterator[Plane]:
-    """Yield planes, each through three random points of the sample `points` (N, 3). Planes with the most points come
-    first.
+    """Yield planes, each through three random points of the sample `points` (N, 3). Planes on which the most points lie
+    come first.
     """
     a, b, c = points[rng.integers(len(points), size=(3, HYPOTHESES))]
     normals = np.cross(b - a, c - a)
@@ -283,7 +284,7 @@ def _fit(points: Points) -> Plane:
 
 
 def _towards_camera(normal: Points, offset_m: float) -> Plane:
-    """Return the plane with its normal towards the camera. The camera is at the origin, so the offset is then not
-    negative.
+    """Return the plane with its normal towards the camera. The camera is at the origin, so the offset of the returned
+    plane is not negative.
     """
     return Plane(normal, offset_m) if offset_m >= 0 else Plane(-normal, -offset_m)

@@ -15,15 +15,15 @@ from spigolo.errors import FileError
 PathLike = str | os.PathLike[str]
 Array = npt.NDArray[Any]
 MAX_UNPACKED = 2 << 30
-"""Maximum size in bytes of all arrays of a .npz file after decompression. Without this limit, a small compressed file
+"""Maximum size in bytes of all arrays of a .npz file after decompression. Without the limit, a small compressed file
 could fill the memory.
 """
 ALONE = ""
-"""Name under which the array of a .npy file is returned, because such a file stores no name."""
+"""Name under which the array of a .npy file is returned, because a .npy file stores no name."""
 
 
 def load_arrays(path: PathLike, what: str = "arrays") -> Mapping[str, Array]:
-    """Return the arrays of a .npz or .npy file in a dict, indexed by name. Raises FileError.
+    """Return the arrays of a .npz or .npy file in a dict, indexed by name. Raises FileError for an unreadable file.
 
     what: description of the arrays in error messages.
     """
@@ -46,7 +46,7 @@ def _check_unpacked(stored: Any) -> None:
 
 def pick(arrays: Mapping[str, Array], names: Sequence[str], what: str, path: PathLike) -> Array:
     """Return the first array that has one of the given names, or the only array of the file. Raises FileError if the
-    file has several arrays, but none with a given name.
+    file has several arrays, but no array with one of the names.
     """
     lower = {name.lower(): array for name, array in arrays.items()}
     found = next((lower[name] for name in names if name in lower), None)

@@ -1,6 +1,6 @@
 """Pinhole cameras: intrinsics, fields of view, scaling and undistortion.
 
-Pixel centres have integer coordinates. In x, an image of width W therefore reaches from -0.5 to W - 0.5.
+Pixel centres have integer coordinates. In the x direction, an image of width W therefore reaches from -0.5 to W - 0.5.
 """
 
 from __future__ import annotations
@@ -20,14 +20,12 @@ from spigolo.frames.nominal import NOMINAL
 DISTORTION_LENGTHS = (0, 4, 5, 8, 12, 14)
 """Valid numbers of OpenCV's distortion coefficients k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y."""
 LEAST_FOCAL_PX, MOST_PX = 0.01, 1e8
-"""LEAST_FOCAL_PX: minimum focal length in pixels. MOST_PX: maximum focal length and maximum coordinate of the principal
-point, in pixels.
-"""
+"""Minimum focal length, and maximum focal length and coordinate of the principal point, in pixels."""
 MAX_SKEW = 1e-3
-"""A skew of the camera matrix K counts as a rounding error if skew / fx is at most this limit."""
+"""Maximum skew of the camera matrix K, divided by fx, that counts as a rounding error."""
 MAX_ASPECT_CHANGE = 0.01
-"""Two aspect ratios count as equal if their relative difference is at most this limit. For example, 848:480 counts as
-equal to 16:9.
+"""Maximum relative difference between two aspect ratios that count as equal. For example, 848:480 counts as equal to
+16:9.
 """
 LEAST_FOCAL_SHARE = 0.05
 """Minimum focal length as a share of the image width. A focal length of 5 % of the image width means a field of view of
@@ -42,8 +40,8 @@ FIELD_OF_VIEW = re.compile(r"(\d+(?:\.\d+)?)[ -]?deg")
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Camera:
-    """Pinhole intrinsics of the colour camera, in pixels. The depth map is registered to the image of this camera.
-    Raises CameraError for invalid values.
+    """Pinhole intrinsics of the colour camera, in pixels. The depth map is registered to the image of the colour
+    camera. Raises CameraError for invalid values.
     """
 
     fx: float
@@ -88,8 +86,8 @@ class Camera:
 
     @classmethod
     def from_matrix(cls, K: Any, width: int, height: int, distortion: Sequence[float] = ()) -> Camera:
-        """Return the camera with the camera matrix K, given as (3, 3) or as nine numbers row by row. Raises
-        CameraError.
+        """Return the camera with the camera matrix K, given as (3, 3) or as nine numbers row by row. Raises CameraError
+        for an invalid matrix.
         """
         rows = as_numbers(K)
         if rows.shape not in ((3, 3), (9,)):
@@ -110,7 +108,8 @@ class Camera:
     ) -> Camera:
         """Return the camera with a given field of view, in degrees, and the principal point in the image centre.
 
-        If only the horizontal or only the vertical angle is given, fx and fy are equal. Raises CameraError.
+        If only the horizontal or only the vertical angle is given, fx and fy are equal. Raises CameraError for an
+        invalid angle.
         """
         given = [angle for angle in (horizontal_deg, vertical_deg) if angle is not None]
         if not given or not all(0 < angle < 180 for angle in given):
@@ -131,7 +130,7 @@ class Camera:
         individual camera by one or two per cent. Use nominal intrinsics for a first test, and calibrate the camera for
         accurate positions.
 
-        width, height: image size in pixels. The default is the size of the camera model's colour image, or 640x480 for
+        width, height: image size in pixels. The default size is that of the camera model's colour image, or 640x480 for
         a field of view. Nominal intrinsics are scaled to `width` and `height`, which must have the same aspect ratio.
         Raises CameraError for an unknown name or another aspect ratio.
         """
@@ -169,7 +168,7 @@ class Camera:
     def undistort(self, image: npt.NDArray[Any], *, nearest: bool = False) -> npt.NDArray[Any]:
         """Remove the lens distortion from an image (H, W) or (H, W, C). Pixels that the camera did not see are 0.
 
-        nearest: use nearest-neighbour instead of bilinear interpolation, for depth and labels.
+        nearest: True to use nearest-neighbour instead of bilinear interpolation, as required for depth and labels.
         """
         if not self.distortion:
             return image
@@ -187,8 +186,9 @@ class Camera:
     def back_project(
         self, depth: npt.NDArray[Any], where: npt.NDArray[np.bool_] | None = None
     ) -> npt.NDArray[np.float32]:
-        """Return the points (N, 3), in metres, of all pixels with depth. where: mask (H, W) of the pixels to use, or
-        None.
+        """Return the points (N, 3), in metres, of all pixels with depth.
+
+        where: mask (H, W) of the pixels to use, or None for all pixels.
         """
         valid = depth > 0 if where is None else (depth > 0) & where
         y, x = np.nonzero(valid)
@@ -226,7 +226,9 @@ def as_numbers(value: Any) -> npt.NDArray[np.float64]:
 
 
 def as_coefficients(values: Any) -> tuple[float, ...]:
-    """Return validated distortion coefficients, or an empty tuple if all coefficients are 0. Raises CameraError."""
+    """Return validated distortion coefficients, or an empty tuple if all coefficients are 0. Raises CameraError for
+    invalid coefficients.
+    """
     numbers = as_numbers(values).reshape(-1)
     if numbers.size not in DISTORTION_LENGTHS or not np.isfinite(numbers).all():
         raise CameraError(

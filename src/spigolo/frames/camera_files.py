@@ -30,7 +30,7 @@ NAMES = (
     "intrinsics.yml", "camera.txt", "cam_K.txt", "camK.txt", "camera-intrinsics.txt", "camera_intrinsics.txt",
     "intrinsics.txt", "intrinsic.txt", "cam_K.npy", "camK.npy", "K.txt", "K.npy", "cameras.txt", "scene_camera.json",
 )  # fmt: skip
-"""Names of the camera files that are searched for next to the images. The first existing file is used."""
+"""Names of the camera files that are searched for next to the images. The first of these files that exists is used."""
 FORMS = (
     "JSON or YAML with fx, fy, cx, cy or a matrix K, a 3x3 matrix as .txt, .npy or .mat, or COLMAP's cameras.txt: write"
     ' {"K": [9 numbers, row by row]} as JSON'
@@ -49,8 +49,8 @@ COLMAP = {
 def read_camera(
     path: PathLike, width: int | None = None, height: int | None = None, *, image: str | None = None
 ) -> tuple[Camera, float | None]:
-    """Read a camera file. Return the camera and the depth scale in metres per unit. The second value is None if the
-    file has no depth scale.
+    """Read a camera file. Return the camera and the depth scale in metres per unit. The depth scale is None if the file
+    contains no depth scale.
 
     The following formats are supported:
 
@@ -60,14 +60,14 @@ def read_camera(
     - text with a 3x3 or 4x4 matrix or four numbers, and COLMAP's cameras.txt
     - .npy, .npz and .mat files with a matrix
 
-    `camera_from_mapping` lists the names of the fields.
+    The function `camera_from_mapping` lists the names of the supported fields.
 
     A depth_scale is read as millimetres per unit in BOP files and as units per metre in Open3D files.
 
     - width, height: image size in pixels, for camera files without an image size.
-    - image: name of the colour image, for files that contain the cameras of many images.
+    - image: name of the colour image, for camera files that contain the cameras of many images.
 
-    Raises FileError or CameraError.
+    Raises FileError for an unreadable file, and CameraError for invalid intrinsics.
     """
     values = camera_fields(path, image)
     try:
@@ -77,7 +77,9 @@ def read_camera(
 
 
 def camera_fields(path: PathLike, image: str | None = None) -> Mapping[str, Any]:
-    """Return the fields of a camera file of any supported format. Raises FileError or CameraError."""
+    """Return the fields of a camera file of any supported format. Raises FileError for an unreadable file, and
+    CameraError for other content.
+    """
     suffix = Path(path).suffix.lower()
     if suffix in (".png", ".tif", ".tiff", ".jpg", ".jpeg", ".xml", ".bag", ".pkl", ".toml"):
         raise FileError(f"expected a camera file, got {path}. Supported: {FORMS}")
@@ -96,7 +98,7 @@ def camera_in(folder: Path) -> Path | None:
 def camera_for(folder: Path, top: Path) -> Path | None:
     """Return the camera file for the images in `folder`, from this folder or the nearest folder above.
 
-    top: folder that the user gave as input. The search ends in the parent folder of `top`.
+    top: folder that the user gave as input. The search for a camera file ends in the parent folder of `top`.
     """
     places = [folder, *folder.parents]
     places = places[: places.index(top) + 1] if top in places else [folder]
@@ -105,7 +107,9 @@ def camera_for(folder: Path, top: Path) -> Path | None:
 
 
 def camera_of(color: Path) -> Path | None:
-    """Return the camera file for a colour image, from its folder or a folder above, or None."""
+    """Return the camera file for a colour image, from its folder or a folder above, or None if no camera file
+    is found.
+    """
     inner = color.parent.name in COLOR_NAMES
     return camera_for(color.parent, color.parent.parent if inner else color.parent)
 
@@ -170,8 +174,8 @@ def _matrix_fields(numbers: npt.NDArray[Any], path: PathLike) -> Mapping[str, An
 
 
 def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
-    """Return the cameras of COLMAP's cameras.txt, indexed by camera number. Each line is ID MODEL WIDTH HEIGHT
-    PARAMETERS.
+    """Return the cameras of COLMAP's cameras.txt, indexed by camera number. Each line of this file has the form ID
+    MODEL WIDTH HEIGHT PARAMETERS.
     """
     cameras = {}
     for row in rows:
@@ -212,7 +216,7 @@ def _mat(path: PathLike) -> Mapping[str, Any]:
 
 def _of_arrays(arrays: Mapping[str, Any], path: PathLike) -> Mapping[str, Any]:
     """Convert named arrays to camera fields, such as a camera matrix and a depth scale. If no array has a known name,
-    the only array with 4, 9, 12 or 16 numbers is the camera matrix.
+    the only array with 4, 9, 12 or 16 numbers is used as camera matrix.
     """
     lower = {name.lower(): name for name in MATRIX_NAMES}
     named = {lower.get(name.lower(), name): value for name, value in arrays.items()}

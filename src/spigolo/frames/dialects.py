@@ -15,7 +15,7 @@ INTRINSICS = (
     "fx", "fl_x", "FX", "K", "k", "camera_matrix", "cam_K", "intrinsic_matrix", "cameraMatrix", "mtx", "P", "p",
     "projection_matrix",
 )  # fmt: skip
-"""Names of fields that contain intrinsics. A dict with such a field describes a camera."""
+"""Names of fields that contain intrinsics. A dict with one of these fields describes a camera."""
 ATTRIBUTES = (
     "fx", "fy", "cx", "cy", "ppx", "ppy", "k", "K", "p", "P", "intrinsic_matrix", "width", "height", "d", "D", "coeffs",
     "model", "distortion_model", "roi", "binning_x", "binning_y", "k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2",

@@ -48,7 +48,9 @@ __all__ = [
 
 
 NEARBY = "nearby"
-"""Value for the argument `camera` of `read_frame`. With this value, the camera file is searched for near the images."""
+"""Value for the argument `camera` of `read_frame`. With the value `NEARBY`, the camera file is searched for near the
+images.
+"""
 
 
 def read_frame(
@@ -64,16 +66,16 @@ def read_frame(
     16-bit PNG, or an array file.
 
     - camera: a camera file (`read_camera`), or any form that `as_camera` accepts. Give None if the intrinsics are
-      unknown. A
-      string is a file name if the file exists or the string has the suffix of a camera file. Otherwise the string is a
-      camera name. By default, the camera file next to the colour image or in a parent folder is read, such as
-      camera.json.
+      unknown. A string is a file name if the file exists or the string has the suffix of a camera file. Any other
+      string is a camera name, a field of view or numbers, as described for `as_camera`. By default, the camera file
+      next to the colour image or in a parent folder is read, such as camera.json.
     - depth_scale: metres per stored unit, 0.001 for millimetres. If depth_scale is None, integer depth is multiplied by
       the depth_scale of the camera (file or dictionary), and floating-point depth is in metres.
-    - name: name of the frame. If `name` is None, the frame gets the name of the colour file without suffix. For a
-      file such as rgb.png, the frame gets the name of the folder instead.
+    - name: name of the frame. If `name` is None, the frame gets the name of the colour file without suffix. For a file
+      such as rgb.png, the frame gets the name of the folder instead.
 
-    One .npz file may contain colour, depth and camera. Raises FileError, CameraError or FrameError.
+    One .npz file may contain colour, depth and camera. Raises FileError for an unreadable file, CameraError for an
+    invalid camera, and FrameError for invalid images.
     """
     if isinstance(camera, str) and camera == NEARBY:
         camera = find_camera(Path(color))
@@ -117,7 +119,7 @@ def known_camera(camera: CameraLike | PathLike, width: int, height: int) -> tupl
     """Convert a camera in any form that `read_frame` accepts to a `Camera` and a depth scale. If the camera or the
     depth scale is unknown, None is returned in its place.
 
-    Raises FileError or CameraError.
+    Raises FileError for an unreadable file, and CameraError for an invalid camera.
     """
     known, fields = _camera_and_fields(camera, "", width, height)
     return known, _own_scale(fields, camera)
@@ -139,7 +141,7 @@ def _camera_and_fields(
 
 def _own_scale(fields: Mapping[str, Any] | None, camera: object) -> float | None:
     """Return the depth_scale in the fields of a camera file or dict, or None if the fields contain no depth_scale.
-    Raises CameraError for an invalid value.
+    Raises CameraError for an invalid depth scale.
     """
     is_file = isinstance(camera, str | os.PathLike)
     try:
@@ -156,7 +158,10 @@ def _names_file(text: str) -> bool:
 
 
 def write_png(path: PathLike, image: Image) -> None:
-    """Write an image as PNG. image: RGB (H, W, 3) uint8, or grey (H, W) with 8 or 16 bits."""
+    """Write an image as PNG.
+
+    image: RGB (H, W, 3) uint8, or grey (H, W) with 8 or 16 bits.
+    """
     bgr = cv2.cvtColor(image, cv2.COLOR_RGB2BGR) if image.ndim == 3 else image
     done, data = cv2.imencode(".png", bgr)
     if not done:
@@ -170,10 +175,10 @@ def write_json(path: PathLike, values: Any) -> None:
 
 
 def append_lines(path: Path) -> BinaryIO:
-    """Open a text file to append lines, and create the folder of the file. If a crash left an incomplete last line,
-    this line is removed.
+    """Open a text file to append lines, and create the folder of the file. An incomplete last line, which a crash may
+    have left in the file, is removed.
 
-    Raises FileError.
+    Raises FileError for a file that cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

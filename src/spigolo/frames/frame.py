@@ -38,7 +38,7 @@ class Frame:
     - color: (H, W, 3) uint8 RGB.
     - depth: (H, W) floating-point metres, or integers with `depth_scale` metres per unit.
     - depth_scale: metres per unit of integer depth, which may also be a field of `camera`.
-    - camera: any form that `as_camera` accepts, or None without intrinsics.
+    - camera: intrinsics in any form that `as_camera` accepts, or None if the intrinsics are unknown.
 
     Raises FrameError if the colour image and the depth map differ in size, or have more than `max_pixels` pixels.
     Raises CameraError for an invalid camera.
@@ -49,7 +49,9 @@ class Frame:
     depth: DepthMap
     """Depth map (H, W) float32 in metres, 0 where missing."""
     camera: Camera | None
-    """Intrinsics of the colour image and the depth map, without distortion. None if the intrinsics are unknown."""
+    """Intrinsics of the colour image and the depth map, without distortion. The value is None if the intrinsics are
+    unknown.
+    """
     name: str = ""
     """Name of the frame, used in messages and file names."""
     stamp_ns: int | None = None
@@ -57,10 +59,10 @@ class Frame:
     negative_depth: int = field(init=False, default=0)
     """Number of pixels with negative depth, which counts as missing."""
     unit_m: float | None = field(init=False, default=None)
-    """Metres per unit of integer depth. None for floating-point depth."""
+    """Metres per unit of integer depth. The value is None for floating-point depth."""
     out_of_reach: OutOfReach | None = field(init=False, default=None)
-    """Description of positive depth values that no camera can measure. Pixels with such values count as missing depth.
-    None if all depth values are plausible.
+    """Description of positive depth values that no camera can measure. Pixels with implausible values count as missing
+    depth. The value is None if all depth values are plausible.
     """
     undistorted: bool = field(init=False, default=False)
     """True if the images were undistorted. If the images were undistorted, results belong to `Frame.color`, not to the
@@ -115,8 +117,8 @@ class Frame:
 
 
 def _own_scale(camera: CameraLike) -> float | None:
-    """Return the depth scale in the fields of a camera, in metres per unit, or None without such a field. Raises
-    CameraError.
+    """Return the depth scale in the fields of a camera, in metres per unit, or None if no field contains a depth scale.
+    Raises CameraError for an invalid depth scale.
     """
     plain = camera is None or isinstance(camera, Camera | str)
     fields = None if plain else fields_of(camera)
@@ -132,10 +134,11 @@ def depth_in_metres(
     """Convert depth to metres.
 
     Return a depth map (H, W) in metres, the number of pixels with negative depth, and a description of implausible
-    values. Missing depth is 0 in the result. NaN, infinite depth, depth below NEAREST_M, depth beyond the range of
-    cameras, and the largest value of an integer type count as missing.
+    values. Missing depth is 0 in the returned depth map. NaN, infinite depth, depth below NEAREST_M, depth beyond the
+    range of cameras, and the largest value of an integer type count as missing.
 
-    depth: (H, W) floating-point metres, or integers with depth_scale metres per unit. Raises FrameError.
+    depth: (H, W) floating-point metres, or integers with depth_scale metres per unit. Raises FrameError for depth of a
+    wrong shape or type.
     """
     _check_depth(depth, depth_scale)
     with np.errstate(over="ignore"):  # values too large for float32 become infinite, which counts as missing

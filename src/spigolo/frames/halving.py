@@ -35,8 +35,8 @@ def halve_roi(roi: Roi | None, frame: Frame) -> Roi | None:
 
 
 def uncropped(shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the size (H, W) of the full 4:3 image of a camera. Images of another aspect ratio are crops of this full
-    image.
+    """Return the size (H, W) of the full 4:3 image of a camera. Images of another aspect ratio count as crops of the
+    full 4:3 image.
     """
     height, width = shape
     return max(height, round(width * 3 / 4)), max(width, round(height * 4 / 3))

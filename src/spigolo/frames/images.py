@@ -32,7 +32,8 @@ def read_color(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.u
     Grey images are converted to RGB, and transparency is ignored.
 
     Images of more than 8 bits are converted to 8 bits by dropping the lowest bits. Orientation metadata is ignored, so
-    that colour and depth keep the same order of pixels. Raises FileError or FrameError.
+    that colour and depth keep the same order of pixels. Raises FileError for an unreadable file, and FrameError for an
+    image that is not a colour image.
     """
     if Path(path).suffix.lower() in ARRAYS:
         return _as_color(pick(load_arrays(path), COLOR_KEYS, "a colour image", path), path)
@@ -68,7 +69,7 @@ def _tell_of_one_channel(path: PathLike, max_pixels: int) -> None:
 def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
     """Read a depth map (H, W) as stored: integers, or floating-point metres.
 
-    Raises FileError or FrameError.
+    Raises FileError for an unreadable file, and FrameError for an image that is not a depth map.
     """
     suffix = Path(path).suffix.lower()
     if suffix in LOSSY:
@@ -87,7 +88,9 @@ def read_depth(path: PathLike, max_pixels: int = MAX_PIXELS) -> Image:
 
 
 def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXELS) -> None:
-    """Raise FrameError if the colour file contains depth, because the two files are then probably swapped."""
+    """Raise FrameError if the colour file contains depth, because colour file and depth file are then probably
+    swapped.
+    """
     is_array = Path(color).suffix.lower() in ARRAYS
     stored = read_depth(color) if is_array else decode(color, cv2.IMREAD_UNCHANGED, max_pixels)
     if stored.ndim == 2 and stored.dtype != np.uint8:
@@ -99,7 +102,7 @@ def refuse_swapped(color: PathLike, depth: PathLike, max_pixels: int = MAX_PIXEL
 
 def read_labels(path: PathLike) -> Image:
     """Read a label image (H, W) of integers. In a PNG with indexed colours, the label of a pixel is its colour index.
-    Raises FileError or FrameError.
+    Raises FileError for an unreadable file, and FrameError for an image that is not a label image.
     """
     data, factor = as_grey(read_bytes(path).tobytes())
     stored = decode_bytes(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED, path)
@@ -112,7 +115,9 @@ def read_labels(path: PathLike) -> Image:
 
 
 def read_mask(path: PathLike, max_pixels: int = MAX_PIXELS) -> npt.NDArray[np.bool_]:
-    """Read a mask (H, W) from an image of any bit depth, True where the image is not black. Raises FileError."""
+    """Read a mask (H, W) from an image of any bit depth. The mask is True where the image is not black. Raises
+    FileError for an unreadable file.
+    """
     stored = decode(path, cv2.IMREAD_UNCHANGED, max_pixels)
     return np.asarray(stored != 0) if stored.ndim == 2 else np.asarray(stored[..., :3].any(axis=2))
 
@@ -129,7 +134,8 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pi
 
     A PNG image of more than max_pixels pixels is rejected before decoding, to limit memory.
 
-    path: name of the file in error messages. Raises FileError or FrameError.
+    path: name of the file in error messages. Raises FileError if the data cannot be decoded, and FrameError for a PNG
+    image with too many pixels.
     """
     header = header_of(data[:32].tobytes())
     if header is not None:
@@ -145,7 +151,7 @@ def decode_bytes(data: npt.NDArray[np.uint8], flags: int, path: PathLike, max_pi
 
 
 def read_bytes(path: PathLike) -> npt.NDArray[np.uint8]:
-    """Return the bytes of an image file as an array. Raises FileError."""
+    """Return the bytes of an image file as an array. Raises FileError for a file that cannot be read."""
     try:
         return np.fromfile(path, np.uint8)
     except OSError as error:
@@ -170,7 +176,10 @@ def _advice(path: PathLike) -> str:
 
 
 def how_to_extract(suffix: str) -> str:
-    """Return instructions for the user to extract frames from a recording. suffix: file suffix of the recording."""
+    """Return instructions for the user to extract frames from a recording.
+
+    suffix: file suffix of the recording.
+    """
     if suffix in OPENED:
         return "read the frames with sp.open_source or `spigolo segment RECORDING`"
     tool = "Open3D or k4arecorder" if suffix == ".mkv" else "the recorder or driver of the camera"

@@ -60,13 +60,13 @@ def as_camera(value: CameraLike, width: int, height: int) -> Camera | None:
 
     value: one of the following
 
-    - a Camera, which is returned unchanged
+    - an object of the class Camera, which is returned unchanged
     - a matrix K (3, 3), the nine numbers of K row by row, a matrix P (3, 4), or the numbers (fx, fy, cx, cy). Numbers
       may also be text, such as "927.2,927.4,651.3,349.6"
     - a name of a camera model or a field of view, as in `Camera.named`
     - a dict of the fields that `camera_from_mapping` lists, or a camera object of pyrealsense2, ROS or Open3D
 
-    Raises CameraError.
+    Raises CameraError for invalid intrinsics and for any other value.
     """
     if value is None or isinstance(value, Camera):
         return value
@@ -140,7 +140,8 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
     The fields of the colour camera may be nested in another field.
 
-    width, height: image size in pixels, used if the fields contain no image size. Raises CameraError.
+    width, height: image size in pixels, used if the fields contain no image size. Raises CameraError for invalid or
+    missing fields.
     """
     values = own_fields(values)
     window = window_of(values)
@@ -158,8 +159,8 @@ def camera_from_mapping(values: Mapping[str, Any], width: int | None = None, hei
 
 
 def _through(window: Window, camera: Camera, width: int | None, height: int | None) -> Camera:
-    """Return the camera of the cropped or decimated image. Raises CameraError if this image is not width x height
-    pixels large.
+    """Return the camera of the cropped or decimated image. Raises CameraError if the cropped or decimated image is not
+    width x height pixels large.
     """
     seen = window.of(camera)
     if None not in (width, height) and (seen.width, seen.height) != (width, height):
@@ -180,7 +181,9 @@ def _require(found: Mapping[str, Any]) -> None:
 
 
 def _size(values: Mapping[str, Any], width: int | None, height: int | None) -> dict[str, Any]:
-    """Return the image width and height in pixels from the fields of a camera. A stored size of 0 is ignored."""
+    """Return the image width and height in pixels from the fields of a camera. An image size of 0 in the fields is
+    ignored.
+    """
     resolution = values.get("resolution")
     if isinstance(resolution, Sequence) and not isinstance(resolution, str) and len(resolution) == 2:
         return {"width": resolution[0], "height": resolution[1]}

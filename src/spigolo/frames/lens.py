@@ -17,16 +17,14 @@ OPENCV_MODELS = (
 """Names of lens models whose coefficients `cv2.undistort` accepts."""
 INVERSE = "inverse_brown_conrady"
 POLYNOMIALS = (INVERSE, "modified_brown_conrady")
-"""Names of lens models that OpenCV does not support. A camera with such a model is accepted if all its coefficients are
-0.
+"""Names of lens models that OpenCV does not support. A camera with an unsupported lens model is accepted if all its
+coefficients are 0.
 """
 NO_PINHOLE = (
     "equi", "fish", "kannala", "kb4", "kb8", "omni", "mei", "unified", "sphere", "spherical", "eucm", "ucm", "ftheta",
     "f_theta", "fov", "atan", "ocam", "scaramuzza", "panoram", "cylind", "stereographic", "orthographic", "division",
 )  # fmt: skip
-"""Parts of lens-model names. If a name contains such a part, the model is not a pinhole model, even if all coefficients
-are 0.
-"""
+"""Parts of the names of lens models that are not pinhole models, even if all their coefficients are 0."""
 EXACTLY_NO_PINHOLE = ("ds", "kb", "theta")
 REALSENSE_MODELS = (
     "none", "modified_brown_conrady", INVERSE, "ftheta", "brown_conrady", "kannala_brandt4",
@@ -36,8 +34,9 @@ MEND = "undistort the images first and give their camera without distortion"
 
 
 def model_name(value: object) -> str:
-    """Return the name of a lens model in lower case with underscores. value: text, an enumeration or librealsense's
-    number.
+    """Return the name of a lens model in lower case with underscores.
+
+    value: text, an enumeration or librealsense's number.
     """
     if isinstance(value, int) and 0 <= value < len(REALSENSE_MODELS):
         return REALSENSE_MODELS[value]
@@ -49,7 +48,7 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
     """Raise CameraError for a lens model that OpenCV cannot undistort.
 
     - value: content of the field with the lens model.
-    - certain: False if the field can also hold something else, such as the name of a device.
+    - certain: False if the field may contain something other than a lens model, such as the name of a device.
     - coefficients: distortion coefficients.
     - camera: camera without distortion.
     """
@@ -70,8 +69,8 @@ def check_model(value: object, certain: bool, coefficients: Sequence[float], cam
 
 
 def inverse_error_px(coefficients: Sequence[float], camera: Camera) -> float:
-    """Return the position error in pixels that results if inverse Brown-Conrady coefficients are ignored. The error is
-    computed in the four image corners, and the largest of the four errors is returned.
+    """Return the position error in pixels that results if inverse Brown-Conrady coefficients are ignored. The position
+    error is computed in the four image corners, and the largest of the four errors is returned.
 
     Inverse Brown-Conrady coefficients describe a polynomial from distorted pixels to rays.
     """

@@ -9,14 +9,14 @@ from pathlib import Path
 RECORDINGS = (".bag", ".db3", ".mcap", ".mkv", ".oni", ".svo", ".svo2", ".klg", ".mp4", ".avi")
 """File suffixes of recordings, which contain streams instead of single images."""
 COLOR_NAMES = ("rgb", "color", "colour", "image")
-"""Common names of colour images and of their folders. Such a name cannot serve as the name of a frame."""
+"""Common names of colour images and of their folders. A common name such as rgb cannot serve as the name of a frame."""
 OPENED = (".bag", ".db3", ".mcap")
 """File suffixes of recordings that `sp.open_source` can read."""
 NOT_OURS = ("__MACOSX", "@eaDir", "Thumbs.db", "$RECYCLE.BIN")
-"""Names of files and folders that operating systems create. Such files and folders are skipped."""
+"""Names of files and folders that operating systems create. Files and folders with these names are skipped."""
 EXACT_FIRST = (".npz", ".npy", ".exr", ".tif", ".tiff", ".png", ".pgm", ".ppm", ".pnm", ".bmp", ".webp")
-"""File suffixes in order of preference. If several file names differ only in the suffix, the file with the first of
-these suffixes is used. Suffixes that are not listed come last.
+"""File suffixes in order of preference. If several file names differ only in the suffix, the file with the most
+preferred suffix is used. Suffixes that are not in the tuple come last.
 """
 
 

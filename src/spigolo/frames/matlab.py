@@ -1,6 +1,6 @@
 """Reader of numeric arrays in MATLAB files, version 5 to 7.
 
-This reader replaces other libraries, which may crash the process on damaged files.
+This module replaces other libraries, which may crash the process on damaged MATLAB files.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ KINDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8",
 NUMERIC = range(6, 16)
 """MATLAB's class numbers of numeric arrays. MATLAB's other classes are text, cells and structures."""
 MOST_BYTES = 2**26
-"""Maximum size in bytes of a variable that is read. Larger variables are not camera parameters."""
+"""Maximum size in bytes of a variable that is read. Larger variables cannot be camera parameters."""
 
 
 def numeric_arrays(data: bytes) -> dict[str, npt.NDArray[Any]]:
@@ -47,8 +47,9 @@ def _variables(data: bytes, order: str) -> Iterator[tuple[str, npt.NDArray[Any]]
 
 
 def _elements(data: bytes, order: str) -> Iterator[tuple[int, bytes]]:
-    """Yield the type number and the content of each data element of a MATLAB file. order: "<" or ">" for the byte
-    order.
+    """Yield the type number and the content of each data element of a MATLAB file.
+
+    order: "<" or ">" for the byte order.
     """
     place = 0
     while place + 8 <= len(data):

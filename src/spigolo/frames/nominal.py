@@ -23,7 +23,7 @@ NOMINAL: dict[str, tuple[Mode, ...]] = {
     "oak-d": ((1475.0, 1475.0, 959.5, 539.5, 1920, 1080), (465.7, 465.7, 319.5, 239.5, 640, 480)),
 }
 """Intrinsics (fx, fy, cx, cy, width, height) in pixels of each camera model, one tuple for each aspect ratio of its
-colour image. The default aspect ratio comes first.
+colour image. The intrinsics for the default aspect ratio come first.
 """
 
 SOURCES = {

@@ -14,8 +14,9 @@ DROPPED = (b"PLTE", b"tRNS", b"sBIT", b"bKGD", b"hIST", b"iCCP", b"sRGB", b"gAMA
 class Header(NamedTuple):
     """Header of a PNG file.
 
-    width, height: image size in pixels. bits: bits per channel. kind: colour type (0 grey, 2 RGB, 3 indexed, 4 grey
-    with alpha, 6 RGB with alpha).
+    - width, height: image size in pixels.
+    - bits: bits per channel.
+    - kind: colour type (0 grey, 2 RGB, 3 indexed, 4 grey with alpha, 6 RGB with alpha).
     """
 
     width: int
@@ -34,8 +35,8 @@ def header_of(data: bytes) -> Header | None:
 def as_grey(data: bytes) -> tuple[bytes, int]:
     """Return a PNG file with indexed colours as a grey PNG file with the indices as values.
 
-    Other files are returned unchanged. Also return the factor by which decoders multiply grey values that are stored
-    with 1, 2 or 4 bits.
+    Files of other kinds are returned unchanged. The second returned value is the factor by which decoders multiply grey
+    values that are stored with 1, 2 or 4 bits.
     """
     header = header_of(data)
     if header is None or header.kind not in (GREY, INDEXED):

@@ -9,32 +9,34 @@ import numpy as np
 import numpy.typing as npt
 
 REACH_M = 50.0
-"""Maximum distance in metres that an RGB-D camera measures. Larger depth counts as missing."""
+"""Maximum distance in metres that an RGB-D camera measures. Depth beyond this distance counts as missing."""
 NEAREST_M, FARTHEST_M = 1e-6, 1e8
-"""Minimum and maximum depth in metres. Smaller and larger depth values count as missing."""
+"""Minimum and maximum depth in metres. Depth values below NEAREST_M or above FARTHEST_M count as missing."""
 LEAST_WITHIN, MOST_EQUAL = 0.01, 0.5
 """Limits to detect depth in a wrong unit, such as millimetres that were read as metres.
 
-LEAST_WITHIN: the unit is wrong if (pixels up to REACH_M) / (pixels beyond REACH_M) is at most this limit. MOST_EQUAL: a
-value means missing depth if at least this share of the pixels beyond REACH_M has the value. If no value means missing
-depth, the unit is wrong if most pixels lie beyond REACH_M. Depth in a wrong unit does not count as missing, so that a
-message can suggest the right unit.
+- LEAST_WITHIN: the unit is wrong if the number of pixels up to REACH_M, divided by that of pixels beyond REACH_M, is at
+  most this limit.
+- MOST_EQUAL: a depth value means missing depth if at least this share of the pixels beyond REACH_M has the value. If no
+  depth value means missing depth, the unit is wrong if most pixels lie beyond REACH_M.
+
+Depth in a wrong unit does not count as missing, so that a message can suggest the right unit.
 """
 LARGEST_UINT16 = 65535
 """The value 65535 means missing depth in 16-bit files. In arrays of 32-bit and 64-bit integers, which may have been
-read from such files, 65535 means missing depth too.
+read from 16-bit files, 65535 means missing depth too.
 """
 
 
 @dataclass(frozen=True, slots=True)
 class OutOfReach:
-    """Description of positive depth values that no camera measures. Such values count as missing.
+    """Description of positive depth values that no camera measures. These implausible values count as missing depth.
 
     - value: the most frequent implausible depth value, as stored.
-    - pixels: number of pixels with this value.
-    - share: number of pixels with this value, divided by the number of all pixels of the frame.
-    - kind: integer type whose largest value is `value`, such as "uint16". The text is empty if `value` is a distance
-      beyond REACH_M.
+    - pixels: number of pixels with the most frequent implausible value.
+    - share: `pixels` divided by the number of all pixels of the frame.
+    - kind: integer type whose largest value is `value`, such as "uint16". The type `kind` is empty if `value` is a
+      distance beyond REACH_M.
     """
 
     value: float
@@ -50,8 +52,8 @@ class OutOfReach:
 
 
 def is_sentinel(stored: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
-    """Return the mask (H, W) of pixels with the largest value of the integer type. In types with more than 16 bits,
-    pixels with the value 65535 belong to the mask too.
+    """Return the mask (H, W) of pixels with the largest value of the integer type. In integer types with more than 16
+    bits, pixels with the value 65535 also belong to the mask.
     """
     largest = np.iinfo(stored.dtype).max
     found = stored == largest
@@ -86,7 +88,8 @@ def drop_out_of_reach(stored: npt.NDArray[Any], metres: npt.NDArray[np.float32])
 def _is_wrong_unit(beyond: npt.NDArray[Any], within: int) -> bool:
     """Return True if depth values beyond REACH_M are probably valid distances in another unit, such as millimetres.
 
-    beyond: depth values (N,) beyond REACH_M, as stored. within: number of pixels within REACH_M.
+    - beyond: depth values (N,) beyond REACH_M, as stored.
+    - within: number of pixels within REACH_M.
     """
     if within <= LEAST_WITHIN * beyond.size:
         return True

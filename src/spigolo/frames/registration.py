@@ -19,8 +19,8 @@ pixels.
 """
 ROTATION_TOLERANCE = 1e-3
 FARTHEST_M = 10.0
-"""Maximum distance between depth camera and colour camera in metres. A longer translation is probably in millimetres
-and is rejected.
+"""Maximum distance between depth camera and colour camera in metres. A longer translation between the cameras is
+probably in millimetres and is rejected.
 """
 
 
@@ -39,11 +39,12 @@ def register_depth(
     step.
 
     - depth: depth map (h, w) of `depth_camera`, floating-point metres, or integers with `depth_scale` metres per unit.
-    - depth_camera: intrinsics of the depth camera. If this camera has distortion, the depth map is undistorted first.
+    - depth_camera: intrinsics of the depth camera. If the depth camera has distortion, the depth map is undistorted
+      first.
     - color_camera: intrinsics of the colour camera, which must have no distortion.
     - T_color_depth: transform (4, 4) from the depth camera's frame to the colour camera's frame, translation in metres.
 
-    Raises FrameError or CameraError.
+    Raises FrameError for an invalid depth map, and CameraError for an invalid camera or transform.
     """
     for camera in (depth_camera, color_camera):
         if not isinstance(camera, Camera):
@@ -84,8 +85,10 @@ def projection(source: Camera, target: Camera, T_target_source: npt.NDArray[np.f
 def rigid_transform(value: npt.ArrayLike, name: str, farthest_m: float) -> npt.NDArray[np.float64]:
     """Return a validated rigid transform (4, 4) as float64.
 
-    name: name of the transform in error messages. farthest_m: maximum length of the translation in metres. Raises
-    CameraError.
+    - name: name of the transform in error messages.
+    - farthest_m: maximum length of the translation in metres.
+
+    Raises CameraError for an invalid transform.
     """
     try:
         T: npt.NDArray[Any] = np.array(value, np.float64, order="C")

@@ -15,12 +15,12 @@ from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.registration import rigid_transform
 
 FARTHEST_M = 100.0
-"""Maximum distance between camera and robot base in metres. A longer translation is probably in millimetres and is
-rejected.
+"""Maximum distance between camera and robot base in metres. A longer translation from the camera to the robot base is
+probably in millimetres and is rejected.
 """
 LEAST_INSIDE = 0.5
-"""Minimum share of a region's pixels that lie inside the region of interest. Regions with a smaller share are
-rejected.
+"""Minimum share of a region's pixels that lie inside the region of interest. Regions with a smaller share of pixels
+inside are rejected.
 """
 
 
@@ -32,7 +32,7 @@ class MetricBox:
     - low_m, high_m: minimum (X, Y, Z) and maximum (X, Y, Z) of the box, in metres.
     - T_base_camera: transform (4, 4) from the camera's frame to the robot's base frame.
 
-    Raises FrameError or CameraError.
+    Raises FrameError for an invalid box, and CameraError for an invalid transform.
     """
 
     low_m: Sequence[float]

@@ -25,7 +25,7 @@ SIMILAR = (
 
 def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
     """Return the depth scale of a camera file in metres per unit, or None if the file has no depth scale. Raises
-    CameraError.
+    CameraError for a depth scale that is invalid or has an unknown unit.
 
     In files of BOP, which contain the field cam_K, depth_scale is in millimetres per unit. In files of Open3D, which
     contain the field intrinsic_matrix, depth_scale is in units per metre. The fields factor_depth of GraspNet and
@@ -48,8 +48,9 @@ def scale_from_mapping(values: Mapping[str, Any]) -> float | None:
 
 
 def check_scale(scale: float, where: object) -> None:
-    """Raise CameraError if a depth scale is too large for metres per unit. where: origin of the depth scale, as named
-    in the error message.
+    """Raise CameraError if a depth scale is too large for metres per unit.
+
+    where: origin of the depth scale, as named in the error message.
     """
     if scale > LARGEST_SCALE_M:
         raise CameraError(

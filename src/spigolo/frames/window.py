@@ -14,8 +14,8 @@ from spigolo.frames.camera import Camera, is_number, shortened
 class Window:
     """Crop of the full image, followed by decimation.
 
-    left_px, top_px, width, height: crop in pixels of the full image. A size of 0 x 0 means no crop. binning_x,
-    binning_y: decimation factors.
+    - left_px, top_px, width, height: crop in pixels of the full image. A size of 0 x 0 means no crop.
+    - binning_x, binning_y: decimation factors.
     """
 
     left_px: int

@@ -17,8 +17,8 @@ NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)")
 def parse_yaml(text: str) -> Any:
     """Return the content of the first document of a YAML text. Each OpenCV matrix becomes a dict of its fields.
 
-    This function replaces OpenCV's reader, which may crash the process on a damaged file. Raises ValueError for invalid
-    YAML, and for aliases that repeat too many values or contain themselves.
+    This function replaces OpenCV's YAML reader, which may crash the process on a damaged file. Raises ValueError for
+    invalid YAML, and for aliases that repeat too many values or contain themselves.
     """
     import yaml  # slow to import, and few cameras need it
 
@@ -29,7 +29,10 @@ def parse_yaml(text: str) -> Any:
 
 
 def _load(yaml: Any, text: str) -> Any:
-    """Return the first document of a YAML text. yaml: the module PyYAML. Raises YAMLError."""
+    """Return the first document of a YAML text. Raises YAMLError for invalid YAML.
+
+    yaml: the module PyYAML.
+    """
 
     class Loader(yaml.SafeLoader):  # type: ignore[misc]
         """YAML loader that also reads OpenCV matrices and all forms of numbers."""

@@ -1,9 +1,9 @@
-"""Kernels that mark a band of pixels along the borders of objects. `kernels.seeding` gives the pixels of the band new
-labels.
+"""Kernels that mark a band of pixels along the borders of objects. The kernels in `kernels.seeding` give the pixels of
+the band new labels.
 
-The width of the band depends on the width of the ramps at the borders. A ramp is a run of pixels at a blurred depth
-step. Their depths lie between the depths of both sides of the step. Pixels of the band are called open, because they
-get new labels.
+The width of the band depends on the width of the ramps (blurred depth steps) at the borders. A ramp is a run of pixels
+at a blurred depth step. The depths of ramp pixels lie between the depths of both sides of the step. Pixels of the band
+are called open, because they get new labels.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from spigolo.kernels._jit import inlined, kernel
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
-"""Minimum and maximum relative depth of a ramp pixel (exclusive). At a depth step, the relative depth of the nearer
-side is 0, and that of the farther side is 1.
+"""Limits (exclusive) of the relative depth of a pixel on a ramp, which is a blurred depth step. At a depth step, the
+relative depth of the nearer side is 0, and that of the farther side is 1.
 """
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
@@ -66,8 +66,9 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
 
 @inlined
 def flag_differences(row, other, flags):
-    """Flag each pixel of an image row if the next pixel in the row or the pixel below has another label. other: the row
-    below.
+    """Flag each pixel of an image row if the next pixel in the row or the pixel below has another label.
+
+    other: the image row below.
     """
     for x in range(row.size - 1):
         flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
@@ -76,11 +77,12 @@ def flag_differences(row, other, flags):
 
 @inlined
 def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, sums):
-    """Read the depth profile across the border between the pixels p and p + step. Add the result to the sums of
-    `count_ramps`.
+    """Read the depth profile across the border between the pixels p and p + step. Add the numbers of depth steps and of
+    ramp pixels to the array `sums` of `count_ramps`.
 
-    flat (H * W,): depth map. place: position of pixel p in its image row or column. length: length of this image row or
-    column.
+    - flat (H * W,): depth map.
+    - place: position of pixel p in its image row or column.
+    - length: length of the image row or column.
     """
     if place + 1 < reach_px or place + 1 + reach_px > length:
         return
@@ -172,8 +174,9 @@ def open_layers(labels, layer, inner, share, opened):
 
     If a label has pixels beyond the maximum layer, all layers up to the maximum become open.
 
-    labels (H, W) int32. layer (H, W) uint8, inner (N,) int32: results of `measure_layers`. opened (H, W) uint8: flags
-    of open pixels, 0 for other pixels.
+    - labels (H, W) int32: label of each pixel.
+    - layer (H, W) uint8, inner (N,) int32: results of the kernel `measure_layers`.
+    - opened (H, W) uint8: flags of open pixels, 0 for other pixels.
     """
     height, width = labels.shape
     count = 0

@@ -13,7 +13,8 @@ PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
 MOST_ROUND = 0.6
 """Maximum distance between the middle of a chord and the surface, divided by the width of the chord. For a half-circle,
-the value is 0.5. `sum_hollows` defines the chord.
+the ratio of distance and width is 0.5. A chord is the straight line between both ends of a region in an image row
+(`sum_hollows`).
 """
 
 
@@ -41,15 +42,16 @@ def sample_border(labels, y, x, v, u, reach):
 def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, sums):
     """Sum depth differences and boundary values along the border between every two numbered regions.
 
-    For each pair of neighbouring pixels on a border, depth is sampled `reach` pixels to both sides. A pair is skipped
-    if a sample lies outside the image, or not in the region on its side of the border. Depth differences are clipped to
-    gap_limit. The distance of a border pixel behind the straight line between both samples is clipped to bend_limit.
+    For each pair of neighbouring pixels on a border, depth is sampled `reach` pixels to both sides. A pair of pixels is
+    skipped if a sample lies outside the image, or not in the region on its side of the border. Depth differences are
+    clipped to gap_limit. The distance of a border pixel behind the straight line between both samples is clipped to
+    bend_limit.
 
     - labels (H, W) int32: region of each pixel.
     - number (R,) int32: number 0..S-1 of each region, or -1 for a region that is skipped.
     - depth (H, W): depth map in metres.
     - boundary (H, W): boundary map, from 0 to 1.
-    - sums (S, S, 6) float64, initially zero: result.
+    - sums (S, S, 6) float64, initially zero: six values for each pair of numbered regions.
 
     The array sums[a, b] contains six values of the border between regions a and b:
 
@@ -96,7 +98,7 @@ def sum_hollows(labels, number, depth, fx, margin, sums):
 
     A chord is the straight line between the ends of a run of pixels of one region in one image row. The ends of a chord
     are `margin` pixels inside the run. Chords shorter than 8 pixels are skipped. A chord is also skipped if its middle
-    is farther from the surface than MOST_ROUND times its width. Such a chord spans two surfaces.
+    is farther from the surface than MOST_ROUND times its width, because the chord then spans two surfaces.
 
     sums (S, 2) float64, initially zero: sum of the distances (m) and sum of the lengths of the chords (m) of each
     region.
@@ -130,7 +132,8 @@ def collect_pairs(labels, boundary, pairs, strength):
     - pairs (K,) int64: output buffer for the pairs.
     - strength (K,): output buffer for the values of the pairs.
 
-    Returns the number of pairs, which may exceed K. Pairs beyond K are counted, but not stored.
+    Returns the number of pairs, which may exceed K. If more than K pairs exist, the pairs beyond K are counted, but not
+    stored.
     """
     height, width = labels.shape
     count = 0

@@ -1,11 +1,11 @@
-"""Selection of the edges that are sorted and then used to merge regions. Edges that cannot merge two regions are
+"""Selection of the graph edges that are sorted and used to merge regions. Edges that cannot merge two regions are
 skipped to save time (see docs/performance.md). The merge bound of a region is the maximum weight of an edge that can
 merge the region with another region (`kernels.merging.merge_bound`).
 
 Three kinds of edges cannot merge two regions:
 
-- edges inside one region
-- edges at a final region, which is a region whose remaining edges are all heavier than its merge bound
+- edges between two pixels of one region
+- edges of a final region: a region whose remaining edges are all heavier than its merge bound
 - detours, which are edges between two pixels that are also connected by a chain of lighter edges
 """
 
@@ -19,13 +19,15 @@ from spigolo.kernels.merging import HALF_BITS, PLANE_BITS, bound_bits, ends, fin
 SIGN_BIT = 0x80000000
 SAMPLE_STEP = 16
 BLOCK = 4096
-"""Number of edges that are processed together, to stay in the processor's cache. BLOCK must be a multiple of 8."""
+"""Number of edges that are processed together, to stay in the processor's cache. The number BLOCK must be a multiple of
+8.
+"""
 
 
 @kernel
 def collect(weights, width, low, high, parent, flags, least, offsets, detours, out):
     """Select and pack the edges that connect two regions and have low <= weight < high. At least `least` of the two
-    pixels of an edge must be flagged.
+    pixels of an edge must be flagged in `flags`.
 
     The packed edges are ordered by plane, then by pixel. With `detours=False`, the heaviest edge of each triangle or
     square of neighbouring pixels is skipped.
@@ -35,9 +37,9 @@ def collect(weights, width, low, high, parent, flags, least, offsets, detours, o
     - parent (H W,): root of the region of every pixel.
     - flags (H W,) uint8: 1 for flagged pixels, 0 for other pixels (see `flag_open` and `flag_small`).
     - offsets (P,) int64: index difference from a pixel to its neighbour in each direction.
-    - out: buffer for the packed edges. It must have room for one more edge than is packed.
+    - out: buffer for the packed edges. The buffer must have room for one more edge than is packed.
 
-    Returns the number of packed edges, or -1 if out is too small.
+    Returns the number of packed edges, or -1 if the buffer `out` is too small.
     """
     count, pixels = np.uint64(0), parent.size
     chosen = np.empty(BLOCK, np.uint8)
@@ -75,8 +77,8 @@ def drop_detours(weights, plane, width, first, last, chosen):
     """Unmark the heaviest edge of each triangle of neighbouring pixels or, with 4-connectivity, of each square.
 
     Among edges of equal weight, the edge with the highest number is unmarked. Edges to the right have lower numbers
-    than downward edges, and diagonal edges have the highest numbers. Some edges at the image border are not tested and
-    stay marked.
+    than downward edges, and diagonal edges have the highest numbers. Some edges near the image border are not tested
+    and stay marked.
     """
     right, down, pixels = weights[0], weights[1], weights.shape[1]
     begin = max(first, 1 if plane == 1 else 0 if plane == 2 else width)
@@ -99,10 +101,9 @@ def drop_detours(weights, plane, width, first, last, chosen):
 
 @inlined
 def drop_right(right, down, width, n, kept):
-    """Unmark each edge to the right that is the heaviest edge of one of two squares of 2x2 pixels: above or below the
-    edge.
+    """Unmark each edge to the right that is the heaviest edge of a square of 2x2 pixels above or below the edge.
 
-    The arrays right and down begin one image row before the first of the n tested edges.
+    The arrays `right` and `down` of edge weights begin one image row before the first of the n tested edges.
     """
     weight, above, below = right[width:], right, right[2 * width :]
     left_above, right_above, left_below, right_below = down, down[1:], down[width:], down[width + 1 :]
@@ -114,9 +115,9 @@ def drop_right(right, down, width, n, kept):
 
 @inlined
 def drop_down(right, down, width, n, kept):
-    """Unmark each downward edge that is the heaviest edge of one of two squares of 2x2 pixels: on its left or right.
+    """Unmark each downward edge that is the heaviest edge of a square of 2x2 pixels on its left or right side.
 
-    The arrays right and down begin one pixel before the first of the n tested edges.
+    The arrays `right` and `down` of edge weights begin one pixel before the first of the n tested edges.
     """
     weight, before, after = down[1:], down, down[2:]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
@@ -140,7 +141,7 @@ def drop_right_8(right, down, falling, rising, width, n, kept):
     """Unmark each edge to the right whose two pixels are also connected by two lighter edges, through a pixel in the
     row above or below.
 
-    All edge arrays begin one image row before the first of the n tested edges.
+    All arrays of edge weights begin one image row before the first of the n tested edges.
     """
     weight, falling_here = right[width:], falling[width:]
     rising_here, rising_below = rising[width:], rising[2 * width :]
@@ -156,7 +157,7 @@ def drop_down_8(right, down, falling, rising, width, n, kept):
     """Unmark each downward edge whose two pixels are also connected by two lighter edges, through a pixel in the column
     on the left or right.
 
-    All edge arrays begin one pixel before the first of the n tested edges.
+    All arrays of edge weights begin one pixel before the first of the n tested edges.
     """
     weight, falling_here, rising_left, rising_here = down[1:], falling[1:], rising[width:], rising[width + 1 :]
     left_above, left_below, right_above, right_below = right, right[width:], right[1:], right[width + 1 :]
@@ -180,9 +181,9 @@ def pack_edge(bits, plane, pixel):
 @inlined
 def pack(bits, plane, first, last, chosen, eights, count, out):
     """Append the marked edges among the edges first..last - 1 of one direction to out, which contains `count` edges.
-    Return the new count.
+    Return the new number of edges in out.
 
-    Unmarked edges are written too, and the next edge overwrites them. The loop has few branches for this reason.
+    Unmarked edges are written too, and the next edge overwrites them, so that the loop needs few branches.
     """
     whole = np.uint64(last - first) // np.uint64(8)
     for eight in range(whole):
@@ -199,10 +200,10 @@ def pack(bits, plane, first, last, chosen, eights, count, out):
 
 @inlined
 def is_heavy(edge, offsets, parent, records):
-    """Test if an edge is heavier than the merge bounds of the two regions that it connects.
+    """Test if a graph edge is heavier than the merge bounds of the two regions that it connects.
 
-    The result is a flag for the first region, a flag for the second region, and the roots of both regions. A flag is
-    True if the edge is heavier than the bound of the region.
+    The result is a flag for the first region, a flag for the second region, and the roots of both regions. The flag of
+    a region is True if the edge is heavier than the merge bound of the region.
     """
     here, there = ends(edge, offsets)
     a, b, bits = np.uint64(parent[here]), np.uint64(parent[there]), weight_bits(edge)
@@ -211,12 +212,13 @@ def is_heavy(edge, offsets, parent, records):
 
 @kernel
 def drop_final(edges, offsets, parent, records, useful):
-    """Remove the packed edges (K,) at final regions. Return the number of remaining edges.
+    """Remove the packed edges (K,) at final regions. Return the number of edges that remain.
 
     A region is final if its lightest edge is heavier than its merge bound. To save time, no edge is removed if only few
-    edges are heavier than the merge bound of a region at their ends.
+    edges are heavier than the merge bound of one of their two regions.
 
-    parent (H W,): root of the region of every pixel. useful (H W,) uint8: scratch memory.
+    - parent (H W,): root of the region of every pixel.
+    - useful (H W,) uint8: scratch memory.
     """
     heavy = 0
     for k in range(0, edges.size, SAMPLE_STEP):
@@ -243,8 +245,8 @@ def drop_final(edges, offsets, parent, records, useful):
 def flag_open(low_bits, parent, records, flags):
     """Set the parent of every pixel to the root of its region, and flag the regions that can still merge.
 
-    low_bits: bit pattern of a float32 weight, as an integer. flags (H W,): 1 for pixels of regions whose merge bound is
-    at least this weight, else 0.
+    - low_bits: bit pattern of a float32 weight, as an integer.
+    - flags (H W,): 1 for pixels of regions whose merge bound is at least the weight `low_bits`, else 0.
     """
     for pixel in range(np.uint64(parent.size)):
         root = find_deep(parent, pixel)

@@ -19,8 +19,8 @@ below 4e-8.
 
 @inlined
 def hue_in_sector(r, g, b, value, chroma):
-    """Return the angle between a hue and the hue of the nearest primary colour (red, green or blue). The result is
-    between -1 and 1, in units of 60 degrees.
+    """Return the angle between a hue and the hue of the nearest primary colour (red, green or blue). The returned angle
+    is between -1 and 1, in units of 60 degrees.
     """
     difference = g - b if value == r else (b - r if value == g else r - g)
     return difference / (chroma if chroma > TINY else TINY)
@@ -61,7 +61,8 @@ def hsv_points(rgb, k_dv, k_ds, out):
 
     The point is (k_dv v, k_ds s cos h, k_ds s sin h) / sqrt(k_dv^2 + k_ds^2) for hue h, saturation s and value v.
 
-    rgb (H, W, 3) float32: colours from 0 to 255. out (3, H, W) float32: points.
+    - rgb (H, W, 3) float32: colours from 0 to 255.
+    - out (3, H, W) float32: points.
     """
     height, width, _ = rgb.shape
     norm = np.sqrt(k_dv * k_dv + k_ds * k_ds)

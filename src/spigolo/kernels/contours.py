@@ -9,8 +9,9 @@ from spigolo.kernels.edges import SIGN_TANGENT, cosine_limits, makes_contact
 
 f32 = np.float32
 CLOSE, ROUNDING = 0.99, 1e-6
-"""Margins of the fast float32 tests that select candidate pixels of contours. CLOSE multiplies the thresholds. ROUNDING
-is a share of the depth. Candidates are tested again in float64.
+"""Margins of the fast float32 tests that select the pixels that may lie on contours. The thresholds are multiplied by
+`CLOSE`. The constant `ROUNDING` is a margin for rounding errors, as a share of the depth. The selected pixels are
+tested again in float64.
 """
 MAY_STEP, MAY_CREASE = 1, 2
 WORD = 8
@@ -44,8 +45,8 @@ def fill_shadows(depth, max_run, out):
 
 @inlined
 def bend(before, here, after):
-    """Return the absolute second difference of three depth samples in metres. At a depth step, it is the height of the
-    step. On a plane, it is almost 0.
+    """Return the absolute second difference of three depth samples in metres. At a depth step, the second difference is
+    the height of the step. On a plane, the second difference is almost 0.
     """
     return abs(2.0 * here - before - after)
 
@@ -68,12 +69,13 @@ def hollow(before, here, after):
 
 @inlined
 def least_hollow(camera, shape, crease_px, crease_high_deg):
-    """Return the minimum distance of a crease behind its chord, divided by the depth of the crease. The chord connects
-    the samples crease_px pixels away on both sides.
+    """Return the minimum distance of a crease behind its chord, divided by the depth of the crease. The chord is the
+    straight line between the samples crease_px pixels away on both sides.
 
-    This minimum holds for creases with an angle of at most crease_high_deg. Each side of a crease at depth d is at
-    least crease_px d / f long. The crease lies behind the chord by at least the length of a side times cos(angle / 2).
-    Pixels with a smaller distance are not creases, and their angle is not computed.
+    The minimum distance is valid for creases with an angle of at most crease_high_deg. At depth d, each side of a
+    crease is at least crease_px d / f long, where f is the focal length in pixels. The crease lies behind the chord by
+    at least the length of a side times cos(angle / 2). Pixels with a smaller distance behind the chord are not creases,
+    and their angle is not computed.
     """
     fx, fy, cx, cy = camera
     x, y = max(cx, shape[1] - cx) / fx, max(cy, shape[0] - cy) / fy
@@ -99,7 +101,7 @@ def hollow_row(filled, y, n_y, n_x, crease_px, least, noise_per_m, margin, maybe
     """Mark the pixels of row y that may be creases in the direction (n_y, n_x).
 
     A pixel is marked if its distance behind the chord between two samples is at least noise_per_m times its squared
-    depth. The distance must also be at least `least` times the smallest of the three depths.
+    depth. The distance behind the chord must also be at least `least` times the smallest of the three depths.
     """
     v, u = crease_px * n_y, crease_px * n_x
     here, before, after = filled[y, margin:], filled[y - v, margin - u :], filled[y + v, margin + u :]
@@ -145,10 +147,10 @@ def mark_contours(
     """Mark depth steps and concave creases in four directions: horizontal, vertical and both diagonals.
 
     At a depth step, the second difference of depth is at least max(step_m, step_per_m d^2), where d is the depth of the
-    pixel. The samples for this difference lie step_px pixels away on both sides. At a crease, the surfaces between the
-    pixel and the samples crease_px pixels away meet at the angle of a contact (equations 14-19). In addition, the pixel
-    at a crease lies at least noise_per_m d^2 behind the straight line between the two samples crease_px pixels away. A
-    pixel is not marked if depth is missing at the pixel and at both samples step_px away.
+    pixel. The samples for the second difference lie step_px pixels away on both sides. At a crease, the surfaces
+    between the pixel and the samples crease_px pixels away meet at the angle of a contact (equations 14-19). In
+    addition, the pixel at a crease lies at least noise_per_m d^2 behind the straight line between the two samples
+    crease_px pixels away. A pixel is not marked if depth is missing at the pixel and at both samples step_px away.
 
     - depth (H, W): depth map in metres.
     - filled (H, W): depth with filled shadows, from which the samples are taken.

@@ -1,9 +1,9 @@
-"""Kernels that compute edge weights in float32. The weights are the depth difference (equation 9 of the paper) and the
-two cost functions (equations 22 and 23).
+"""Kernels that compute edge weights in float32. The kernels compute the depth difference (equation 9 of the paper) and
+the two cost functions (equations 22 and 23).
 
-A plane contains the weights of the edges from each pixel to its neighbour at one offset (dy, dx), where dx is 0 or 1.
-Edges that leave the image have the weight +inf. Each cue is computed for a whole image row before the next cue, so that
-the compiler vectorises all loops.
+A plane is an array (H, W) with the weight of the edge from each pixel to its neighbour at the offset (dy, dx). The
+column offset dx is 0 or 1. Edges that leave the image have the weight +inf. Each cue is computed for a whole image row
+before the next cue, so that the compiler vectorises all loops.
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ ZERO, ONE, TWO = f32(0.0), f32(1.0), f32(2.0)
 
 @inlined
 def depth_difference(a, b, scale, noise):
-    """Eq. 9. Return the depth difference of an edge, from 0 to 1. The difference is 0 if depth is missing at a pixel of
-    the edge.
+    """Eq. 9. Return the depth difference of an edge, from 0 to 1. The depth difference is 0 if depth is missing at a
+    pixel of the edge.
 
     - a, b: depths of both pixels, in metres.
-    - scale: 1 / depth range, 1/m.
-    - noise: depth noise divided by the squared depth, 1/m. Differences within the noise count as 0. The paper uses
-      noise = 0.
+    - scale: 1 / depth range of the frame, 1/m.
+    - noise: depth noise divided by the squared depth, 1/m. The noise is subtracted from the depth difference. The paper
+      uses a noise of 0.
     """
     near = a if a < b else b
     beyond = abs(a - b) - noise * near * near
@@ -93,8 +93,10 @@ def cue_row(cue, y, v, dx, ends, out):
 def saliency_plane(color, depth, saliency, scale, noise, k_x, k_y, k_s, ends, dy, dx, out):
     """Eq. 22. Compute the weights of all edges with the offset (dy, dx).
 
-    color (3, H, W): points of `hsv_points`. depth (H, W) metres. saliency (H, W). out (H, W): weights, +inf where an
-    edge leaves the image.
+    - color (3, H, W): colours as points of `hsv_points`.
+    - depth (H, W): depth map in metres.
+    - saliency (H, W): saliency map.
+    - out (H, W): weights, +inf where an edge leaves the image.
     """
     height, width = depth.shape
     scale, noise, k_x, k_y, k_s = f32(scale), f32(noise), f32(k_x), f32(k_y), f32(k_s)
@@ -113,8 +115,10 @@ def saliency_plane(color, depth, saliency, scale, noise, k_x, k_y, k_s, ends, dy
 def boundary_plane(color, depth, boundary, scale, noise, k_x, k_b, ends, dy, dx, out):
     """Eq. 23. Compute the weights of all edges with the offset (dy, dx).
 
-    color (3, H, W): points of `hsv_points`. depth (H, W) metres. boundary (H, W). out (H, W): weights, +inf where an
-    edge leaves the image.
+    - color (3, H, W): colours as points of `hsv_points`.
+    - depth (H, W): depth map in metres.
+    - boundary (H, W): boundary map.
+    - out (H, W): weights, +inf where an edge leaves the image.
     """
     height, width = depth.shape
     scale, noise, k_x, k_b = f32(scale), f32(noise), f32(k_x), f32(k_b)

@@ -8,10 +8,10 @@ from spigolo.kernels._jit import inlined, kernel
 
 SIGN_TANGENT, SIGN_X, SIGN_NONE = 0, 1, 2
 TAN_HALF_BIN = np.sqrt(2.0) - 1.0
-"""Value of tan 22.5 degrees."""
+"""Tangent of 22.5 degrees, which is half the angle between two neighbouring directions."""
 ROUNDING = 1e-9
-"""Relative rounding error of a cosine. If the cosine of an angle differs from a limit by less than this error, the
-angle is compared instead of the cosine.
+"""Relative rounding error of a cosine. If the cosine of an angle differs from a limit by less than the rounding error,
+the angle is compared instead of the cosine.
 """
 
 
@@ -29,11 +29,11 @@ def steepest(gx, gy):
 
 @inlined
 def normal_direction(gx, gy):
-    """Round the direction of a gradient to one of four neighbours of a pixel, and return it as N = (n_y, n_x). Opposite
-    gradients have the same result.
+    """Round the direction of a gradient to one of four neighbours of a pixel, and return the offset N = (n_y, n_x) of
+    this neighbour. Opposite gradients give the same neighbour.
 
     Gradients near 0, 45, 90 and 135 degrees give the neighbour at the right, upper right, top and upper left. The code
-    has no branches, for speed.
+    of the function has no branches, for speed.
     """
     along_x, along_y = abs(float(gx)), abs(float(gy))
     level, upright = along_y <= TAN_HALF_BIN * along_x, along_x <= TAN_HALF_BIN * along_y
@@ -101,8 +101,8 @@ def along_edge(c, n_y, n_x, sign_rule):
 
     - c: cross product of the directions from the edge to both sides.
     - n_y, n_x: normal of the edge.
-    - sign_rule: result of the function. SIGN_TANGENT: component of c along the edge. SIGN_X: x component of c, as in
-      the paper. SIGN_NONE: 0. At vertical edges the x component of c is 0, so that its sign has no meaning.
+    - sign_rule: choice of the returned number. SIGN_TANGENT: component of c along the edge. SIGN_X: x component of c,
+      as in the paper. SIGN_NONE: 0. At vertical edges, the x component of c is 0, so that its sign has no meaning.
     """
     if sign_rule == SIGN_X:
         return c[0] if n_y != 0 else 0.0
@@ -129,7 +129,7 @@ def is_contact(angle_deg, low_deg, high_deg):
 def cosine_limits(low_deg, high_deg):
     """Return the largest and the smallest cosine of the angles from low_deg to high_deg.
 
-    For a threshold outside of 0..180 degrees, the limit is 2 or -2, which no cosine reaches.
+    For an angle outside of 0..180 degrees, the returned limit is 2 or -2, which no cosine reaches.
     """
     largest = np.cos(low_deg * np.pi / 180.0) if 0.0 <= low_deg <= 180.0 else (2.0 if low_deg < 0.0 else -2.0)
     smallest = np.cos(high_deg * np.pi / 180.0) if 0.0 <= high_deg <= 180.0 else (2.0 if high_deg < 0.0 else -2.0)
@@ -138,7 +138,9 @@ def cosine_limits(low_deg, high_deg):
 
 @inlined
 def scaled_point(depth, y, x, fx, fy, cx, cy):
-    """Return the point of equation 14 multiplied by fx fy, which needs no division and leaves angles unchanged."""
+    """Return the point of equation 14, multiplied by fx fy. The multiplication by fx fy avoids divisions and leaves
+    angles unchanged.
+    """
     d = float(depth[y, x])
     return (x - cx) * d * fy, (y - cy) * d * fx, d * fx * fy
 

@@ -22,8 +22,8 @@ def feature_plane(features, apart, dy, dx, out):
     """Eq. 1. Compute the Euclidean distance of the features of both pixels, for all edges with the offset (dy, dx).
 
     - features (C, H, W) float32, NaN = missing.
-    - apart: squared distance of the two pixels in the image, times a weight. It is added to the squared distance of
-      their features.
+    - apart: squared distance of the two pixels in the image, times a weight. The product is added to the squared
+      distance of the features of both pixels.
     - out (H, W) float32, +inf where an edge leaves the image.
     """
     components, height, width = features.shape

@@ -7,10 +7,11 @@ from spigolo.kernels._jit import kernel
 
 @kernel
 def halve_depth(depth, out):
-    """Set each output pixel to the lower median of the valid depths in a block of 2x2 pixels, or to 0 if all are
+    """Set each output pixel to the lower median of the valid depths in a block of 2x2 pixels, or to 0 if all depths are
     missing.
 
-    The mean of a block could lie between an object and the surface behind it, but the lower median is a measured depth.
+    The mean depth of a block could lie between an object and the surface behind it, but the lower median is a measured
+    depth.
 
     depth (H, W) float32 metres, 0 = missing. out (ceil(H / 2), ceil(W / 2)) float32.
     """

@@ -1,7 +1,7 @@
 """Kernels that fill small holes in the depth map, and find and measure connected areas of missing depth (gaps).
 
-Each gap consists of runs. A run is an uninterrupted series of missing pixels in one image row, stored as (row, first
-column, last column + 1).
+Each gap consists of runs of missing pixels. A run is an uninterrupted series of missing pixels in one image row, stored
+as (row, first column, last column + 1).
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from spigolo.kernels._jit import inlined, kernel
 
 @inlined
 def blend(near, far, mean, step_m, step_share):
-    """Return the mean depth around a hole. If the nearest and the farthest depth around it differ by a depth step,
-    return the farthest depth.
+    """Return the mean depth around a hole. If the nearest and the farthest depth around the hole differ by a depth
+    step, return the farthest depth.
     """
     return far if far - near > max(step_m, step_share * near) else mean
 
@@ -38,8 +38,9 @@ def close_holes(depth, holes, step_m, step_share, values):
 
     Pixels without a valid neighbour stay 0. Each call fills the outermost layer of pixels of a hole.
 
-    depth (H, W) metres: changed in place. holes (N,) int64: indices y * W + x of missing pixels. values (N,) float32:
-    scratch memory.
+    - depth (H, W): depth map in metres, changed in place.
+    - holes (N,) int64: indices y * W + x of missing pixels.
+    - values (N,) float32: scratch memory.
     """
     width = depth.shape[1]
     for k in range(holes.size):
@@ -57,7 +58,7 @@ def close_holes(depth, holes, step_m, step_share, values):
 def find_runs(depth, runs):
     """List the runs of missing pixels of all image rows in runs (N, 3) int32. Return the number of runs.
 
-    N must be large enough for all runs.
+    The array `runs` must have enough rows for all runs.
     """
     height, width = depth.shape
     count = 0
@@ -89,7 +90,9 @@ def root_of(parent, run):
 def join_runs(runs, parent, gaps):
     """Join the runs of missing pixels into 8-connected gaps, and number the gaps from 0. Return the number of gaps.
 
-    runs (N, 3): runs of `find_runs`. parent (N,) int32: scratch memory. gaps (N,) int32: number of the gap of each run.
+    - runs (N, 3): runs of missing pixels, as returned by `find_runs`.
+    - parent (N,) int32: scratch memory.
+    - gaps (N,) int32: number of the gap of each run.
     """
     for k in range(len(runs)):
         parent[k] = k
@@ -118,7 +121,7 @@ def join_runs(runs, parent, gaps):
 def measure_gaps(depth, runs, gaps, area, near, far, on_border):
     """Measure each gap: number of pixels, minimum and maximum depth around the gap, and contact with the image border.
 
-    - runs (N, 3), gaps (N,): as in `join_runs`.
+    - runs (N, 3), gaps (N,): runs of missing pixels, and number of the gap of each run, as in `join_runs`.
     - area (G,) int64, initially zero: number of pixels of each gap.
     - near (G,) float32, initially +inf: minimum depth around each gap, in metres.
     - far (G,) float32, initially zero: maximum depth around each gap, in metres.

@@ -11,9 +11,9 @@ def unpack_lzf(packed, out):
     exactly M bytes.
 
     A control byte b below 32 is followed by b + 1 literal bytes. Any other control byte starts a copy of earlier
-    output. The upper three bits of the control byte are the length of the copy minus 2. If these bits are 7, the next
-    byte is added to the length. The lower five bits and the following byte form one number: the distance back to the
-    first copied byte, minus 1.
+    output. The upper three bits of the control byte are the length of the copy minus 2. If the upper three bits are 7,
+    the next byte is added to the length. The lower five bits and the following byte form one number: the distance back
+    to the first copied byte, minus 1.
     """
     read, written = 0, 0
     while read < packed.size:

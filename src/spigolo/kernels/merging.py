@@ -1,9 +1,9 @@
-"""Kernels that merge pixels into regions. The criterion is the internal difference of the regions (Felzenszwalb &
-Huttenlocher 2004, equations 2, 3).
+"""Kernels that merge pixels into regions by the method of Felzenszwalb & Huttenlocher 2004 (equations 2, 3).
 
 A packed edge has 64 bits: 32 bits for its float32 weight, 30 bits for its pixel and 2 bits for its direction. The
 record of a region has 32 bits for its number of pixels and 32 bits for its merge bound. The merge bound is the maximum
-weight of an edge that can merge the region with another region. The algorithm is explained in docs/performance.md.
+weight of an edge that can merge the region with another region. The algorithm of the merging is explained in
+docs/performance.md.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ HALF_BITS, LOW_HALF = 32, 0xFFFFFFFF
 """Number of bits in the lower half of a packed edge or record, and the mask of these bits."""
 PLANE_BITS = 2
 NODES_AHEAD, ROOTS_AHEAD = 24, 12
-"""Index of the edge for which memory is prefetched, minus the index of the current edge. `NODES_AHEAD` applies to the
-parents of pixels. `ROOTS_AHEAD` applies to the records of regions.
+"""Index of the edge for which memory is prefetched, minus the index of the current edge. The constant `NODES_AHEAD`
+applies to the parents of pixels, and `ROOTS_AHEAD` to the records of regions.
 """
 
 
@@ -38,7 +38,7 @@ def weight_bits(edge):
 def find(parent, node):
     """Return the root of a node in a union-find forest, with path halving.
 
-    This function is fast if most nodes are children of their root.
+    The search is fast if most nodes are children of their root.
     """
     above = np.uint64(parent[node])
     root = np.uint64(parent[above])
@@ -54,7 +54,7 @@ def find(parent, node):
 def find_deep(parent, node):
     """Return the root of a node in a union-find forest, and make the node a child of the root.
 
-    Three parents are followed without a test for the root, because a mispredicted branch costs more time.
+    The first three parents are followed without a test for the root, because a mispredicted branch costs more time.
     """
     root = np.uint64(parent[np.uint64(parent[np.uint64(parent[node])])])
     above = np.uint64(parent[root])
@@ -130,7 +130,7 @@ def ask_ahead(edges, k, offsets, parent, records):
 def plant(weights, width, gamma, parent, records, flags):
     """Merge pixels into regions along horizontal and vertical edges of weight 0.
 
-    Edges of weight 0 always merge two regions (equation 3), so that their order does not matter.
+    Edges of weight 0 always merge two regions (equation 3), so that the order of these edges does not matter.
 
     - weights (P, H W) float32: edge weights.
     - parent (H W,) uint32: root of the region of each pixel.
@@ -207,7 +207,9 @@ def number_regions(parent, number, labels):
     """Number the regions 0..R-1 in the order in which their first pixels appear in the image. Return the number of
     regions R.
 
-    parent (H W,) uint32. number (H W,) uint32: scratch memory. labels (H W,): number of the region of each pixel.
+    - parent (H W,) uint32: parent of each pixel in the union-find forest.
+    - number (H W,) uint32: scratch memory.
+    - labels (H W,): number of the region of each pixel.
     """
     number[:] = 0
     regions = np.uint32(0)

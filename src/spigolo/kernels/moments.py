@@ -7,7 +7,7 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 DARK_BELOW = 24
-"""A pixel is dark if its brightness, from 0 to 255, is below this value."""
+"""Limit of the brightness of a pixel, from 0 to 255. A pixel with a smaller brightness is dark."""
 
 
 @inlined
@@ -124,7 +124,9 @@ def sum_contours(labels, boundary, sums):
     The value of a pair is the larger boundary value of both pixels. Sides of pixels on the image border are not
     counted.
 
-    labels (H, W) int32. boundary (H, W) from 0 to 1. sums (R, 2) float64: number of pairs, sum of boundary values.
+    - labels (H, W) int32: region of each pixel.
+    - boundary (H, W): boundary map, from 0 to 1.
+    - sums (R, 2) float64: number of pairs, sum of boundary values.
     """
     height, width = labels.shape
     for y in range(height):

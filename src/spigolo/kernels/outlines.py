@@ -12,10 +12,9 @@ SUMS = 6
 
 @inlined
 def first_measured(depth, y, x, dy, dx, most):
-    """Return the first pixel that has depth on the line from (y, x) in the direction (dy, dx), after at most `most`
-    steps.
+    """Return the first pixel with depth on the line from (y, x) in the direction (dy, dx), within at most `most` steps.
 
-    If no such pixel exists, the result is (-1, -1).
+    If no pixel with depth is found, the result is (-1, -1).
     """
     height, width = depth.shape
     for _ in range(most + 1):
@@ -56,9 +55,9 @@ def sum_outlines(
 
     - labels (H, W) int32: region of each pixel.
     - depth (H, W) float32: depth map in metres.
-    - sums (R, 6) float64, initially zero: result.
+    - sums (R, 6) float64, initially zero: six counts for each region.
 
-    The columns of sums count:
+    The columns of the array `sums` count the following pairs and pixel sides:
 
     - pairs of 4-neighbours across the outline
     - pairs with depth at both samples

@@ -31,8 +31,8 @@ def count_near(points, planes, tolerance, counts):
 def measure_heights(depth, slope_x, slope_y, slope, offset, out):
     """Compute the height out (H, W) of every pixel above a plane, in metres.
 
-    The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32. The slopes and the offset are
-    coefficients of the plane.
+    The height of a pixel is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32. The slopes and the offset
+    are coefficients of the plane.
     """
     for y in range(depth.shape[0]):
         row, height, of_row = depth[y], out[y], slope_y[y]
@@ -42,11 +42,11 @@ def measure_heights(depth, slope_x, slope_y, slope, offset, out):
 
 @kernel
 def tell_sides(depth, slope_x, slope_y, slope, offset, least, noise, out):
-    """Classify the position of every pixel relative to a plane. out (H, W) uint8: MISSING, BELOW, ON or ABOVE.
+    """Classify the position of every pixel relative to a plane in out (H, W) uint8: MISSING, BELOW, ON or ABOVE.
 
     A pixel is ON the plane if its absolute height is at most max(least, noise * depth^2). A pixel without depth is
-    MISSING. The height is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32 metres. The slopes and the
-    offset are coefficients of the plane.
+    MISSING. The height of a pixel above the plane is (slope_x[x] + slope_y[y] + slope) * depth + offset, in float32
+    metres. The slopes and the offset are coefficients of the plane.
     """
     for y in range(depth.shape[0]):
         row, side, of_row = depth[y], out[y], slope_y[y]

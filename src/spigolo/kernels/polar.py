@@ -35,8 +35,8 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
     - normals (K, 2) float64: unit vectors (n_y, n_x).
     - disparity (H, W) float32, 0 where missing.
     - out (H, W, 4) float32, initially zero: two values for the side to which the normal points, then two values for the
-      other side. The two values are the disparity at the edge and its slope per pixel. All four values stay 0 if a side
-      has too little weight.
+      other side. The two values are the disparity at the edge and its slope per pixel. All four values stay 0 if the
+      pixels on one side have too little weight.
     """
     height, width = edges.shape
     sums = np.empty((5, 2))
@@ -73,10 +73,10 @@ def fit_sides(edges, direction, normals, disparity, radius, strip, weak, least, 
 def advance(total, across, low, high, reached, origin):
     """Compute the cheapest path from any radius on one ray to each radius low..high - 1 on the next ray.
 
-    - total: cost of the path to each radius on this ray.
-    - across: cost of changing between the radii k and k + 1, on the way from this ray to the next ray.
-    - reached: cost of the path to each radius on the next ray.
-    - origin: for each radius on the next ray, the radius at which the path to it leaves this ray.
+    - total: cost of the cheapest path to each radius on the first ray.
+    - across: cost of changing between the radii k and k + 1, on the way from the first ray to the next ray.
+    - reached: cost of the cheapest path to each radius on the next ray.
+    - origin: for each radius on the next ray, the radius on the first ray from which the cheapest path comes.
     """
     best, source = np.inf, low
     for k in range(low, high):
@@ -99,7 +99,8 @@ def advance(total, across, low, high, reached, origin):
 def go_around(radial, angular, low, high, total, reached, origin):
     """Compute the cost of paths that start on ray 0 and pass all rays once, with radii within low..high on each ray.
 
-    total: cost of the start at each radius on ray 0. reached: cost of the path that returns to each radius on ray 0.
+    - total: cost of the start at each radius on ray 0.
+    - reached: cost of the path that returns to each radius on ray 0.
     """
     rays = radial.shape[0]
     for t in range(1, rays + 1):
@@ -116,9 +117,9 @@ def closed_path(radial, angular, least, most, best):
     ray.
 
     First, the cheapest path through one radius on ray 0 is computed. The cheapest path through any other radius on ray
-    0 need not cross this path. Paths with a smaller radius on ray 0 are therefore searched only inside this path, and
-    paths with a larger radius only outside. A start radius is skipped if a lower bound of its cost exceeds the cost of
-    the best path.
+    0 need not cross the first path. Paths with a smaller radius on ray 0 are therefore searched only inside the first
+    path. Paths with a larger radius are searched only outside the first path. A start radius is skipped if a lower
+    bound of its cost exceeds the cost of the best path.
 
     - radial (T, R) float32, not negative: cost of crossing ray t between radii k - 1 and k.
     - angular (T, R) float32, not negative: cost of passing radius k between rays t and t + 1, where ray 0 follows the

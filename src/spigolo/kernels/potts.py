@@ -3,7 +3,7 @@
 In a Potts model, every pixel has a spin, which is an integer. Two neighbouring pixels have an interaction J, which is
 positive if their colours are similar and negative otherwise. The energy of the image is E = -(sum of J over all pairs
 of neighbouring pixels with equal spins). Interactions are stored in four planes, one for each direction to a neighbour.
-J is 0 for pairs that leave the image.
+The interaction J is 0 for pairs that leave the image.
 """
 
 from __future__ import annotations
@@ -47,7 +47,9 @@ def color_interaction(distance, mean, repulsion):
 
 @inlined
 def is_step(z_here, z_there, step, step_per_m):
-    """Return True if two depth values, in metres, differ by a depth step. Missing depth gives False."""
+    """Return True if two depth values, in metres, differ by a depth step. If one depth is missing, the result
+    is False.
+    """
     near = min(z_here, z_there)
     return near > 0.0 and abs(z_here - z_there) > max(step, step_per_m * near * near)
 
@@ -60,8 +62,8 @@ def interaction_plane(distance, depth, mean, repulsion, step, step_per_m, penalt
     depth of the pair.
 
     - distance (H, W) float32: colour distance of each pair, +inf where a pair leaves the image.
-    - depth (H, W) metres, 0 = missing.
-    - mean, repulsion: as in `color_interaction`.
+    - depth (H, W): depth map in metres, 0 = missing.
+    - mean, repulsion: parameters of the function `color_interaction`.
     - step: minimum depth step, in metres.
     - step_per_m: minimum depth step per squared depth, 1/m.
     - out (H, W) float32: interaction of each pair.
@@ -103,7 +105,7 @@ def look_around(spins, planes, y, x, spin, force):
 @inlined
 def energy(spin, force, of):
     """Return the part of the energy E that depends on one pixel, for the case that its spin is `of`. The arrays `spin`
-    and `force` are the spins and interactions of its neighbours.
+    and `force` contain the spins and interactions of the neighbours of the pixel.
     """
     total = np.float32(0.0)
     for k in range(NEIGHBOURS):
@@ -114,8 +116,8 @@ def energy(spin, force, of):
 
 @inlined
 def best_other(spin, force, own, stranger):
-    """Return the spin with the lowest energy, and this energy. Candidates are the random spin `stranger`, and the spins
-    of the neighbours that differ from the spin `own`.
+    """Return the spin with the lowest energy, and the energy for this spin. Candidates are the random spin `stranger`,
+    and the spins of the neighbours that differ from the spin `own`.
     """
     best, least = stranger, energy(spin, force, stranger)
     for k in range(NEIGHBOURS):
@@ -131,13 +133,13 @@ def sweep(spins, planes, values, temperature, seed, number):
     """Run one Metropolis sweep over all pixels. The spin proposed for a pixel is the spin with the lowest energy, apart
     from its current spin.
 
-    A change of energy dE <= 0 is always accepted. A change dE > 0 is accepted with the probability exp(-dE /
-    temperature). Pixels are updated in four groups, each with every second pixel of every second row. Pixels of one
-    group are not neighbours, so that the order of updates in a group does not matter.
+    A new spin that changes the energy by dE <= 0 is always accepted. A new spin with dE > 0 is accepted with the
+    probability exp(-dE / temperature). Pixels are updated in four groups, each with every second pixel of every second
+    row. Pixels of one group are not neighbours, so that the order of updates in a group does not matter.
 
     - spins (H, W) int32: spins from 0 to values - 1, changed in place.
     - planes (4, H, W) float32: interactions.
-    - seed, number: seed of the random bits, and number of this sweep.
+    - seed, number: seed of the random bits, and number of the sweep.
 
     Returns the number of changed spins.
     """

@@ -7,13 +7,17 @@ import numpy as np
 from spigolo.kernels._jit import inlined, kernel
 
 NEAREST_M = 0.01
-"""Minimum distance of a surface from the target camera, in metres. Nearer surfaces are not drawn."""
+"""Minimum distance of a surface from the target camera, in metres. Surfaces nearer to the target camera are not
+drawn.
+"""
 FARTHEST_PX = 1e9
 """Maximum absolute image coordinate of a drawn point, in pixels."""
 ROUNDING = 1e-6
 """Margin outside a triangle in which pixel centres count as inside, as a share of the triangle's height."""
 SMALLEST_PX2 = 1e-6
-"""Minimum value of twice the area of a triangle in the image, in square pixels. Smaller triangles are not drawn."""
+"""Minimum value of twice the area of a triangle in the image, in square pixels. Triangles with a smaller area are not
+drawn.
+"""
 
 
 @inlined
@@ -137,8 +141,8 @@ def splat_depth(depth, P, step_m, step_share, out):
 
     Four neighbouring pixels on one surface are drawn as a quadrilateral between their projections. A depth step is a
     difference of more than max(step_m, step_share * nearest depth). If the four depths contain a depth step, one
-    quarter is drawn for each of the four pixels (`draw_quarter`). At a depth step, a surface ends half a pixel beyond
-    its last pixel.
+    quarter of its pixel square is drawn for each of the four pixels (`draw_quarter`). At a depth step, a surface ends
+    half a pixel beyond its last pixel.
 
     - depth (h, w): depth map in metres.
     - P (3, 4): projection matrix, (u Z, v Z, Z) = P (x z, y z, z, 1). Pixel (x, y) at depth z is projected to the image

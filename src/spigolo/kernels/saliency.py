@@ -1,4 +1,6 @@
-"""Kernels that compute the centre-surround saliency of Montabone & Soto 2010."""
+"""Kernels that compute the centre-surround saliency of Montabone & Soto 2010, which compares pixels with their
+surroundings.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,11 @@ def whole_quotient(dividend, inverse):
 
 @inlined
 def lay_strip(above, below, pad, strip):
-    """Compute, for each column, the sum of a band of image rows over all columns before it. The arguments `above` and
-    `below` are two rows of an integral image.
+    """Compute, for each column, the sum of a band of image rows over all columns before this column. The arguments
+    `above` and `below` are two rows of an integral image.
 
-    pad: number of values that are added at both ends of the result: 0 at the beginning, and the total sum at the end.
+    pad: number of values that are added at each end of the result. The added values are 0 at the beginning, and the
+    total sum at the end.
     """
     columns = above.size
     strip[:pad] = 0
@@ -40,8 +43,8 @@ def measure_areas(rows, half, width, areas, inverses):
 
 @inlined
 def difference_row(gray, left, right, areas, inverses, out):
-    """Compute the grey value of each pixel minus the mean of the other pixels in its window. The result is truncated to
-    whole grey levels.
+    """Compute the grey value of each pixel minus the mean of the other pixels in its window. The differences are
+    truncated to whole grey levels.
     """
     for x in range(out.size):
         excess = areas[x] * gray[x] - (right[x] - left[x])
@@ -55,10 +58,13 @@ def center_surround(gray, integral, surrounds, on, off):
     `on` contains the sum of the positive differences, and `off` the sum of the absolute values of the negative
     differences.
 
-    The surround of size n is the window of rows y-n+1..y+n and columns x-n+1..x+n, clipped to the image, without the
-    pixel. Each difference is truncated to whole grey levels.
+    The surround of size n of a pixel (y, x) is the window of rows y-n+1..y+n and columns x-n+1..x+n. Each window is
+    clipped to the image, and the pixel itself is excluded. Each difference is truncated to whole grey levels.
 
-    gray (H, W) uint8. integral (H+1, W+1) int32: integral image of gray. surrounds (S,): sizes n. on, off (H, W) int32.
+    - gray (H, W) uint8: grey image.
+    - integral (H+1, W+1) int32: integral image of the grey image.
+    - surrounds (S,): half the side lengths n of the windows around a pixel.
+    - on, off (H, W) int32: results.
     """
     height, width = gray.shape
     pad = min(surrounds.max(), width)

@@ -13,11 +13,11 @@ from spigolo.kernels.bands import FIRST_COLUMN, LAST_COLUMN
 
 f32 = np.float32
 LEVELS = 2048
-"""Number of different edge weights: whole grey levels from 0 to LEVELS - 1. Larger weights are clipped to LEVELS -
+"""Number of different edge weights: whole grey levels from 0 to LEVELS - 1. Larger edge weights are clipped to LEVELS -
 1.
 """
 MARGIN = f32(0.01)
-"""Upper bound of the rounding error of a weight, in grey levels."""
+"""Upper bound of the rounding error of an edge weight, in grey levels."""
 
 
 @inlined
@@ -59,8 +59,10 @@ def offer(bucket, p, s, size, least, head, tail, edges):
     """Add the edge from labelled pixel s to open pixel p to the queue. Nothing is added if the queue had an edge to p
     with an equal or smaller weight.
 
-    bucket: weight of the edge in whole grey levels. size: number of edges in the queue. Returns the new number of edges
-    in the queue.
+    - bucket: weight of the edge in whole grey levels.
+    - size: number of edges in the queue.
+
+    Returns the new number of edges in the queue.
     """
     if bucket >= least[p]:
         return size

@@ -12,8 +12,7 @@ def mark_steps(depth, error_per_m, step_factor, out):
     """Compute the inverted depth-change map of Holzer et al.: 0 at depth steps and missing depth, 1 elsewhere.
 
     A depth step at depth d (m) is a difference of at least step_factor * error_per_m * d^2 to the right or lower
-    neighbour. The depth-change map is inverted, because the distance transform measures the distance to the nearest
-    zero.
+    neighbour. The depth-change map is inverted, because `distance_to_zero` measures the distance to the nearest zero.
     """
     height, width = depth.shape
     for y in range(height):
@@ -45,8 +44,8 @@ def down_and_up(mask, cap, steps):
 def distance_to_zero(mask, cap, steps, out):
     """Compute the Euclidean distance of each pixel to the nearest zero of `mask` (H, W) uint8, at most `cap` pixels.
 
-    The distance is exact. First, the distance along the column is computed for each pixel. Then, these distances are
-    combined along each row.
+    The computed distance is exact. First, the distance along the column is computed for each pixel. Then, the distances
+    along the columns are combined along each row.
 
     steps (H, W) int16: scratch memory. out (H, W) float32.
     """
@@ -72,9 +71,9 @@ def distance_to_zero(mask, cap, steps, out):
 def smoothing_radius(depth, distance, error_per_m, radius_per_error, max_radius, out):
     """Compute the half-width of the smoothing window of each pixel, in pixels: min(beta alpha d^2, T / sqrt 2).
 
-    The parameters of the formula are alpha = error_per_m and beta = radius_per_error. The depth d is in metres. T is
-    the distance to the nearest depth step or missing pixel, in pixels. The half-width is rounded and limited to
-    max_radius and to the image.
+    In this formula, alpha is error_per_m, beta is radius_per_error, and d is the depth in metres. The length T is the
+    distance to the nearest depth step or missing pixel, in pixels. The half-width is rounded and limited to max_radius
+    and to the image.
     """
     height, width = depth.shape
     for y in range(height):
@@ -102,8 +101,8 @@ def mean_boxes(depth, depth_integral, left_out_integral, radius, out):
     (equation 8). The integral image of their mask gives their number gamma_0 in the window (equation 7). If no pixel is
     excluded, the mean is that of equation 5.
 
-    Missing depth stays missing. Pixels of equal radius are processed together, so that the compiler vectorises the
-    loop.
+    Pixels without depth stay without depth. Pixels of equal radius are processed together, so that the compiler
+    vectorises the loop.
 
     - depth_integral (H+1, W+1) float64: integral image of depth.
     - left_out_integral (H+1, W+1) int32: integral image of the mask of excluded pixels.

@@ -1,6 +1,6 @@
 """Kernels that sort edges by weight, and edges of equal weight by edge number.
 
-An edge is packed into 64 bits, with its float32 weight in the upper half. The bit patterns of non-negative float32
+A graph edge is packed into 64 bits, with its float32 weight in the upper half. The bit patterns of non-negative float32
 numbers, read as integers, have the same order as the numbers.
 """
 
@@ -24,8 +24,8 @@ def digit_of(edge, base, shift, mask):
 def scatter(edges, base, shift, mask, starts, out):
     """Run one stable pass of a radix sort, which sorts packed edges (E,) by one digit of their weight.
 
-    - base: bit pattern of the smallest possible weight, as uint64. It is subtracted from the bit pattern of each
-      weight.
+    - base: bit pattern of the smallest possible weight, as uint64. The number `base` is subtracted from the bit pattern
+      of each weight.
     - shift: position of the digit in bits.
     - mask: 2^b - 1 for digits of b bits.
     - starts (2^b,) uint32: scratch memory.

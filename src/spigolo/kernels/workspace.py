@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 LARGEST_HEAP_BLOCK = 32 * 2**20 - 2**13
-"""Size of a memory block in bytes. The C library glibc raises its memory thresholds only when it frees blocks up to
-this size (see mallopt(3)).
+"""Size in bytes of the memory block that `keep_freed_memory` frees. The C library glibc raises its memory thresholds
+only when it frees blocks up to this size (see mallopt(3)).
 """
 
 
@@ -40,8 +40,8 @@ class Workspace:
 def keep_freed_memory() -> None:
     """Let the C library glibc keep up to 64 MB of freed memory, to save time in the next frame.
 
-    By default, glibc keeps freed memory up to a threshold, and returns the rest to the operating system. The threshold
-    grows with the largest freed block. This function frees one large block to raise the threshold. With other C
-    libraries, this function has no effect.
+    By default, glibc keeps freed memory up to a threshold, and returns the rest to the operating system. This threshold
+    of freed memory grows with the largest freed block. This function frees one large block to raise the threshold. With
+    other C libraries, this function has no effect.
     """
     np.empty(LARGEST_HEAP_BLOCK, np.uint8)

@@ -16,8 +16,8 @@ from spigolo.frames.frame import Camera, DepthMap, Mask
 Vectors = npt.NDArray[np.float64]
 
 TRIM_PERCENT = 1.0
-"""Percentage of the points that are ignored at each end of each axis of the box. These points are often flying pixels,
-whose depth lies between object and background.
+"""Percentage of the points that are ignored at each end of each axis of the box. The ignored points are often flying
+pixels, whose depth lies between object and background.
 """
 LEAST_POINTS = 10
 

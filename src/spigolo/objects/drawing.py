@@ -33,10 +33,10 @@ def tint_of(number: int) -> Tint:
 
 
 def draw_objects(color: Color, masks: Mapping[int, Mask]) -> Color:
-    """Draw the masks of objects over an image (H, W, 3). The background is darkened. Each object is tinted in its
-    colour and outlined.
+    """Draw the masks of objects over an image (H, W, 3). The background of the image is darkened. Each object is tinted
+    in its colour and outlined.
 
-    masks: dict of masks (H, W), indexed by object number. The object number determines the colour.
+    masks: dict of masks (H, W), indexed by object number. The object number determines the colour of an object.
     """
     picture = (color * np.float32(0.45)).astype(np.uint8)
     for number, mask in masks.items():
@@ -61,8 +61,8 @@ def _scale(picture: Color) -> float:
 
 
 def _draw_number(picture: Color, number: int, mask: Mask, tint: Tint, scale: float) -> None:
-    """Draw a number in a disc at the innermost pixel of a mask. The centroid is not used, because it may lie outside
-    the mask.
+    """Draw a number in a disc at the innermost pixel of a mask. The number is not drawn at the centroid, because the
+    centroid may lie outside the mask.
     """
     inside = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)
     y, x = np.unravel_index(int(inside.argmax()), inside.shape)

@@ -41,7 +41,9 @@ class RegionFacts:
     centroid_px: tuple[float, float]
     """Centroid (y, x) of the region in pixels."""
     centroid_m: tuple[float, float, float] | None
-    """Mean (X, Y, Z) of the region's measured points in metres. None if measured points or intrinsics are missing."""
+    """Mean (X, Y, Z) of the region's measured points in metres. The value is None if measured points or intrinsics are
+    missing.
+    """
     spread_px2: tuple[float, float]
     """Eigenvalues (lambda1, lambda2) of the covariance of the region's pixel coordinates, px^2, largest first."""
     eccentricity: float
@@ -54,41 +56,43 @@ class RegionFacts:
     """Share of the region's pixels that are dark. A pixel is dark if its brightness max(R, G, B) is at most 23 of 255.
     """
     above: float | None
-    """Share of the region's measured pixels above the support plane. None if the frame has no support plane."""
+    """Share of the region's measured pixels above the support plane. The value is None if the frame has no support
+    plane.
+    """
     inside: float | None
     """Share of the region's pixels inside the region of interest. If the region of interest is a box in metres, pixels
-    without depth are left out of this share. None if no region of interest is given.
+    without depth are not counted. The value is None if no region of interest is given.
     """
     contour: float
     """Mean boundary value along the region's border, from 0 to 1."""
     cut: float | None
     """Share of the region's outline that lies on the image border.
 
-    None in one of three cases: `Rules.wall` or `Additions.support` is off, intrinsics are missing, or the region is
-    lower than `Wall.min_height_m`.
+    The value is None in three cases: `Rules.wall` or `Additions.support` is off, intrinsics are missing, or the region
+    is lower than `Wall.min_height_m`.
     """
     hides: float | None
     """Share of the region's outline along which the depth outside is larger than the depth inside by a step. Parts of
-    the outline next to a nearer object are left out of this share.
+    the outline next to a nearer object are not counted.
 
-    None in the same cases as `RegionFacts.cut`, and also if too little of the outline has depth.
+    The value is None if `RegionFacts.cut` is None, or if too little of the outline has depth.
     """
     ledge: float | None
-    """Share of the region's outline along which the height above the support plane changes by a step. None in one of
-    three cases: `Rules.wall` is off, intrinsics or the support plane are missing, or too little of the outline has
+    """Share of the region's outline along which the height above the support plane changes by a step. The value is None
+    in three cases: `Rules.wall` is off, intrinsics or the support plane are missing, or too little of the outline has
     depth.
     """
     lean_deg: float | None
     """Angle between the region's mean surface normal and the line of sight, in degrees.
 
-    None in the same cases as `RegionFacts.cut`, and also if too few pixels of the region have a surface normal.
+    The value is None if `RegionFacts.cut` is None, or if too few pixels of the region have a surface normal.
     """
     regions: Labels
     """Region number of each pixel of the frame, as an array (H, W)."""
     frame: Frame
     """Frame that contains the region."""
     plane: Plane | None
-    """Support plane of the frame. None if no plane was found."""
+    """Support plane of the frame. The value is None if no plane was found."""
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self._summary()})"
@@ -100,17 +104,19 @@ class RegionFacts:
 
     @property
     def mask(self) -> Mask:
-        """Mask (H, W) of the region's pixels. Each access creates a new array."""
+        """Mask (H, W) of the region's pixels. Each access to the property creates a new array."""
         return np.asarray(self.regions == self.region)
 
     @property
     def distance_m(self) -> float | None:
-        """Distance of the region's centroid from the camera in metres. None if depth or intrinsics are missing."""
+        """Distance of the region's centroid from the camera in metres. The value is None if depth or intrinsics are
+        missing.
+        """
         return None if self.centroid_m is None else float(np.linalg.norm(self.centroid_m))
 
     @property
     def size_m(self) -> tuple[float, float] | None:
-        """Approximate length and width of the region in metres. None if depth or intrinsics are missing.
+        """Approximate length and width of the region in metres. The value is None if depth or intrinsics are missing.
 
         Length and width are the side lengths of a rectangle that faces the camera, at the distance of the region. The
         pixel coordinates of the rectangle have the same variances (`spread_px2`) as those of the region.
@@ -131,11 +137,11 @@ class RegionFacts:
         """Return the region's measured points (N, 3) in metres, in the camera's frame. The points are ordered by image
         row and then by column.
 
-        In-painted depth is not included. Raises CameraError for a frame without intrinsics.
+        Points from in-painted depth are not included. Raises CameraError for a frame without intrinsics.
 
-        trim_m: maximum distance of a point from the oriented box, in metres. Points farther outside are not returned,
-        because they are probably flying pixels, whose depth lies between object and background. If `trim_m` is None,
-        all points are returned.
+        trim_m: maximum distance of a point from the oriented box, in metres. Points farther from the box are not
+        returned, because they are probably flying pixels, whose depth lies between object and background. If `trim_m`
+        is None, all points are returned.
         """
         if self.frame.camera is None:
             raise CameraError("expected intrinsics for points in metres, got a frame without a camera")
@@ -176,7 +182,7 @@ def measure_regions(
     - above: mask (H, W) of the measured pixels above the support plane.
     - inside: two masks (H, W), as returned by `roi_mask`: the pixels inside the region of interest, and the pixels
       whose position is known.
-    - stance: measurements of each region for the rules `Wall` and `Ledge`.
+    - stance: measurements of each region that separate objects from walls.
     - plane: support plane.
     """
     points = _sum_points(regions, frame)
@@ -207,8 +213,8 @@ def measure_regions(
 def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, depth: DepthMap) -> list[RegionFacts]:
     """Update the measurements of regions after their outlines have changed.
 
-    The measurements score, above, inside, contour, cut, hides, ledge and lean_deg are not updated. Rules have already
-    accepted or rejected the region by these measurements. All other measurements are updated.
+    All measurements except score, above, inside, contour, cut, hides, ledge and lean_deg are updated. The excepted
+    measurements stay the same, because the rules have already accepted or rejected the regions by them.
 
     - facts: measurements before the change, indexed by new region number.
     - depth: in-painted depth map (H, W) in metres.
@@ -220,7 +226,7 @@ def remeasure(facts: Sequence[RegionFacts], regions: Regions, frame: Frame, dept
 def _places(regions: Regions, depth: DepthMap, frame: Frame, points: npt.NDArray[np.float64]) -> list[dict[str, Any]]:
     """Return the measurements that are computed from each region's mask, as one dict for each region.
 
-    points: result (R, 4) of `_sum_points`.
+    points: number of measured pixels and sums of X, Y and Z of each region (R, 4), as returned by `_sum_points`.
     """
     sums, boxes = np.zeros((regions.count, 6)), np.zeros((regions.count, 4), np.int32)
     moments.sum_regions(regions.labels, sums, boxes)

@@ -25,8 +25,8 @@ Value = TypeVar("Value", bound=np.generic)
 
 @stage("outlines")
 def redraw_outlines(result: Segmentation, config: Additions) -> Segmentation:
-    """Move the outlines of all objects to nearby colour differences. Only pixels within a band along the outlines
-    change. The band is wider where depth is smeared or missing.
+    """Move the outlines of all objects to nearby colour differences. Only pixels within a band along the outlines get
+    new labels. The band along the outlines is wider where depth is smeared or missing.
 
     A pixel that is removed from an object is added to a neighbouring region. Regions that lose all their pixels are
     removed, and the other regions are numbered again.
@@ -54,7 +54,7 @@ def enlarge(result: Segmentation, frame: Frame, config: Config, roi: Roi | None 
 
 
 def _enlarged_scene(scene: Scene, frame: Frame, config: Config, roi: Roi | None) -> Scene:
-    """Convert the scene of a frame at half resolution to full resolution.
+    """Convert the input of the rejection rules (`Scene`) from half resolution to full resolution.
 
     Missing depth at full resolution is filled with the in-painted depth at half resolution.
     """

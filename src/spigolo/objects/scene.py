@@ -30,11 +30,13 @@ class Scene:
     contour: npt.NDArray[np.float32]
     """Boundary map (H, W) with values from 0 to 1."""
     plane: Plane | None
-    """Support plane of the frame. None if no plane was found."""
+    """Support plane of the frame. The value is None if no plane was found."""
     rejection: Rejection
     """Rejection rules of the paper, with lengths and areas scaled to the image size."""
     additions: Additions | None
-    """Our additions, with lengths and areas scaled to the image size. None if the preset has no additions."""
+    """Our additions, with lengths and areas scaled to the image size. The value is None if the preset has no
+    additions.
+    """
     preset: str
     """Name of the preset that produced the regions."""
     digest: str
@@ -42,16 +44,18 @@ class Scene:
     left_out: tuple[str, ...] = ()
     """Names of cues that were not computed because intrinsics are missing."""
     above: Mask | None = None
-    """Mask (H, W) of the measured pixels above the support plane. None if the frame has no support plane."""
+    """Mask (H, W) of the measured pixels above the support plane. The value is None if the frame has no support
+    plane.
+    """
     inside: tuple[Mask, Mask] | None = None
     """Two masks (H, W): the pixels inside the region of interest, and the pixels whose position is known. If the region
-    of interest is a box in metres, only the positions of pixels with depth are known. None if no region of interest is
-    given.
+    of interest is a box in metres, only the positions of pixels with depth are known. The value is None if no region of
+    interest is given.
     """
 
     @property
     def support(self) -> Support | None:
-        """Parameters of the support plane. None if the support plane is switched off."""
+        """Parameters of the support plane. The value is None if the support plane is switched off."""
         return None if self.additions is None else self.additions.support
 
     @property

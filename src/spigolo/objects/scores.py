@@ -13,8 +13,8 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 SUPPORTED_SHARE = 3000 / (640 * 480)
-"""Number of a region's measured pixels, divided by the number of image pixels, for which the factor 1 - exp(-measured /
-`SUPPORTED_SHARE`) of the score is 63 %.
+"""Number of a region's measured pixels, divided by the number of image pixels, at which the factor 1 - exp(-measured /
+`SUPPORTED_SHARE`) of the region's score is 63 %.
 """
 
 
@@ -28,8 +28,8 @@ def contour_cue(cues: Cues, graph: Graph) -> npt.NDArray[np.float32]:
 def weight_contour(graph: Graph) -> npt.NDArray[np.float32]:
     """Return a map (H, W) of boundary values from 0 to 1 that is computed from the edge weights of a graph.
 
-    The value of a pixel is the larger weight of two graph edges: to its right neighbour and to its lower neighbour. The
-    values are divided by their 95th percentile and clipped to 1.
+    The value of a pixel is the larger weight of two graph edges: that to its right neighbour and that to its lower
+    neighbour. The values of all pixels are divided by their 95th percentile and clipped to 1.
     """
     right, down = graph.weights[:2]
     largest = np.where(np.isinf(right), np.float32(0), right)
@@ -57,8 +57,8 @@ def region_score(
 
     - contour: mean boundary value (R,) along each region's border.
     - measured: number (R,) of each region's measured pixels, divided by the number of image pixels.
-    - above: share (R,) of each region's measured pixels that lie above the support plane. None if the frame has no
-      support plane.
+    - above: share (R,) of each region's measured pixels that lie above the support plane. The value is None if the
+      frame has no support plane.
     """
     score = contour * (1 - np.exp(-measured / SUPPORTED_SHARE))
     return np.asarray(np.clip(score if above is None else score * above, 0, 1), np.float64)

@@ -35,14 +35,14 @@ class ObjectMask(RegionFacts):
     label: int
     """Number of the object in the label image `Segmentation.labels`, from 1."""
     id: int | None = None
-    """Id of the object, from 1. The same object has the same id in all frames. None unless `Segmenter(ids=True)` is
-    used.
+    """Id of the object, from 1. The same object has the same id in all frames. The id is None unless
+    `Segmenter(ids=True)` is used.
     """
 
     @property
     def number(self) -> int:
-        """Number of the object in images and messages. The number is the id if objects have ids, and the label
-        otherwise.
+        """Number of the object in images and messages. The number is the id of the object, or its label in the label
+        image if objects have no ids.
         """
         return self.label if self.id is None else self.id
 
@@ -85,10 +85,11 @@ class Segmentation:
     rejected: tuple[RejectedRegion, ...]
     """Rejected regions with the reasons for their rejection. Every region is either an object or a rejected region."""
     left_out: tuple[str, ...]
-    """Names of results that were not computed, because the frame has no intrinsics. Empty if the frame has intrinsics.
+    """Names of results that were not computed, because the frame has no intrinsics. The tuple is empty if the frame has
+    intrinsics.
     """
     preset: str
-    """Name of the preset."""
+    """Name of the preset that was used for the segmentation."""
     digest: str
     """Hash of the parameter values, eight hexadecimal digits."""
     regions: Regions
@@ -102,7 +103,7 @@ class Segmentation:
         return f"Segmentation({found}, {width}x{height}, {self.preset} {self.digest})"
 
     def _repr_png_(self) -> bytes:
-        """Return the overlay as a PNG image for display in notebooks."""
+        """Return the colour image with all objects drawn over it as a PNG image, for display in notebooks."""
         return _png(self.overlay())
 
     @property
@@ -112,16 +113,16 @@ class Segmentation:
 
     @property
     def support(self) -> Mask | None:
-        """Mask (H, W) of background pixels on the support plane. None if the frame has no support plane. Each access
-        creates a new array.
+        """Mask (H, W) of background pixels on the support plane. The value is None if the frame has no support plane.
+        Each access to the property creates a new array.
         """
         return self.scene.on_support(self.labels)
 
     def overlay(self) -> Color:
         """Return the colour image (H, W, 3) with the background dimmed and each object tinted and numbered.
 
-        If objects have ids, the id of an object determines its number and tint. The number and tint of an object are
-        then the same in all frames.
+        If objects have ids, the id of an object determines its number and tint. An object with an id therefore has the
+        same number and tint in all frames.
         """
         masks = {o.number: o.mask for o in self}
         picture = draw_objects(self.frame.color, masks)
@@ -133,7 +134,7 @@ class Segmentation:
         contains no masks.
 
         The keys of the measurements are the field names of `RegionFacts`. Points in space are in metres in the camera's
-        frame. Pixels are (y, x).
+        frame. Pixels are given as (y, x).
         """
         return {
             "preset": self.preset,

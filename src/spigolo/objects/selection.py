@@ -23,10 +23,12 @@ from spigolo.stages.graph import Graph
 from spigolo.stages.regions import Regions
 
 NEAREST_M, FARTHEST_M = 0.03, 50.0
-"""Minimum and maximum plausible median depth of a frame, in metres. No RGB-D camera measures outside this range."""
+"""Minimum and maximum plausible median depth of a frame, in metres. No RGB-D camera measures depth outside this
+range.
+"""
 CLOSE_M, FAR_M = 0.15, 3.0
 """Minimum and maximum median depth of a usual frame, in metres. If no object is found, a median depth below `CLOSE_M`
-gives a warning. A median depth above `FAR_M` gives a warning if it is also above `max_distance_m`.
+gives a warning. A median depth above `FAR_M` gives a warning only if the median depth is also above `max_distance_m`.
 """
 SAMPLED = 8
 
@@ -75,8 +77,8 @@ def _contour(cues: Cues, graph: Graph, additions: Additions | None) -> npt.NDArr
 
 
 def _for_holes(additions: Additions | None, contours: Contours | None) -> Additions | None:
-    """Return the parameters of the additions for a frame. If hole outlines are contours in this frame, `min_contour`
-    has the value of `min_contour_holes`.
+    """Return the parameters of our additions, adapted to one frame. If hole outlines are contours in the frame, the
+    limit `min_contour` gets the value of `min_contour_holes`.
     """
     if additions is None or contours is None or not contours.in_holes or additions.rules.min_contour_holes is None:
         return additions

@@ -13,13 +13,15 @@ from spigolo.objects.segmentation import ObjectMask, Segmentation
 KEPT_FRAMES = 15
 """Maximum number of successive frames in which an object may be missing without losing its id."""
 REACH_M = 0.05
-"""Scale of distances, in metres. The closeness of two detections is exp(-distance / `REACH_M`), from 0 to 1."""
+"""Distance between two detections at which their closeness is 1 / e, in metres. The closeness of two detections is
+exp(-distance / `REACH_M`), from 0 to 1.
+"""
 MIN_AFFINITY = 0.15
 """Minimum affinity of two detections that are matched as the same object. The affinity is the sum of mask overlap and
 closeness.
 """
 MAX_SIZE_RATIO = 4.0
-"""Maximum of the larger area divided by the smaller area of two detections that are matched as the same object."""
+"""Maximum ratio of the areas (larger divided by smaller) of two detections that are matched as the same object."""
 
 Matrix = npt.NDArray[np.float64]
 
@@ -33,7 +35,9 @@ class Track:
     area_px: int
     """Area of the object in pixels at its last detection."""
     center_m: npt.NDArray[np.float64] | None
-    """Centroid (X, Y, Z) of the object at its last detection, metres. None if depth or intrinsics are missing."""
+    """Centroid (X, Y, Z) of the object at its last detection, metres. The value is None if depth or intrinsics are
+    missing.
+    """
     unseen: int = 0
     """Number of frames since the last detection of the object."""
 

@@ -22,8 +22,8 @@ class Reason(str, Enum):
     SUPPORT = "support"
     """The region lies on the support plane (`Support.min_above`)."""
     WALL = "wall"
-    """The region is part of a wall or a rim in one of three cases. Depth increases by a step along too little of the
-    region's outline (`Wall`). The image border cuts off a long region (`Wall`). The region surrounds the support plane
+    """The region is part of a wall or a rim. A region counts as a wall if too little of its outline is a depth step, or
+    if the image border cuts off the long region (`Wall`). A region counts as a rim if it surrounds the support plane
     (`Rim`).
     """
     WEAK_CONTOUR = "weak contour"
@@ -54,14 +54,14 @@ Verdict = tuple[Reason, str]
 
 
 def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
-    """Return the reason for rejecting a region, with an explanation, or None if the region violates no rule. The reason
-    is the first rule that the region violates.
+    """Return the reason for rejecting a region, with an explanation, or None if the region violates no rule. The
+    returned reason is the first rule that the region violates.
 
-    The limits in pixels must be scaled to the image size.
+    All limits in pixels must be scaled to the image size.
 
     - facts: measurements of the region.
     - paper: limits of the paper's rules (section III-F).
-    - ours: limits of our rules.
+    - ours: limits of our additional rules.
     - support: parameters of the support plane. The field `min_above` is the minimum share of a region above the plane.
     """
     return (
@@ -76,7 +76,7 @@ def judge(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | 
 
 def judge_flat(facts: RegionFacts, paper: Rejection, ours: Rules, support: Support | None) -> Verdict | None:
     """Return the reason for rejecting a flat object (`settings.Flats`), or None. The rules for heights, walls and
-    contours do not apply to flat objects. The arguments are those of `judge`.
+    contours do not apply to flat objects. The functions `judge_flat` and `judge` have the same arguments.
     """
     return (
         _judge_place(facts, None)
@@ -113,7 +113,7 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
     """Return the reason why a region is a wall, or None if the region is not a wall.
 
     A region counts as a wall if depth increases by a step along too little of its outline. A long region that the image
-    border cuts off counts as a wall too.
+    border cuts off also counts as a wall.
     """
     lean_deg, cut = facts.lean_deg or 0.0, facts.cut or 0.0
     slant = rule.hides_per_deg * max(lean_deg - rule.slant_deg, 0)
@@ -132,8 +132,8 @@ def _lacks_stance(facts: RegionFacts, rule: Wall) -> str | None:
 
 
 def _percent(value: float, limit: float) -> tuple[str, str]:
-    """Return a share and its limit as text in per cent. The texts have one decimal place if they are equal without
-    it.
+    """Return a share and its limit as text in per cent. Both texts have one decimal place if they would be equal
+    without decimal places.
     """
     form = "{:.1%}" if f"{value:.0%}" == f"{limit:.0%}" else "{:.0%}"
     return form.format(value), form.format(limit)
@@ -173,8 +173,8 @@ def _judge_pixels(facts: RegionFacts, rules: Rejection) -> Verdict | None:
 
 
 def _judge_rim(facts: RegionFacts, rule: Rim | None, support: Support | None) -> Verdict | None:
-    """Check that a long region does not surround the support plane (our rule). This check is done last, because it
-    reads pixels and is slow.
+    """Check that a long region does not surround the support plane (our rule). The check for rims is done last, because
+    it reads pixels and is slow.
     """
     plane, camera, size_m = facts.plane, facts.frame.camera, facts.size_m
     if rule is None or support is None or plane is None or camera is None or size_m is None:

@@ -27,15 +27,18 @@ class Config(Parameters):
     """All parameters of the method. Instances are frozen, and `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. A configuration made with `Config.replace` keeps the name, but has another `digest`."""
+    """Name of the preset. A configuration made with `Config.replace` keeps the name, but has another hash (`digest`).
+    """
     depth: DepthConfig = DepthConfig()
     """Smoothing, in-painting and comparison of depth (equations 5-9)."""
     color: ColorConfig = ColorConfig()
     """Colour difference between neighbouring pixels (equation 4)."""
     saliency: SaliencyConfig = SaliencyConfig()
-    """Saliency map (equation 10). Only some cost functions use this map."""
+    """Saliency map (equation 10). Only the first cost function (equation 22) uses the saliency map."""
     edges: EdgesConfig = EdgesConfig()
-    """Boundaries of objects (equations 12-20). Only some cost functions use these boundaries."""
+    """Boundaries of objects (equations 12-20). Only the second cost function (equation 23) uses the boundaries of
+    objects.
+    """
     cost: Cost = BoundaryCost()
     """Cost function, which computes the weight of a graph edge (equations 22 and 23)."""
     partition: Partition = Partition()
@@ -75,8 +78,8 @@ class Config(Parameters):
 
 
 def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of `new` that differ from the values in `old`, as nested dicts. The value None is written as
-    the string "none".
+    """Return the values of `new` that differ from the values in `old`, as nested dicts. In the returned dicts, the
+    value None is replaced by the string "none".
     """
     changes: dict[str, Any] = {}
     for key, value in new.items():
@@ -93,8 +96,8 @@ def _changes(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _written(stage: Settings) -> dict[str, Any]:
-    """Return the values of a stage, indexed by field name. TOML has no null, so None becomes the string "none". A field
-    is not written if both its value and its default are None.
+    """Return the parameter values of a stage as a dict, indexed by field name. TOML has no null, so None becomes the
+    string "none". A field is left out if both its value and its default are None.
     """
     values: dict[str, Any] = {}
     for name, field in type(stage).model_fields.items():

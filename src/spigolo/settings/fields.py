@@ -16,8 +16,8 @@ def field_names(config: Config) -> dict[str, str]:
 
 
 def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
-    """Yield the dotted name and help text of each field of a model or model class. Fields of stages that are switched
-    off (None) are included.
+    """Yield the dotted name and help text of each field of a pydantic model or model class. Fields of stages that are
+    switched off (None) are included.
     """
     kind: type[BaseModel] = model if isinstance(model, type) else type(model)
     for name, field in kind.model_fields.items():
@@ -34,8 +34,8 @@ def _walk(model: Any, prefix: str) -> Iterator[tuple[str, str]]:
 
 
 def value_at(config: Config, field: str) -> Any:
-    """Return the value of the field with a dotted name. Return None if the stage of the field is off. Also return None
-    if the field belongs to a cost function that is not used.
+    """Return the value of the field with a dotted name. The value is None if the stage of the field is off, or if the
+    field belongs to a cost function that is not used.
     """
     value: Any = config
     for part in field.split("."):
@@ -44,8 +44,8 @@ def value_at(config: Config, field: str) -> Any:
 
 
 def value_of_text(text: str) -> Any:
-    """Convert text to a value: a boolean, an integer, a float or a list such as `1,2`. Other text is returned
-    unchanged.
+    """Convert text to a value: a boolean, an integer, a float or a list such as `1,2`. Text in any other form is
+    returned unchanged.
     """
     if "," in text:
         return [value_of_text(part.strip()) for part in text.strip("()[] ").split(",") if part.strip()]

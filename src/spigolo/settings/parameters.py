@@ -1,5 +1,5 @@
-"""Base classes for classes of parameters. Instances cannot be changed, and their values are validated. An invalid value
-raises an error with a one-line message.
+"""Base classes for the classes of parameters. Instances cannot be changed, and their values are validated. An invalid
+parameter value raises an error with a one-line message.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ else:
     import tomli as tomllib
 
 VGA_PX = 640 * 480
-"""Number of pixels of a 640x480 image. All lengths and areas in pixels are given for this image size."""
+"""Number of pixels of a 640x480 image. All parameters in pixels are given for an image of 640x480."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ S = TypeVar("S", bound="Settings")
 
 class Settings(BaseModel):
     """Parameters of one stage. Instances cannot be changed, but `replace` returns a changed copy. Raises ConfigError
-    for an invalid value.
+    for an invalid parameter value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
@@ -84,8 +84,8 @@ class Settings(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _none_switches_off(cls, values: Any) -> Any:
-        """Convert the string "none" to None for fields that may be None. Preset files and command-line flags have no
-        other form of None.
+        """Convert the string "none" to None for fields that may be None. Preset files and command-line flags can
+        express None only as the string "none".
         """
         if not isinstance(values, Mapping):
             return values
@@ -96,10 +96,11 @@ class Settings(BaseModel):
         }
 
     def replace(self: S, **changes: Any) -> S:
-        """Return a validated copy with changed values.
+        """Return a validated copy of the parameters with changed values.
 
         Field names may be dotted, for example `replace(**{"partition.gamma": 0.004})`. The value of a stage may be a
-        dict, for example `replace(partition={"gamma": 0.004})`. Fields that are not in the dict keep their values.
+        dict, for example `replace(partition={"gamma": 0.004})`. Fields of the stage that are not in this dict keep
+        their values.
         """
         values = self.model_dump()
         for key, value in changes.items():
@@ -111,8 +112,9 @@ class Settings(BaseModel):
         """Return a copy with lengths and areas in pixels scaled to images of shape (H, W). Call `at_size` only once,
         because a second call scales the lengths and areas again.
 
-        Areas grow in proportion to the number of pixels. Lengths marked with `Grows.always` grow in proportion to the
-        square root of the number of pixels. Other lengths grow with this square root only if `lengths` is True.
+        Areas grow in proportion to the number of pixels of the image. Lengths marked with `Grows.always` grow in
+        proportion to the square root of the number of pixels. Lengths without the mark `Grows.always` are scaled in the
+        same way only if `lengths` is True.
         """
         area = shape[0] * shape[1] / VGA_PX
         return self if area == 1 else self._grown(area, lengths)
@@ -137,7 +139,7 @@ class Parameters(Settings):
 
     @property
     def digest(self) -> str:
-        """Return a hash of all values except the name, as eight hexadecimal digits."""
+        """Return a hash of all parameter values except the name, as eight hexadecimal digits."""
         values = json.dumps(self.model_dump(mode="json", exclude={"name"}), sort_keys=True)
         return hashlib.sha256(values.encode()).hexdigest()[:8]
 
@@ -161,8 +163,8 @@ def _nest(dotted: str, value: Any) -> Any:
 
 
 def _merge(values: dict[str, Any], changes: Mapping[str, Any]) -> None:
-    """Write the values of `changes` into the dict `values`, including nested dicts. If the `kind` of a cost function
-    changes, the whole dict of the cost function is replaced.
+    """Write the values of `changes` into the dict `values`, including nested dicts. If the field `kind` of a cost
+    function changes, the whole dict of the cost function is replaced.
     """
     for key, new in changes.items():
         old = values.get(key)

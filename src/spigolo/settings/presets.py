@@ -1,9 +1,9 @@
-"""Presets: SHELF, TABLE and CLUTTER of the paper, and OBJECTS for all other data.
+"""Presets (named configurations): SHELF, TABLE and CLUTTER of the paper, and OBJECTS for all other data.
 
 SHELF, TABLE and CLUTTER use the values that the paper prints for its three data sets. Values that the paper does not
-print come from the code that its authors published, or are our choice. OBJECTS contains our additions and is fitted to
-real frames of several sensors. OBJECTS is the newest of the versions OBJECTS_1, OBJECTS_2 and so on. The values of a
-numbered version never change.
+print come from the code that its authors published, or are our choice. The preset OBJECTS uses our additions to the
+paper's method. The values of OBJECTS are fitted to real frames of several sensors. OBJECTS is the newest of the
+versions OBJECTS_1, OBJECTS_2 and so on. The values of a numbered version, such as OBJECTS_1, never change.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ OBJECTS_1 = Config(
         noise_per_m=0.0028,
     ),
 )
-"""First version of OBJECTS, fitted to real frames of several sensors (docs/objects.md)."""
+"""First version of the preset OBJECTS, fitted to real frames of several sensors (docs/objects.md)."""
 
 OBJECTS_2 = OBJECTS_1.replace(
     name="OBJECTS_2",
@@ -106,8 +106,8 @@ OBJECTS_2 = OBJECTS_1.replace(
         "lengths_grow": True,
     },
 )
-"""Second version of OBJECTS. Compared to OBJECTS_1, it also joins the parts of an object, rejects walls, limits sizes
-in metres, and refines outlines by colour.
+"""Second version of the preset OBJECTS. Compared to OBJECTS_1, OBJECTS_2 also joins the parts of an object, rejects
+walls, limits sizes in metres, and refines outlines by colour.
 """
 
 OBJECTS = OBJECTS_2
@@ -138,9 +138,9 @@ WHOLE = {"depth", "color", "edges", "cost", "partition", "rejection"}
 def preset(name: str | Path) -> Config:
     """Return a preset by its name, in upper or lower case, or read a preset from a TOML file.
 
-    A file may contain a line such as `base = "TABLE"`. A file with this line contains only the values that differ from
-    the named preset. The value "none" switches a rule off. A file without a line `base` contains all fields, as written
-    by `to_toml`. Raises ConfigError for an unknown name or key.
+    A preset file may contain a line such as `base = "TABLE"`. A file with the line `base` contains only the values that
+    differ from the named preset. The value "none" switches a rule off. A file without a line `base` contains all
+    fields, as written by `Config.to_toml`. Raises ConfigError for an unknown name or key.
     """
     if str(name).upper() in PRESETS:
         return PRESETS[str(name).upper()]

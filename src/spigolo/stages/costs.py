@@ -14,7 +14,7 @@ from spigolo.kernels import costs as kernel
 from spigolo.settings.paper import AutoCost, BoundaryCost, Cost, SaliencyCost
 
 PixelCost = SaliencyCost | BoundaryCost
-"""Parameters of a cost function that can be used for a frame. AutoCost chooses one of these two cost functions for each
+"""Parameters of a cost function that can be used for a frame. AutoCost chooses SaliencyCost or BoundaryCost for each
 frame.
 """
 
@@ -47,12 +47,17 @@ def reads(cost: PixelCost, cue: Reads) -> bool:
 
 
 def possible_costs(cost: Cost) -> tuple[PixelCost, ...]:
-    """Return the cost functions that can be chosen for a frame: two for AutoCost, otherwise one."""
+    """Return the cost functions that can be chosen for a frame: two for AutoCost, and one for any other cost
+    function.
+    """
     return (cost.full, cost.shadows) if isinstance(cost, AutoCost) else (cost,)
 
 
 def choose_cost(cost: Cost, missing: float | None) -> PixelCost:
-    """Return the cost function for a frame. missing: share of missing depth within the working range."""
+    """Return the cost function for a frame.
+
+    missing: share of missing depth, as returned by `stages.depth.missing_share`.
+    """
     if not isinstance(cost, AutoCost):
         return cost
     return cost.full if missing is not None and missing <= cost.max_missing else cost.shadows

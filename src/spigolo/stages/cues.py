@@ -26,13 +26,13 @@ class Weighing:
     """Cost function and threshold gamma that were chosen for a frame."""
 
     cost: PixelCost
-    """Parameters of the cost function."""
+    """Parameters of the cost function that was chosen for the frame."""
     missing: float | None
-    """Share of missing depth within the working range (`stages.depth.missing_share`). None if the cost function is
-    fixed.
+    """Share of missing depth, as returned by `stages.depth.missing_share`. The value is None if the preset fixes the
+    cost function.
     """
     gamma: float
-    """Threshold gamma of equation 3 for this cost function."""
+    """Threshold gamma of equation 3 for the chosen cost function."""
 
     @property
     def reads_boundary(self) -> bool:
@@ -47,9 +47,11 @@ class Cues:
     depth: DepthMap
     """Smoothed depth map D_s (H, W) float32 in metres, 0 where missing."""
     saliency: npt.NDArray[np.float32] | None
-    """Saliency map (H, W) from 0 to 1, after a power law. None if the cost function does not read saliency."""
+    """Saliency map (H, W) from 0 to 1, after a power law. The value is None if the cost function does not read
+    saliency.
+    """
     boundary: npt.NDArray[np.float32] | None
-    """Boundary map (H, W) from 0 to 1. None if the cost function does not read the boundary map."""
+    """Boundary map (H, W) from 0 to 1. The value is None if the cost function does not read the boundary map."""
 
     @property
     def delta_sal(self) -> npt.NDArray[np.float32]:
@@ -65,9 +67,9 @@ class Cues:
 
 
 def choose_weighing(depth: DepthMap, config: Config) -> Weighing:
-    """Choose the cost function and the threshold gamma for a frame (section III-E).
+    """Choose the cost function and the threshold gamma for a frame (paper, section III-E).
 
-    depth: depth map (H, W) of `prepare_depth` in metres.
+    depth: depth map (H, W) in metres, as returned by `prepare_depth`.
     """
     missing = missing_share(depth, config.rejection.max_distance_m) if isinstance(config.cost, AutoCost) else None
     cost, gamma = choose_cost(config.cost, missing), config.partition.gamma
@@ -81,7 +83,7 @@ def gather_cues(image: Color, depth: DepthMap, lines: Mask | None, weighing: Wei
     """Compute the cues that the cost function of a frame reads.
 
     - image: (H, W, 3) RGB.
-    - depth: depth map (H, W) of `prepare_depth` in metres.
+    - depth: depth map (H, W) in metres, as returned by `prepare_depth`.
     - lines: mask (H, W) of the boundary lines E_F, or None if the cost function does not read the boundary map.
     """
     return Cues(

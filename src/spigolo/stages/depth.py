@@ -1,7 +1,7 @@
 """Preparation of the depth map: in-painting of small gaps, and smoothing that does not fill shadows (equations 5-8).
 
 In-painting comes first, because sampling holes (at most two pixels wide) would make all smoothing windows tiny. Large
-shadows are not filled and stay 0.
+shadows (missing depth next to objects) are not filled and keep the depth 0.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ def missing_mask(depth: DepthMap) -> Mask:
 def smoothing_area_map(depth: DepthMap, config: Smoothing) -> tuple[npt.NDArray[np.int32], Mask]:
     """Return the smoothing radius S (H, W) of each pixel, in pixels, and the depth-change map C (H, W) of Holzer et al.
 
-    The radius grows with the depth error alpha d^2, and decreases near depth steps, missing depth and the image border.
+    The smoothing radius grows with the depth error alpha d^2 at depth d. The radius decreases near depth steps, missing
+    depth and the image border.
     """
     smooth_here = np.empty(depth.shape, np.uint8)
     smoothing.mark_steps(depth, config.error_per_m, config.step_factor, smooth_here)
@@ -54,7 +55,7 @@ def smooth(depth: DepthMap, config: Smoothing) -> DepthMap:
 
     The window of a pixel with radius r has (2r+1)^2 pixels. The mean is computed without missing pixels, and without
     depth steps if `config.skip_steps` is set. If `config.mean` is "plain", all pixels are used, and missing pixels have
-    the depth 0. Missing depth stays missing.
+    the depth 0. Pixels without depth stay without depth.
     """
     radius, steps = smoothing_area_map(depth, config)
     if config.mean == "plain":
@@ -84,7 +85,7 @@ def inpaint_small_gaps(depth: DepthMap, config: Inpainting) -> DepthMap:
     """Fill sampling holes (at most two pixels wide) and small gaps of a depth map (H, W) in metres.
 
     Gaps at the image border are not filled. If the pixels around a gap contain a depth step, the gap is a shadow on the
-    background. Such a gap gets the largest depth of the pixels around it.
+    background. A gap on a depth step therefore gets the largest depth of the pixels around it.
 
     config: parameters with lengths and areas scaled to the image size (`Settings.at_size`).
     """
@@ -113,8 +114,9 @@ def sampling_holes(missing: Mask) -> Mask:
 
 
 def _close(depth: DepthMap, holes: npt.NDArray[np.int64], layers: int, config: Inpainting) -> None:
-    """Fill holes in a depth map, one layer of pixels after the other, from outside to inside. holes: indices y * W +
-    x.
+    """Fill holes in a depth map, one layer of pixels after the other, from outside to inside.
+
+    holes: indices y * W + x of the pixels in holes.
     """
     values = np.empty(holes.size, np.float32)
     for _ in range(layers):
@@ -152,11 +154,14 @@ class Gaps:
 
     @property
     def lengths(self) -> npt.NDArray[np.int64]:
-        """Return the number of pixels (N,) of each run."""
+        """Return the number of pixels (N,) of each run of missing pixels."""
         return np.asarray(self.runs[:, 2] - self.runs[:, 1], np.int64)
 
     def pixels(self, wanted: Mask) -> npt.NDArray[np.int64]:
-        """Return the indices y * W + x of all pixels of the selected runs. wanted: mask (N,) of the runs."""
+        """Return the indices y * W + x of all pixels of the selected runs.
+
+        wanted: mask (N,) of the selected runs.
+        """
         row, first, _ = self.runs[wanted].astype(np.int64).T
         length = self.lengths[wanted]
         before = np.cumsum(length) - length
@@ -178,11 +183,11 @@ def find_gaps(depth: DepthMap) -> Gaps:
 
 
 def missing_share(depth: DepthMap, max_distance_m: float | None = None) -> float:
-    """Return the share of the frame in which depth is missing within the working range. It is the area of the gaps in
-    the depth map, divided by the area of the frame.
+    """Return the share of missing depth in a frame: the area of the gaps in the depth map, divided by the area of the
+    frame.
 
-    Gaps at the image border are left out, because they may lie outside the view of the depth camera. A gap is also left
-    out if all valid depth around it is larger than `max_distance_m`.
+    Gaps at the image border are not counted, because they may lie outside the view of the depth camera. A gap is also
+    not counted if all valid depth around it is larger than `max_distance_m`.
     """
     gaps = find_gaps(depth)
     counted = ~gaps.on_border & (gaps.far_m > 0)

@@ -1,8 +1,8 @@
 """Selection of the image edges that are boundaries of objects (equations 12-20).
 
 A Canny edge is a depth boundary if the depth changes by a step across the edge. A Canny edge is a contact boundary if
-an object touches its support at the edge. All other edges are removed, such as texture edges and convex edges of
-objects.
+an object touches its support at the edge. Canny edges of all other kinds are removed, such as texture edges and convex
+edges of objects.
 """
 
 from __future__ import annotations
@@ -20,7 +20,9 @@ from spigolo.kernels import edges as kernel
 from spigolo.settings.paper import EdgesConfig
 
 NO_ANGLE_DEG = 360.0
-"""Threshold that no contact angle reaches. Without intrinsics, this threshold switches contact boundaries off."""
+"""Threshold in degrees that no contact angle reaches. Without intrinsics, `NO_ANGLE_DEG` is used as threshold, so that
+no contact boundaries are found.
+"""
 
 SIGN_RULES = {"tangent": kernel.SIGN_TANGENT, "x": kernel.SIGN_X, "none": kernel.SIGN_NONE}
 

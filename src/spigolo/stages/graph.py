@@ -1,8 +1,8 @@
 """Graph of neighbouring pixels and its edge weights (equations 4, 9, 22, 23).
 
-Edge weights are stored in planes, one for each direction. Plane p contains at (y, x) the weight of the edge from pixel
-(y, x) to the neighbour at the offset OFFSETS[p]. Edges are numbered plane by plane, row by row. Edges that leave the
-image have the weight +inf.
+Edge weights are stored in arrays (H, W) that are called planes, one for each direction. Plane p contains at (y, x) the
+weight of the edge from pixel (y, x) to the neighbour at the offset OFFSETS[p]. Graph edges are numbered plane by plane,
+and row by row inside each plane. Edges that leave the image have the weight +inf.
 """
 
 from __future__ import annotations
@@ -41,8 +41,9 @@ class Graph:
 def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_m: float = 0.0) -> Graph:
     """Compute the edge weights of a frame with a cost function.
 
-    color: points (3, H, W) of `color_points`. noise_per_m: depth noise divided by the squared depth, 1/m. Depth
-    differences below the noise count as 0 (our addition, 0 in the paper).
+    - color: colours as points (3, H, W), as returned by `color_points`.
+    - noise_per_m: depth noise divided by the squared depth, 1/m. The noise is subtracted from depth differences (our
+      addition). In the paper, the subtracted noise is 0.
     """
     weights = np.empty((config.partition.connectivity // 2, *cues.depth.shape), np.float32)
     scale = depth_scale(cues.depth, config.depth.depth_range)
@@ -57,9 +58,10 @@ def weigh(cues: Cues, color: Points, cost: PixelCost, config: Config, noise_per_
 def depth_scale(depth: DepthMap, depth_range: float | None) -> float:
     """Return 1 / depth range for equation 9, in 1/m, or 0 if all depths are equal.
 
-    depth: (H, W) in metres. depth_range: range in metres, or None for the range of the valid depths.
+    - depth: depth map (H, W) in metres.
+    - depth_range: depth range in metres, or None for the range of the valid depths.
     """
     if depth_range is not None:
         return 1.0 / depth_range
-    nearest, farthest, _, _ = cv2.minMaxLoc(depth, (depth > 0).view(np.uint8))  # both are 0 if no depth is valid
+    nearest, farthest, _, _ = cv2.minMaxLoc(depth, (depth > 0).view(np.uint8))  # both depths are 0 if no depth is valid
     return 1.0 / (farthest - nearest) if farthest > nearest else 0.0

@@ -1,5 +1,5 @@
-"""Partition of the graph of pixels into regions. The criterion is the internal difference of the regions (equations 2,
-3).
+"""Partition of the graph of pixels into regions. Edge weights inside the regions are compared with the weights of edges
+between regions (equations 2, 3).
 """
 
 from __future__ import annotations
@@ -17,24 +17,27 @@ from spigolo.stages.graph import OFFSETS, Graph
 
 SAMPLE_STEP = 97
 PIVOT_QUANTILES = (0.3, 0.6)
-"""Edges are sorted and merged in several rounds of increasing weight. A round begins at each of these quantiles of the
-positive edge weights.
+"""Quantiles of the positive edge weights at which a new round of merging begins. Regions are merged in several rounds
+with edges of increasing weight.
 """
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""If less than this share of the edges has weight 0, one more round is run first. This round ends at the first rejected
-merge.
+"""Minimum share of edges with weight 0 at which merging begins directly with the normal rounds. If fewer edges have
+weight 0, an additional first round runs until a merge is rejected.
 """
 ONE, BOTH = 1, 2
-"""Minimum number of flagged pixels of an edge. Edges with fewer flagged pixels are not sorted."""
+"""Minimum number of flagged pixels of an edge. A pixel is flagged if its region can still merge, or if its region is
+too small. Edges with fewer flagged pixels are not sorted.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Regions:
     """Partition of an image into regions.
 
-    labels: (H, W) int32, region number of each pixel, from 0 to count - 1. Regions are numbered in the order in which
-    their first pixels appear in the image. count: number of regions.
+    - labels: (H, W) int32, region number of each pixel, from 0 to count - 1. Regions are numbered in the order in which
+      their first pixels appear in the image.
+    - count: number of regions.
     """
 
     labels: npt.NDArray[np.int32]
@@ -47,8 +50,9 @@ class Regions:
         return counts
 
     def spread(self, of_region: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
-        """Return an image (H, W) in which each pixel has the value of its region. of_region: values (R,) of the
-        regions.
+        """Return an image (H, W) in which each pixel has the value of its region.
+
+        of_region: values (R,) of the regions.
         """
         out = np.empty_like(self.labels)
         moments.spread(of_region, self.labels, out)
@@ -71,7 +75,7 @@ def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: W
     largest weight in the minimum spanning tree of region R, as in Felzenszwalb & Huttenlocher 2004.
 
     - graph: edge weights, not negative and not NaN. Edges of weight +inf are ignored.
-    - gamma: threshold of equation 3. Larger values make larger regions.
+    - gamma: threshold of equation 3. A larger gamma gives larger regions.
     - min_size_px: minimum number of pixels of a region.
     - workspace: scratch memory to reuse from frame to frame.
     """
@@ -113,10 +117,10 @@ class SortedEdges:
     ) -> tuple[npt.NDArray[np.uint64], float]:
         """Return the sorted packed edges with low <= weight < high, and the upper limit of their weights.
 
-        If these edges do not fit into the buffer of `forest`, only the lightest are returned, and the upper limit is
+        If these edges do not fit into the buffer, only the lightest edges are returned, and the returned upper limit is
         smaller than `high`.
 
-        - forest: current regions.
+        - forest: union-find forest of the current regions.
         - least: minimum number of flagged pixels of an edge, 1 or 2.
         - detours: True to include the heaviest edge of each triangle or square of neighbouring pixels.
         """
@@ -130,7 +134,7 @@ class SortedEdges:
             if count >= 0:
                 break
             high = self._make_room(low, high)
-        if least == BOTH and low > 0:  # no region is final in absorb_small
+        if least == BOTH and low > 0:  # absorb_small merges regions without a merge bound
             count = choosing.drop_final(edges[:count], self.steps, forest.parent, forest.records, forest.flags)
         return self._radix_sort(edges[:count], _bits(low)) if count else edges[:0], high
 
@@ -146,7 +150,10 @@ class SortedEdges:
         return high
 
     def _radix_sort(self, edges: npt.NDArray[np.uint64], base: int) -> npt.NDArray[np.uint64]:
-        """Sort packed edges by weight. base: bit pattern of the smallest possible weight, as an integer."""
+        """Sort packed edges by weight.
+
+        base: bit pattern of the smallest possible weight, as an integer.
+        """
         width = max(((int(edges.max()) >> merging.HALF_BITS) - base).bit_length(), 1)
         passes = -(-width // MAX_DIGIT_BITS)
         digit_bits = -(-width // passes)
@@ -186,7 +193,7 @@ class Forest:
         weights for the next round.
 
         Before the first rejected merge, an edge has no effect if its two pixels are also connected by lighter edges.
-        Such edges are not sorted.
+        Edges that have no effect are not sorted.
         """
         lightest, high = edges.sort(0.0, high, self, BOTH, detours=False)
         done = self._merge(lightest, edges, stop=True)

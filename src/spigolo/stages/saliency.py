@@ -1,7 +1,7 @@
 """Visual saliency of the colour image, and the power law that is applied to the saliency (equation 10).
 
-The saliency of a pixel is the difference between its grey value and the mean of square surrounds of several sizes
-(Montabone & Soto 2010).
+The saliency of a pixel is the difference between its grey value and the mean grey value of surrounding squares of
+several sizes (Montabone & Soto 2010).
 """
 
 from __future__ import annotations

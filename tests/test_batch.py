@@ -456,6 +456,7 @@ def test_coco_reads_the_other_table(source: Path, undisturbed: Path, tmp_path: P
     out = shutil.copytree(undisturbed, tmp_path / "out")
     summary = run(source, out, table="coco")
     assert summary.progress.computed == 0
+    assert not (out / "objects.parquet").exists()
     read = coco.COCO(str(summary.table))
     assert len(read.imgs) == COUNT - 1
     first = read.loadAnns(read.getAnnIds(imgIds=[1]))

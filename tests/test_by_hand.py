@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import pickle
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,7 @@ from spigolo.stages.regions import Regions
 from test_objects import CAMERA, scene
 
 CONFIG = sp.TABLE.replace(rejection={"max_lambda1_px2": 20000.0, "max_lambda2_px2": 15000.0})
+SCENE = Path(sp.__file__).parent / "demo_scene"
 LEFT, RIGHT = (50, 40), (60, 115)
 """A pixel on each of the two boxes."""
 
@@ -324,3 +326,56 @@ def test_a_missing_support_plane_is_told_and_only_where_a_preset_needs_one() -> 
         sp.segment(frame)
     sp.segment(frame, sp.TABLE)
     sp.segment(sp.Frame(scene().color, depth, None))
+
+
+def test_merging_leaves_the_other_objects_and_all_ids_as_they_were() -> None:
+    first = sp.Segmenter(ids=True)(sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json"))
+    a, b = first[3], first[5]
+    merged = first.merge(a, b)
+    consistent(merged)
+    assert sorted(o.id for o in merged if o.id is not None) == sorted({o.id for o in first} - {b.id})
+    before = {o.id: o for o in first}
+    for o in merged:
+        if o.id != a.id:
+            assert o.to_dict() | {"region": 0} == before[o.id].to_dict() | {"region": 0}
+    assert merged.object_at((round(a.centroid_px[0]), round(a.centroid_px[1]))).area_px == a.area_px + b.area_px
+
+
+def test_numbers_of_numpy_as_stamp_are_written_as_json() -> None:
+    frame = scene()
+    stamped = sp.Frame(frame.color, frame.depth, frame.camera, "one", np.int64(5))
+    assert json.loads(json.dumps(sp.segment(stamped, CONFIG).to_dict()))["stamp_ns"] == 5
+    with pytest.raises(sp.errors.FrameError, match="whole nanoseconds"):
+        sp.Frame(frame.color, frame.depth, frame.camera, "one", 0.5)
+
+
+def test_intrinsics_of_a_larger_image_are_told() -> None:
+    frame = scene()
+    half = frame.color[::2, ::2], frame.depth[::2, ::2]
+    with pytest.warns(UserWarning, match="outside the image of 80x60: the intrinsics probably belong to another image"):
+        sp.Frame(*half, [[CAMERA.fx, 0, CAMERA.cx + 1], [0, CAMERA.fy, CAMERA.cy], [0, 0, 1]])
+
+
+def test_a_negative_trim_is_refused() -> None:
+    for trim_m in (-1.0, float("nan")):
+        with pytest.raises(sp.SpigoloError, match="at least 0 m"):
+            result()[0].points_m(trim_m)
+
+
+def test_a_ragged_region_of_interest_is_refused() -> None:
+    with pytest.raises(sp.errors.FrameError, match="expected a mask or a pixel box"):
+        sp.segment(scene(), CONFIG, [[1, 2], [3]])  # type: ignore[list-item]
+
+
+@pytest.mark.parametrize("up", [[0, -1e-300, 0], [0, float("-inf"), 0], [float("nan")] * 3])
+def test_an_upward_direction_without_a_direction_is_refused(up: list[float]) -> None:
+    with pytest.raises(sp.errors.ConfigError):
+        sp.OBJECTS.replace(additions={"support": {"facing": {"up": up}}})
+
+
+def test_a_huge_weight_of_depth_steps_is_as_good_as_a_large_one() -> None:
+    frame = sp.read_frame(SCENE / "rgb.png", SCENE / "depth.png", SCENE / "camera.json")
+    large, huge = (
+        sp.segment(frame, sp.OBJECTS.replace(additions={"refinement": {"step_weight": w}})) for w in (1e15, 1e30)
+    )
+    assert np.array_equal(large.labels, huge.labels)

@@ -24,8 +24,10 @@ def test_a_toml_text_may_start_from_a_preset() -> None:
 
 
 def test_switching_the_support_off_says_what_else_to_switch_off() -> None:
-    with pytest.raises(ConfigError, match=r"switch off joining too \(--additions\.joining none\)"):
+    with pytest.raises(ConfigError, match=r"joining, .* rules\.ledge require .* --additions\.joining none --add"):
         sp.OBJECTS.replace(**{"additions.support": "none"})
+    with pytest.raises(ConfigError, match=r"flats requires additions.support: .* --additions\.flats none"):
+        sp.TABLE.replace(additions={"flats": {}})
     assert Additions(support=Support()).joining is None
 
 

@@ -311,6 +311,16 @@ def test_nothing_is_evaluated_twice_and_a_cut_run_goes_on(root: Path, tmp_path: 
     assert path.read_bytes().splitlines()[:5] == whole.splitlines()[:5] and len(read_rows(path)) == 6
 
 
+def test_rows_of_another_version_are_computed_again(root: Path, tmp_path: Path, counting: Counting) -> None:
+    frames, path = find_labelled_frames([root]), tmp_path / "rows.jsonl"
+    rows = evaluate(frames, [counting], path)
+    path.write_text(path.read_text().replace(f'"version":"{sp.__version__}"', '"version":"0.0.1"', 2))
+    before = len(counting.runs)
+    assert [row.version for row in evaluate(frames, [counting], path)] == [sp.__version__] * len(rows)
+    assert len(counting.runs) == before + 3  # the first once more, before it is timed
+    assert len(read_rows(path)) == len(rows)
+
+
 def test_rows_of_another_frame_of_that_name_are_not_taken(root: Path, tmp_path: Path) -> None:
     frames, path = find_labelled_frames([root / "osd-small"]), tmp_path / "rows.jsonl"
     evaluate(frames, make_methods(["felzenszwalb2004"], []), path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -101,3 +102,55 @@ def test_a_box_of_the_view_is_turned_as_the_object_is() -> None:
             ]
         )
         np.testing.assert_allclose(turned, R, atol=1e-9)
+
+
+def test_clouds_of_an_earlier_result_are_removed_and_other_files_stay(tmp_path: Path) -> None:
+    for name in ("object_99.ply", "object_a.ply", "other.ply"):
+        (tmp_path / name).write_bytes(b"ply")
+    done = run("export", SCENE, "--format", "ply", "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert {p.name for p in tmp_path.iterdir()} == {
+        *(f"object_{k}.ply" for k in range(1, 10)),
+        "object_a.ply",
+        "other.ply",
+    }
+
+
+@pytest.mark.parametrize(("format", "file"), [("labels", "depth.png"), ("coco", "rgb.png"), ("labels", "labels.jpg")])
+def test_no_input_is_overwritten_and_the_suffix_fits(tmp_path: Path, format: str, file: str) -> None:
+    place = shutil.copytree(SCENE, tmp_path / "scene")
+    before = {p.name: p.read_bytes() for p in place.iterdir()}
+    done = run("export", place, "--format", format, "--out", place / file)
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1
+    assert {p.name: p.read_bytes() for p in place.iterdir()} == before
+
+
+@pytest.mark.parametrize(("command", "file"), [("export", "old.json"), ("view", "old.rrd")])
+def test_a_good_file_stays_if_no_frame_can_be_segmented(tmp_path: Path, command: str, file: str) -> None:
+    place = shutil.copytree(SCENE, tmp_path / "scene")
+    (place / "depth.png").write_bytes(b"junk")
+    (tmp_path / file).write_text("good")
+    done = run(command, place, *(("--format", "coco") if command == "export" else ()), "--out", tmp_path / file)
+    assert done.returncode == 2 and "no frame of" in done.stderr
+    assert (tmp_path / file).read_text() == "good"
+    assert {p.name for p in tmp_path.iterdir()} == {"scene", file}
+
+
+def test_results_of_a_distorted_camera_come_with_the_image_they_belong_to(tmp_path: Path) -> None:
+    place = shutil.copytree(SCENE, tmp_path / "scene")
+    camera = json.loads((place / "camera.json").read_text())
+    (place / "camera.json").write_text(json.dumps(camera | {"distortion": [-0.2, 0.05, 0, 0, 0]}))
+    done = run("export", place, "--format", "labels", "--out", tmp_path / "labels.png")
+    assert "1 frame with lens distortion: the results belong to the images in" in done.stdout, done.stderr
+    drawn = cv2.imread(str(tmp_path / "undistorted" / "scene.png"))[:, :, ::-1]
+    frame = sp.read_frame(place / "rgb.png", place / "depth.png", place / "camera.json")
+    assert np.array_equal(drawn, frame.color)
+    read = cv2.imread(str(tmp_path / "labels.png"), cv2.IMREAD_UNCHANGED)
+    assert np.array_equal(read, sp.segment(frame).labels)
+
+
+@pytest.mark.parametrize("words", [("--frames", 0), ("--frames", -2), ("--trim-m", -1)])
+def test_numbers_out_of_range_are_refused_in_one_line(tmp_path: Path, words: tuple[object, ...]) -> None:
+    done = run("export", SCENE, "--format", "ply", *words, "--out", tmp_path / "out")
+    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "Must be >=" in done.stderr
+    assert not (tmp_path / "out").exists()

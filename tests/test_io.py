@@ -224,9 +224,9 @@ def test_a_preset_file_that_says_half_must_say_half_of_what(tmp_path: Path) -> N
 
 def test_a_preset_file_may_switch_off_and_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
-    path.write_text('base = "OBJECTS"\n[additions]\njoining = "none"\nsupport = "none"\n', encoding="utf-8-sig")
+    path.write_text('base = "OBJECTS"\n[additions]\njoining = "none"\nrefinement = "none"\n', encoding="utf-8-sig")
     config = sp.preset(path)
-    assert config == sp.OBJECTS.replace(name="mine", additions={"joining": None, "support": None})
+    assert config == sp.OBJECTS.replace(name="mine", additions={"joining": None, "refinement": None})
 
 
 def test_a_changed_copy_leaves_the_callers_values_alone() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import colorsys
 import itertools
+import math
 import types
 import typing
 from collections.abc import Callable
@@ -428,14 +429,15 @@ def models(draw: st.DrawFn, model: type[BaseModel]) -> BaseModel:
     if "blur_px" in values:
         values["blur_px"] |= 1
     if model is Facing and values["up"] is not None:
-        assume(any(values["up"]))
+        assume(1e-6 < math.hypot(*values["up"]) < math.inf)
     if model is BoundaryCost:
         assume(values["k_x"] + values["k_b"] > 0)
     if model is Config:
         gamma = draw(st.floats(0, 1e9)) if isinstance(values["cost"], AutoCost) else None
         values["partition"] = values["partition"].model_copy(update={"gamma_shadows": gamma})
     if model is Additions and values["support"] is None:
-        values["joining"] = None
+        values |= {"joining": None, "flats": None}
+        values["rules"] = values["rules"].model_copy(update={"wall": None, "rim": None, "ledge": None})
     return model(**values)
 
 

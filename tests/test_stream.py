@@ -199,3 +199,10 @@ print(json.dumps({k: (before[k], v) for k, v in signatures().items() if v != bef
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "{}"
+
+
+def test_a_map_refuses_what_is_no_frame_wherever_it_comes() -> None:
+    answers = sp.Segmenter(sp.TABLE).map([variant(0), None, variant(1)])  # type: ignore[list-item]
+    assert len(next(answers)) >= 0
+    with pytest.raises(FrameError, match="expected a Frame"):
+        list(answers)

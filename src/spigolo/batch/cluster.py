@@ -277,7 +277,7 @@ def _local_settings() -> Iterator[None]:
         "distributed.deploy.lost-worker-timeout": FOREVER,
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
-    names = ("PYTHONHASHSEED", *config.get("distributed.nanny.pre-spawn-environ"))
+    names = ("PYTHONHASHSEED", "__DASK_PARENT_PID", *config.get("distributed.nanny.pre-spawn-environ"))
     before = {name: os.environ.get(name) for name in names}
     try:
         with config.set(changes):

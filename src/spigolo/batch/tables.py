@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from spigolo.errors import ConfigError, FileError
-from spigolo.export.instances import CATEGORY
+from spigolo.export.instances import annotation, document
 from spigolo.frames.files import write_json
 from spigolo.objects.facts import MEASURED
 
@@ -106,23 +106,9 @@ def write_coco(shards: Iterable[Shard], path: Path, about: Mapping[str, str]) ->
         height, width = shard["image_size_px"]
         images.append({"id": number, "file_name": f"{shard['frame']}.png", "width": width, "height": height})
         for o in shard["objects"]:
-            annotations.append(_annotation(o, len(annotations) + 1, number, [height, width]))
-    info = {"description": "Objects found by spigolo, without classes.", **about}
-    write_json(path, {"info": info, "images": images, "annotations": annotations, "categories": [CATEGORY]})
-
-
-def _annotation(o: Mapping[str, Any], number: int, image: int, size: list[int]) -> dict[str, Any]:
-    y0, x0, y1, x1 = o["box_px"]
-    return {
-        "id": number,
-        "image_id": image,
-        "category_id": CATEGORY["id"],
-        "segmentation": {"size": size, "counts": o["mask_rle"]},
-        "area": o["area_px"],
-        "bbox": [x0, y0, x1 - x0, y1 - y0],
-        "iscrowd": 0,
-        "score": round(o["score"], 6),
-    }
+            facts = o["mask_rle"], o["area_px"], o["box_px"], o["score"]
+            annotations.append(annotation(len(annotations) + 1, images[-1], *facts))
+    write_json(path, document(images, annotations, about))
 
 
 def _arrow() -> tuple[Any, Any]:

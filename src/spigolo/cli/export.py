@@ -4,6 +4,7 @@ Rerun.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -16,7 +17,7 @@ from spigolo.cli.opening import opened
 from spigolo.cli.region import NO_REGION, RegionFlags
 from spigolo.errors import ConfigError, FileError, SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
-from spigolo.sources.base import counted
+from spigolo.sources.base import SizedSource, counted
 
 if TYPE_CHECKING:
     from spigolo.frames.roi import Roi
@@ -33,6 +34,8 @@ WHOLE = ("coco", "bop")
 """Formats that write one file for all frames."""
 CLOUDS = ("ply", "pcd")
 """Formats that write a point cloud for each object."""
+DRAWN = ("coco", "bop", "yolo", "labels", "workspace-mask")
+"""Formats that refer to pixels of an image that is not part of the output."""
 Writer = Callable[..., Any]
 
 
@@ -90,14 +93,18 @@ def export(
     with opened(words, camera, depth_scale, max_pixels) as source:
         from spigolo.stream import Segmenter
 
-        results = _Results(source, Segmenter(config), region.read(max_pixels), frames)
+        single = format in WHOLE or source.count == 1
+        target = _Target(out, source, ".json" if format in WHOLE else SUFFIX.get(format, ""), single)
+        pictures = (out.parent if single else out) / "undistorted" if format in DRAWN else None
+        results = _Results(source, Segmenter(config), region.read(max_pixels), frames, pictures)
         if format in WHOLE:
-            write(results, out)
+            write(results, target.path(""))
         else:
-            _write_each(results, write, SUFFIX.get(format, ""), out, source.count == 1)
+            _write_each(results, write, target)
     print(f"{source.name}: {source.report()}")
-    if not results.done:
-        raise FileError(f"no frame of {source.name} could be exported")
+    if results.undistorted:
+        bent = counted(results.undistorted, "frame")
+        print(f"{bent} with lens distortion: the results belong to the images in {pictures}, not to the input images")
     written = f"{counted(results.objects, 'object')} of {counted(results.done, 'frame')} written to {out}"
     print(f"{written} ({config.name} {config.digest})")
     return SOME_FAILED if results.failed or source.report().broken else DONE
@@ -153,19 +160,23 @@ def view(
         for result in results:
             log.add(result)
     print(f"{source.name}: {source.report()}")
-    if not results.done:
-        raise FileError(f"no frame of {source.name} could be shown")
     written = "sent to the viewer" if show else f"written to {out}: open it with `rerun {out}`"
     print(f"{counted(results.done, 'frame')} {written}")
     return SOME_FAILED if results.failed or source.report().broken else DONE
 
 
 class _Results:
-    """Iterator over the segmented frames of a source, which counts frames, objects and failures."""
+    """Iterator over the segmented frames of a source, which counts frames, objects and failures.
 
-    def __init__(self, source: Source, segmenter: Segmenter, roi: Roi | None, limit: int | None) -> None:
-        self.source, self.segmenter, self.roi, self.limit = source, segmenter, roi, limit
-        self.done = self.objects = self.failed = 0
+    pictures: folder to which the colour images of frames with lens distortion are written, or None. Raises FileError at
+    the end if no frame could be segmented.
+    """
+
+    def __init__(
+        self, source: Source, segmenter: Segmenter, roi: Roi | None, limit: int | None, pictures: Path | None = None
+    ) -> None:
+        self.source, self.segmenter, self.roi, self.limit, self.pictures = source, segmenter, roi, limit, pictures
+        self.done = self.objects = self.failed = self.undistorted = 0
         source.on_broken = _print_error
 
     def __iter__(self) -> Iterator[Segmentation]:
@@ -179,23 +190,51 @@ class _Results:
                 self.failed += 1
                 _print_error(frame.name, error)
                 continue
+            if self.pictures is not None and frame.undistorted:
+                from spigolo.frames.files import write_png
+
+                write_png(self.pictures / f"{frame.name}.png", frame.color)
+                self.undistorted += 1
             self.done += 1
             self.objects += len(result)
             yield result
             if self.limit is not None and self.done >= self.limit:
                 break
+        if not self.done:
+            raise FileError(f"no frame of {self.source.name} could be segmented")
 
 
-def _write_each(results: _Results, write: Writer, suffix: str, out: Path, single: bool) -> None:
+class _Target:
+    """Files to write: `out` itself if `single` is set, else a file or folder for each frame in the folder `out`. Raises
+    ConfigError if `out` has another suffix than the format.
+    """
+
+    def __init__(self, out: Path, source: Source, suffix: str, single: bool) -> None:
+        if single and suffix and out.suffix and out.suffix.lower() != suffix:
+            raise ConfigError(f"expected a file name that ends in {suffix} as --out, got {out}")
+        self.out, self.suffix, self.single = out, suffix, single
+        sized = source if isinstance(source, SizedSource) else None
+        frames = [] if sized is None else [sized.files_of(k) for k in range(len(sized))]
+        self._inputs = {os.path.abspath(path) for files in frames for path in files}
+
+    def path(self, name: str) -> Path:
+        """Return the path for a frame. Raises FileError if the path is one of the input files."""
+        path = self.out if self.single else self.out / f"{name}{self.suffix}"
+        if os.path.abspath(path) in self._inputs:
+            raise FileError(f"expected an output file, but {path} is an input file: give another --out")
+        return path
+
+
+def _write_each(results: _Results, write: Writer, target: _Target) -> None:
     """Write a file or a folder for each frame.
 
     If one of several frames cannot be written, the error is printed and the next frame is processed.
     """
     for result in results:
         try:
-            write(result, out if single else out / f"{result.frame.name}{suffix}")
+            write(result, target.path(result.frame.name))
         except SpigoloError as error:
-            if single:
+            if target.single:
                 raise
             results.failed += 1
             results.done -= 1

@@ -104,11 +104,12 @@ def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit
     from spigolo.cli import show
 
     source.on_broken = _print_error
-    failed, without, done = 0, 0, 0
+    failed = without = bent = done = 0
     for frame in show.progress(source, "segmenting"):
         try:
             result = _segmented(frame, run, wanted, check, out / frame.name)
             without += frame.camera is None
+            bent += frame.undistorted
             done += 1
             print(f"{frame.name}: {counted(len(result), 'object')}")
         except SpigoloError as error:
@@ -119,6 +120,9 @@ def _many(source: Source, run: Segmenter, wanted: Roi | None, check: bool, limit
     report = source.report()
     failed += report.broken
     show.print_without_intrinsics(without, done)
+    if bent:
+        told = f"{counted(bent, 'frame')} with lens distortion"
+        print(f"{told}: the labels belong to undistorted.png, not to the input image")
     total = done + failed if source.count is None or report.tolerance_ms is not None else source.count
     if report.tolerance_ms is not None or report.pace is not None:
         print(f"{source.name}: {report}")

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import importlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from spigolo.errors import FileError, FrameError
+from spigolo.errors import FrameError
 from spigolo.frames.files import PathLike, write_json
 from spigolo.frames.frame import Mask
-from spigolo.objects.segmentation import ObjectMask, Segmentation
+from spigolo.objects.segmentation import Segmentation
 
 CATEGORY = {"id": 1, "name": "object", "supercategory": "object"}
 """COCO category of all objects, because spigolo does not classify objects."""
@@ -23,9 +22,8 @@ def coco(results: Iterable[Segmentation], path: PathLike) -> None:
     Boxes are (x, y, width, height) in pixels.
 
     Each image has the file name `NAME.png`, where NAME is the name of its frame. Every object has the category `object`
-    and a score. Raises FileError if pycocotools is not installed, and FrameError if two frames have the same name.
+    and a score. Raises FrameError if two frames have the same name.
     """
-    encode = _pycocotools().encode
     names: set[str] = set()
     images: list[dict[str, Any]] = []
     annotations: list[dict[str, Any]] = []
@@ -37,22 +35,31 @@ def coco(results: Iterable[Segmentation], path: PathLike) -> None:
         names.add(name)
         images.append({"id": number, "file_name": f"{name}.png", "width": width, "height": height})
         for o in result:
-            rle = encode(np.asfortranarray(o.mask.astype(np.uint8)))
-            mask = {"size": [height, width], "counts": rle["counts"].decode("ascii")}
-            annotations.append(
-                {
-                    "id": len(annotations) + 1,
-                    "image_id": number,
-                    "category_id": CATEGORY["id"],
-                    "segmentation": mask,
-                    "area": o.area_px,
-                    "bbox": box_xywh(o),
-                    "iscrowd": 0,
-                    "score": round(o.score, 6),
-                }
-            )
-    info = {"description": "Objects found by spigolo, without classes."}
-    write_json(path, {"info": info, "images": images, "annotations": annotations, "categories": [CATEGORY]})
+            counts = compress(run_lengths(o.mask)["counts"])
+            annotations.append(annotation(len(annotations) + 1, images[-1], counts, o.area_px, o.box_px, o.score))
+    write_json(path, document(images, annotations))
+
+
+def annotation(
+    number: int, image: Mapping[str, Any], counts: str, area_px: int, box_px: Sequence[int], score: float
+) -> dict[str, Any]:
+    """Return an object in COCO's form. image: image in COCO's form. counts: compressed run lengths of the mask."""
+    return {
+        "id": number,
+        "image_id": image["id"],
+        "category_id": CATEGORY["id"],
+        "segmentation": {"size": [image["height"], image["width"]], "counts": counts},
+        "area": area_px,
+        "bbox": box_xywh(box_px),
+        "iscrowd": 0,
+        "score": round(score, 6),
+    }
+
+
+def document(images: list[Any], annotations: list[Any], about: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """Return the content of a COCO instances file. about: further facts about the file."""
+    info = {"description": "Objects found by spigolo, without classes.", **(about or {})}
+    return {"info": info, "images": images, "annotations": annotations, "categories": [CATEGORY]}
 
 
 def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -> None:
@@ -73,7 +80,7 @@ def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -
                     "scene_id": scene,
                     "image_id": image,
                     "category_id": category_id,
-                    "bbox": box_xywh(o),
+                    "bbox": box_xywh(o.box_px),
                     "score": round(o.score, 6),
                     "time": -1,
                     "segmentation": run_lengths(o.mask),
@@ -82,9 +89,9 @@ def bop(results: Iterable[Segmentation], path: PathLike, category_id: int = 1) -
     write_json(path, records)
 
 
-def box_xywh(o: ObjectMask) -> list[int]:
-    """Return the bounding box (x, y, width, height) of an object in pixels, in COCO's order."""
-    y0, x0, y1, x1 = o.box_px
+def box_xywh(box_px: Sequence[int]) -> list[int]:
+    """Return a bounding box (y0, x0, y1, x1) in pixels as (x, y, width, height), in COCO's order."""
+    y0, x0, y1, x1 = box_px
     return [x0, y0, x1 - x0, y1 - y0]
 
 
@@ -113,13 +120,6 @@ def _bop_place(result: Segmentation) -> tuple[int, int]:
             " frames of a BOP data set, or set Frame.name"
         )
     return int(scene), int(image)
-
-
-def _pycocotools() -> Any:
-    try:
-        return importlib.import_module("pycocotools.mask")
-    except ImportError:
-        raise FileError('COCO needs pycocotools, which is missing: pip install "spigolo[export]"') from None
 
 
 def compress(counts: Iterable[int]) -> str:

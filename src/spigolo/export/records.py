@@ -28,7 +28,7 @@ def sam(result: Segmentation) -> list[dict[str, Any]]:
         {
             "segmentation": o.mask,
             "area": o.area_px,
-            "bbox": box_xywh(o),
+            "bbox": box_xywh(o.box_px),
             "predicted_iou": o.score,
             "stability_score": o.score,
             "point_coords": [[o.centroid_px[1], o.centroid_px[0]]],

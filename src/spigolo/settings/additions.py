@@ -208,9 +208,20 @@ class Additions(Settings):
 
     @model_validator(mode="after")
     def _has_support(self) -> Additions:
-        if self.joining is not None and self.support is None:
-            raise ValueError(
-                "joining requires additions.support, because joining tests which parts stand on the support plane:"
-                " switch off joining too (--additions.joining none)"
-            )
+        if self.support is None and (needy := self._needs_support()):
+            others = f"{', '.join(needy[:-1])} and {needy[-1]} require" if len(needy) > 1 else f"{needy[0]} requires"
+            flags = " ".join(f"--additions.{name} none" for name in needy)
+            raise ValueError(f"{others} additions.support: switch off the support plane only together with {flags}")
         return self
+
+    def _needs_support(self) -> list[str]:
+        """Return the names of the parts that are switched on, and have no effect without a support plane."""
+        rules = self.rules
+        parts = {
+            "joining": self.joining,
+            "flats": self.flats,
+            "rules.wall": rules.wall,
+            "rules.rim": rules.rim,
+            "rules.ledge": rules.ledge,
+        }
+        return [name for name, part in parts.items() if part is not None]

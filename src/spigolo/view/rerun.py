@@ -34,12 +34,12 @@ class Recording:
         except ImportError:
             raise FileError(f"the view needs rerun-sdk, which is missing: {PIP}") from None
         self._stream = self._rr.RecordingStream("spigolo", recording_id=None)
-        self._frames = 0
+        self._frames, self._path = 0, path
         if path is None:
             self._stream.spawn()
         else:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._stream.save(str(path))
+            self._stream.save(str(aside_of(path)))
         self._log("name", self._rr.TextDocument(name), static=True)
         self._log("world", self._rr.ViewCoordinates.RDF, static=True)
         colors = enumerate(palette(CLASSES - 1).tolist(), start=1)
@@ -83,9 +83,12 @@ class Recording:
         self._stream.log(path, value, static=static)
 
     def close(self) -> None:
-        """Write the remaining data and close the recording."""
+        """Write the remaining data and close the recording. Without any frame, an existing file stays as it is."""
         self._stream.flush()
         self._stream.disconnect()
+        if self._path is not None:
+            aside = aside_of(self._path)
+            aside.replace(self._path) if self._frames else aside.unlink(missing_ok=True)
 
     def __enter__(self) -> Recording:
         return self
@@ -94,6 +97,11 @@ class Recording:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def aside_of(path: Path) -> Path:
+    """Return the path to which a recording is written until it is complete."""
+    return path.with_name(f".{path.stem}-aside{path.suffix}")
 
 
 def quaternion(R: npt.NDArray[np.float64]) -> Quaternion:

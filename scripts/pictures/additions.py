@@ -8,9 +8,12 @@ import spigolo as sp
 from pictures import scenes
 from pictures.layout import smaller, support_picture, zoom
 from spigolo.frames.frame import Color
+from spigolo.settings.additions import NEED_SUPPORT
 from spigolo.view.overlay import boundary_picture, region_picture, tile
 
 LEFT_HALF = (100, 92, 320, 352)
+NO_SUPPORT = {f"additions.{name}": None for name in ("support", *NEED_SUPPORT)}
+"""Changes of a preset that switch off the support plane and all additions that require it."""
 NOISE_PER_M = 0.0028
 """Value of the parameter `Additions.noise_per_m` in the preset OBJECTS, in 1/m."""
 
@@ -22,7 +25,7 @@ def additions(frame: sp.Frame) -> Color:
     configs = {"all additions": sp.OBJECTS}
     for name, off in {
         "no contours": {"additions.contours": None},
-        "no support, no joining": {"additions.support": None, "additions.joining": None},
+        "no support plane": NO_SUPPORT,
         "no joining": {"additions.joining": None},
         "no refinement": {"additions.refinement": None},
         "none of them": {"additions": None},
@@ -35,10 +38,9 @@ def additions(frame: sp.Frame) -> Color:
 def depth_contours(frame: sp.Frame) -> Color:
     """Draw boundaries and regions with and without depth contours.
 
-    The support plane is switched off, because it also adds contours at the feet of objects. The joining of regions is
-    switched off, because it requires the support plane.
+    The support plane is switched off, because it also adds contours at the feet of objects.
     """
-    with_them = sp.OBJECTS.replace(additions={"joining": None, "support": None})
+    with_them = sp.OBJECTS.replace(**NO_SUPPORT)
     pictures = {}
     for title, config in {
         "without": with_them.replace(**{"additions.contours": None}),
@@ -53,7 +55,7 @@ def depth_contours(frame: sp.Frame) -> Color:
 def support_plane(frame: sp.Frame) -> Color:
     """Draw the support plane, and the objects that the preset OBJECTS_1 finds with and without the support plane."""
     found = sp.segment(frame, sp.PRESETS["OBJECTS_1"])
-    without = sp.segment(frame, sp.PRESETS["OBJECTS_1"].replace(**{"additions.support": None}))
+    without = sp.segment(frame, sp.PRESETS["OBJECTS_1"].replace(**NO_SUPPORT))
     return tile(
         {
             f"without: {len(without)} objects": without.overlay(),

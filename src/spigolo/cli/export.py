@@ -168,8 +168,8 @@ def view(
 class _Results:
     """Iterator over the segmented frames of a source, which counts frames, objects and failures.
 
-    pictures: folder to which the colour images of frames with lens distortion are written, or None. Raises FileError at
-    the end if no frame could be segmented.
+    pictures: folder to which the colour images of frames with lens distortion are written, or None. Raises FileError
+    after the last frame if no frame could be segmented.
     """
 
     def __init__(

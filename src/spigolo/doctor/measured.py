@@ -36,8 +36,8 @@ SCALES = {
 }
 """Common depth units of cameras and data sets, in metres per unit."""
 PLAUSIBLE = math.log(3.0)
-"""A depth unit is advised only if it makes the median depth similar to `TABLE_M`. The median depth in the advised unit
-may differ from `TABLE_M` by a factor of less than 3, stored here as a logarithm.
+"""A depth unit is advised only if it makes the median depth similar to `TABLE_M`. Similar means that the median depth
+is less than 3 times as large, and more than a third as large, as `TABLE_M`. The constant is the logarithm of 3.
 """
 CLOSEST_M, CLOSE_UNIT_M = 0.07, 1e-4
 """CLOSEST_M: minimum working distance of a RealSense D405, in metres. CLOSE_UNIT_M: depth unit of a RealSense D405, in

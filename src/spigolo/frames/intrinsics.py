@@ -242,8 +242,8 @@ def _polynomial(values: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def _distorted(camera: Camera, values: Mapping[str, Any]) -> Camera:
-    """Return the camera with the distortion coefficients of the fields. Raises CameraError if OpenCV does not support
-    the lens model.
+    """Return a copy of the camera with the distortion coefficients that are stored in `values`. Raises CameraError if
+    OpenCV does not support the lens model.
     """
     coefficients = _coefficients(values)
     for name in MODEL_NAMES:

@@ -52,8 +52,8 @@ def region_score(
 ) -> npt.NDArray[np.float64]:
     """Return the score (R,) of each region, from 0 to 1. A high score means that the region is probably a whole object.
 
-    The score is contour * (1 - exp(-measured / 0.98 %)) * above. The score is high for a large region that lies above
-    the support plane and has high boundary values along its border.
+    The score is contour * (1 - exp(-measured / 0.0098)) * above, with the three arguments of this function. The score
+    is high for a large region that lies above the support plane and has high boundary values along its border.
 
     - contour: mean boundary value (R,) along each region's border.
     - measured: number (R,) of each region's measured pixels, divided by the number of image pixels.

@@ -11,6 +11,7 @@ the image size.
 
 from __future__ import annotations
 
+from operator import attrgetter
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
@@ -29,6 +30,9 @@ from spigolo.settings.parameters import (
 )
 from spigolo.settings.rules import Rules
 from spigolo.settings.support import Flats, Packing, Support
+
+NEED_SUPPORT = ("joining", "flats", "rules.wall", "rules.rim", "rules.ledge")
+"""Names of the parts of `Additions` that have no effect without a support plane."""
 
 
 class DepthContours(Settings):
@@ -203,25 +207,14 @@ class Additions(Settings):
     resolution: Literal["full", "half"] = "full"
     """Image size at which the frame is segmented. With `half`, the frame is segmented at half the width and height, and
     the outlines of objects are then refined at full size. For frames of 1280x720, `half` needs less than half of the
-    time of `full`. At half resolution, objects of only a few pixels are missed.
+    time of `full`. At half resolution, small and flat objects may be missed.
     """
 
     @model_validator(mode="after")
     def _has_support(self) -> Additions:
-        if self.support is None and (needy := self._needs_support()):
+        needy = [name for name in NEED_SUPPORT if attrgetter(name)(self) is not None]
+        if self.support is None and needy:
             others = f"{', '.join(needy[:-1])} and {needy[-1]} require" if len(needy) > 1 else f"{needy[0]} requires"
             flags = " ".join(f"--additions.{name} none" for name in needy)
             raise ValueError(f"{others} additions.support: switch off the support plane only together with {flags}")
         return self
-
-    def _needs_support(self) -> list[str]:
-        """Return the names of the parts that are switched on, and have no effect without a support plane."""
-        rules = self.rules
-        parts = {
-            "joining": self.joining,
-            "flats": self.flats,
-            "rules.wall": rules.wall,
-            "rules.rim": rules.rim,
-            "rules.ledge": rules.ledge,
-        }
-        return [name for name, part in parts.items() if part is not None]

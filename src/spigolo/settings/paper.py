@@ -3,8 +3,9 @@ contains the parameters of our additions.
 
 The text of each field names the origin of its default value. The paper is Toscana & Rosa 2016. The words "authors'
 code" mean the code that the authors of the paper published. A default value is our choice if the paper gives no value
-(docs/paper.md). Lengths and areas in pixels refer to a 640x480 image. Areas, and the lengths of in-painting, are scaled
-with the image size. Lengths of other stages are scaled only if `Additions.lengths_grow` is set.
+(docs/paper.md). Lengths and areas in pixels refer to a 640x480 image. Parameters that are areas, and the lengths in
+`Inpainting`, are scaled with the image size. Lengths of other stages are scaled only if `Additions.lengths_grow` is
+set.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ class NumberedFrame:
     camera: str | None = None
     """Intrinsics in any form that `read_frame` accepts. If None, the intrinsics of the source are used."""
     depth_scale: float | None = None
-    """Metres per unit of integer depth. If None, the unit that the source gives is used."""
+    """Metres per unit of integer depth. If None, the depth scale of the source is used."""
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
 
@@ -77,8 +77,8 @@ def open_numbered(source: str, camera: str | None, depth_scale: float | None, ma
 def _open(
     source: str, camera: str | None, depth_scale: float | None, max_pixels: int, state: tuple[int, int] | None
 ) -> SizedSource:
-    """Open a source. The most recently opened source is cached. state: size and modification time of the file or
-    folder. If `state` changes, the source is opened again.
+    """Open a source, or return the source that was opened last if all arguments are the same. state: size and
+    modification time of the file or folder, so that a changed source is opened again.
     """
     opened = open_source(source, camera, depth_scale, max_pixels=max_pixels)
     if not isinstance(opened, SizedSource):

@@ -22,8 +22,8 @@ with edges of increasing weight.
 """
 MAX_DIGIT_BITS = 11
 MANY_WEIGHTLESS = 0.25
-"""Minimum share of edges with weight 0 at which merging begins directly with the normal rounds. If fewer edges have
-weight 0, an additional first round runs until a merge is rejected.
+"""Minimum share of edges with weight 0 at which merging begins directly with the normal rounds. If the share of edges
+with weight 0 is smaller, one more round comes first. This round ends at the first pair of regions that may not merge.
 """
 ONE, BOTH = 1, 2
 """Minimum number of flagged pixels of an edge. A pixel is flagged if its region can still merge, or if its region is

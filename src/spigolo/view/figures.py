@@ -25,8 +25,8 @@ Window = tuple[int, int, int, int]
 
 MISSING_BLUE = (0, 0, 110)
 DETAIL_SHARE = 5
-"""Width of the image divided by the width of a detail that is drawn enlarged. The heights of the image and of the
-detail have the same ratio.
+"""Width of the image divided by the width of a detail that is drawn enlarged. The height of the image, divided by the
+height of the detail, has the same value.
 """
 TURN_DEG = 55.0
 """Angle between the viewing direction of the camera and that of the side view of a point cloud, in degrees."""

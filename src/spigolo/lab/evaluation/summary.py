@@ -1,4 +1,4 @@
-"""Mean accuracy measures over the frames of a data set."""
+"""Accuracy measures, averaged over the frames of a data set."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from spigolo.lab.evaluation.measures import MEASURES, FrameScore, Measures
 
 @dataclass(frozen=True, slots=True)
 class DatasetScore(Measures):
-    """Mean accuracy measures over many frames.
+    """Accuracy measures, averaged over many frames.
 
     Each mean F measure is the mean of the F measures of all frames. A mean F measure is not computed from the mean
     precision and the mean recall.

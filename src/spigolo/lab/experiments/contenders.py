@@ -27,7 +27,7 @@ class Contender:
     """Scores of one method with one set of parameters."""
 
     label: str
-    """Name of the method and its parameters in the report, unique in a comparison."""
+    """Label of this method with its parameters in the report. No two methods of a comparison have the same label."""
     file: str
     """Name of the file with the scores. The file name is empty, unless several files hold scores of this method on the
     same frames.

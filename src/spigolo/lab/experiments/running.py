@@ -15,7 +15,7 @@ import numpy as np
 
 from spigolo import __version__
 from spigolo.batch import Engine, Lost, here, in_order, local
-from spigolo.errors import FileError, SpigoloError
+from spigolo.errors import FileError, SpigoloError, UnitWarning
 from spigolo.frames.frame import Frame
 from spigolo.lab.datasets import Entry, Truth
 from spigolo.lab.evaluation.matching import NEEDS_SCIPY
@@ -74,8 +74,9 @@ class Worker:
         content, truth = "", None
         try:
             content = task.frame.content
-            frame, truth = task.frame.read_both()
             with warnings.catch_warnings():
+                warnings.simplefilter("ignore", UnitWarning)
+                frame, truth = task.frame.read_both()
                 warnings.simplefilter("ignore", UserWarning)  # the scores tell more than the warnings of a frame
                 run = self._time(method, frame)
         except SpigoloError as error:

@@ -137,7 +137,7 @@ class TrialFile:
     def append(self, trial: Trial) -> None:
         """Append tested parameter values and their scores to the file and to `trials`.
 
-        The scores in the list `trials` are rounded like the scores in the file.
+        The list `trials` gets the scores with the same number of digits as the file.
         """
         packed = {"setting": trial.setting, "frames": [_pack(row) for row in trial.rows]}
         self._write(packed)

@@ -1,11 +1,11 @@
 """Compare masks computed from object models and poses with exact masks: `python -m spigolo.lab.studies.masks`.
 
-All frames are rendered, and their exact masks come from the renderer. To compute the mask of an object, the model of
-the object is rendered in its pose. The computed mask contains the pixels where the model is at most a tolerance behind
-the surface in the depth map. The first test uses noise-free depth and a tolerance of 2 mm, to check the poses and
-models. The second test uses the depth of the simulated camera and a tolerance of 15 mm, as in the BOP benchmark and in
-`spigolo.lab.datasets`. The last column of the printed table counts the discarded scenes. A scene is discarded if the
-IoU of a computed mask with its exact mask is below `LEAST_IOU`, or if no object is visible.
+All frames are rendered images. The renderer also gives the exact mask of each object. To compute the mask of an object,
+the model of the object is rendered in its pose. The computed mask contains the pixels where the model is at most a
+tolerance behind the surface in the depth map. The first test uses noise-free depth and a tolerance of 2 mm, to check
+the poses and models. The second test uses the depth of the simulated camera and a tolerance of 15 mm, as in the BOP
+benchmark and in `spigolo.lab.datasets`. The last column of the printed table counts the discarded scenes. A scene is
+discarded if the IoU of a computed mask with its exact mask is below `LEAST_IOU`, or if no object is visible.
 """
 
 from __future__ import annotations

@@ -28,6 +28,7 @@ from spigolo.lab.experiments.tables import set_table
 from spigolo.lab.fitting import Trial, best_trial, hold_out, hold_out_sets, search
 from spigolo.lab.page import to_text
 from spigolo.lab.studies import FRAMES
+from spigolo.settings.additions import NEED_SUPPORT
 
 WHOLE = ("osd-*", "hand-uoc*", "hand-pcpt*", "hand-posecnn*", "field")
 """Name patterns of data sets in which every object is labelled.
@@ -73,7 +74,7 @@ ABLATIONS: dict[str, dict[str, Any]] = {
     "`OBJECTS` without `within_reach`: planes at any distance are accepted": {"additions.support.within_reach": False},
     "`OBJECTS` without a minimum depth of creases": {"additions.contours.crease_noise": None},
     "`OBJECTS` without depth contours": {"additions.contours": None},
-    "`OBJECTS` without a support plane": {"additions.joining": None, "additions.support": None},
+    "`OBJECTS` without a support plane": {f"additions.{name}": None for name in ("support", *NEED_SUPPORT)},
     "`OBJECTS` without the noise floor": {"additions.noise_per_m": 0.0},
     "`OBJECTS` with 8 instead of 4 neighbours per pixel": {"partition.connectivity": 8},
 }

@@ -143,8 +143,8 @@ def ready(jobs: list[FrameFiles]) -> Engine:
 
 
 def costs(frames: Frames, schedulers: list[Overhead]) -> Iterator[str]:
-    """Yield the rows of the extrapolated table. A row of the extrapolated table gives the throughput, the total time
-    and the limiting component for one number of machines.
+    """Yield the rows of the table of extrapolated costs. A row of the extrapolated table gives the throughput, the
+    total time and the limiting component for one number of machines.
     """
     frame_s = core_s(frames)
     group = max(int(TASK_S / frame_s), 1)  # same group size as in `dask_local`

@@ -43,7 +43,9 @@ class StructuredLight:
     dark_brightness: float = 0.11
     """Minimum brightness (mean of RGB, 0..1) at which depth is measured. Darker pixels have missing depth."""
     shiny_brightness: float = 0.985
-    """Maximum brightness (mean of RGB, 0..1) at which depth is measured. Brighter pixels have missing depth."""
+    """Maximum brightness (mean of RGB, 0..1) at which depth is measured. Pixels that are brighter than this maximum
+    have missing depth.
+    """
     steepest_angle_deg: float = 75.0
     """Maximum angle between viewing ray and surface normal at which depth is measured, in degrees."""
     rim_jump_px: float = 1.0

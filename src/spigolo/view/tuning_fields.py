@@ -24,6 +24,8 @@ STEPS = 200
 MAIN = {
     "additions.support.min_height_m": "height above plane (m)",
     "additions.contours.step_m": "depth step (m)",
+    "additions.contours.crease_high_deg": "max. crease angle (deg)",
+    "additions.rules.wall.min_hides": "min. outline with step",
     "additions.rules.min_contour": "min. contour",
     "additions.merging.max_mean": "max. boundary to merge",
     "partition.gamma": "region size (gamma)",

@@ -1,41 +1,41 @@
 """Group predicted objects by their score, and print the share of correct objects in each group, as in docs/score.md.
 
-    python -m spigolo.lab.studies.calibration [--preset OBJECTS]
+    python -m spigolo.lab.studies.calibration [--preset OBJECTS] [--sets PATTERN ...]
 
-A predicted object is correct if its IoU with a labelled object is above 0.7. The frames are from data sets in which
-every object is labelled (osd-mosd, osd-full, hand-uoc). The ground truth marks some pixels as ignored (label 255). A
-predicted object is not counted if more than half of its pixels are ignored. The script also prints the 95 % confidence
-interval of each share (Wilson score interval).
+A predicted object is correct if its IoU with a labelled object is above 0.7. Only frames in which every object is
+labelled are used. The ground truth marks some pixels as ignored. A predicted object is not counted if more than half of
+its pixels are ignored. The script also prints the 95 % confidence interval of each share (Wilson score interval).
 """
 
 from __future__ import annotations
 
 import argparse
-import json
+import warnings
+from fnmatch import fnmatch
 from itertools import pairwise
 
 import numpy as np
 
 import spigolo as sp
-from spigolo.frames.files import read_labels
+from spigolo.lab.datasets import Truth
 from spigolo.lab.evaluation import wilson_interval
+from spigolo.lab.experiments import find_labelled_frames
 from spigolo.lab.studies import FRAMES
+from spigolo.lab.studies.objects_preset import LITTLE_WORTH, WHOLE
 
-SETS = ("osd-mosd", "osd-full", "hand-uoc")
 EDGES = (0.0, 0.3, 0.5, 0.7, 0.85, 1.0)
-IGNORE = 255
 
 
-def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
-    """Return the maximum IoU between a predicted mask (H, W) and the labelled objects. Pixels with the label 255
-    (ignored) do not count in the IoU.
+def best_iou(mask: np.ndarray, truth: Truth) -> float:
+    """Return the maximum IoU between a predicted mask (H, W) and the labelled objects. Ignored pixels do not count in
+    the IoU.
 
     Return NaN if more than half of the pixels of the mask are ignored.
     """
-    seen = mask & (label != IGNORE)
+    seen, label = mask & ~truth.ignore, np.where(truth.ignore, 0, truth.labels)
     if np.count_nonzero(seen) < 0.5 * np.count_nonzero(mask):
         return float("nan")
-    ids = np.setdiff1d(label[seen], [0, IGNORE])
+    ids = np.setdiff1d(label[seen], [0])
     return max(
         (np.count_nonzero(seen & (label == k)) / np.count_nonzero(seen | (label == k)) for k in ids), default=0.0
     )
@@ -44,13 +44,19 @@ def best_iou(mask: np.ndarray, label: np.ndarray) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--preset", default="OBJECTS")
-    config = sp.preset(parser.parse_args().preset)
-    names = json.loads((FRAMES / "splits.json").read_text())["dev"]
+    parser.add_argument("--sets", nargs="+", default=WHOLE, help="name patterns of data sets")
+    given = parser.parse_args()
+    config = sp.preset(given.preset)
+    warnings.simplefilter("ignore", UserWarning)
     scores, right = [], []
-    for folder in (FRAMES / name for name in sorted(names) if name.startswith(SETS)):
-        label = read_labels(folder / "label.png")
-        for o in sp.segment(sp.read_frame(folder / "rgb.png", folder / "depth.png", folder / "camera.json"), config):
-            iou = best_iou(o.mask, label)
+    for entry in find_labelled_frames([FRAMES], WHOLE):
+        asked = any(fnmatch(entry.data_set, pattern) for pattern in given.sets)
+        if not asked or entry.labelling != "full" or entry.name in LITTLE_WORTH:
+            continue
+        frame, truth = entry.read_both()
+        assert truth is not None
+        for o in sp.segment(frame, config):
+            iou = best_iou(o.mask, truth)
             if np.isfinite(iou):
                 scores.append(o.score)
                 right.append(iou > 0.7)

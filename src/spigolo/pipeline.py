@@ -16,13 +16,14 @@ from spigolo.additions.plane import Plane
 from spigolo.additions.support import find_support
 from spigolo.frames.frame import Frame, check_frame
 from spigolo.frames.halving import halve_frame, halve_roi, uncropped
-from spigolo.frames.roi import Roi, pixel_of, roi_mask
+from spigolo.frames.roi import Roi, pixel_of
 from spigolo.kernels.workspace import Workspace
 from spigolo.objects.flats import add_flats
 from spigolo.objects.outlines import enlarge, redraw_outlines
-from spigolo.objects.scene import find_above
+from spigolo.objects.scene import find_above, find_inside
 from spigolo.objects.segmentation import ObjectMask, Segmentation
 from spigolo.objects.selection import select_objects, set_scene
+from spigolo.settings.additions import Additions
 from spigolo.settings.config import Config, check_config
 from spigolo.settings.presets import OBJECTS
 from spigolo.stages.color import color_points
@@ -52,9 +53,7 @@ class Trace:
     edges: EdgeMaps | None
     """Image edges and boundaries. The value is None if the cost function does not read the boundary map."""
     contours: Contours | None
-    """Contours from the depth map (our addition). The value is None if the preset has no additions or if `edges` is
-    None.
-    """
+    """Contours from the depth map (our addition). None if `edges` is None."""
     cues: Cues
     """Cues from which the edge weights were computed."""
     graph: Graph
@@ -77,7 +76,7 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
     check_frame(frame)
     check_config(config)
     if config.additions and config.additions.resolution == "half":  # ours
-        small = halve_frame(frame)
+        small = halve_frame(frame)  # a wide image is scaled as a crop of a 4:3 image
         run = _run(small, config, config.at_size(uncropped(small.shape)), halve_roi(roi, frame), workspace)
         return replace(run, frame=frame, segmentation=enlarge(run.segmentation, frame, config, roi))
     return _run(frame, config, config.at_size(frame.shape), roi, workspace)
@@ -85,32 +84,34 @@ def trace(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None, worksp
 
 def _run(frame: Frame, config: Config, sized: Config, roi: Roi | None, workspace: Workspace | None) -> Trace:
     """Run all stages on a frame. sized: parameters with lengths and areas scaled to the image size."""
-    ours = sized.additions  # None runs only the paper's method
-    wanted = None if roi is None else roi_mask(roi, frame)[0]
+    inside = find_inside(frame, roi)
     reach_m = sized.rejection.max_distance_m
-    plane = find_support(frame.depth, frame.camera, ours.support, reach_m, wanted) if ours else None  # ours
+    plane = find_support(frame.depth, frame.camera, _ours(sized).support, reach_m, inside and inside[0])  # ours
     sized = lower_heights(sized, plane, frame.depth, frame.camera)  # ours
-    ours = sized.additions
+    ours = _ours(sized)
     depth = prepare_depth(frame.depth, sized.depth)  # equations 5-8
     weighing = choose_weighing(depth, sized)  # equation 22 or 23
     edges = find_edges(frame.color, depth, frame.camera, sized.edges) if weighing.reads_boundary else None  # eqs. 12-20
-    contours = add_contours(edges, depth, frame.camera, plane, ours) if ours and edges else None  # ours
-    if ours:
-        warn_of_packing(edges, frame.depth, frame.camera, plane, ours)
-    lines = contours.lines if contours else edges.final if edges else None
+    contours = add_contours(edges, depth, frame.camera, plane, ours)  # ours
+    warn_of_packing(edges, frame.depth, frame.camera, plane, ours)  # ours
+    lines = contours.lines if contours else None
     cues = gather_cues(frame.color, depth, lines, weighing, sized)  # equations 10, 11, 21
     color = color_points(frame.color, sized.color)  # equation 4
-    graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m if ours else 0.0)  # equations 9, 22 or 23
+    graph = weigh(cues, color, weighing.cost, sized, ours.noise_per_m)  # equations 9, 22 or 23
     del color  # frees the memory of three images
     regions = partition(graph, weighing.gamma, sized.partition.min_size_px2, workspace)  # equations 2, 3
-    if ours and ours.merging and edges:
-        regions = merge_regions(regions, cues.delta_bound, depth, find_above(frame, plane, ours), ours.merging)  # ours
-    regions = join_parts(regions, cues, plane, frame.camera, ours) if ours else regions  # ours
-    scene = set_scene(frame, cues, graph, plane, contours, config, sized, roi)
+    regions = merge_regions(regions, cues.boundary, depth, find_above(frame, plane, ours), ours.merging)  # ours
+    regions = join_parts(regions, cues, plane, frame.camera, ours)  # ours
+    scene = set_scene(frame, cues, graph, plane, contours, config, sized, inside)
     segmentation = select_objects(regions, scene)  # section III-F, and ours
-    segmentation = add_flats(segmentation, edges, ours) if ours else segmentation  # ours
-    segmentation = redraw_outlines(segmentation, ours) if ours else segmentation  # ours
+    segmentation = add_flats(segmentation, edges, ours)  # ours
+    segmentation = redraw_outlines(segmentation, ours)  # ours
     return Trace(frame, config, plane, weighing, edges, contours, cues, graph, regions, segmentation)
+
+
+def _ours(config: Config) -> Additions:
+    """Return our additions to the method. In the presets of the paper, all additions are switched off."""
+    return config.additions or Additions()
 
 
 def segment(frame: Frame, config: Config = OBJECTS, roi: Roi | None = None) -> Segmentation:

@@ -39,9 +39,13 @@ class Contours:
 
 @stage("contours")
 def add_contours(
-    edges: EdgeMaps, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
-) -> Contours:
-    """Add the contours of an in-painted and smoothed depth map (H, W), in metres, to the boundary map E_F."""
+    edges: EdgeMaps | None, depth: DepthMap, camera: Camera | None, plane: Plane | None, config: Additions
+) -> Contours | None:
+    """Add the contours of an in-painted and smoothed depth map (H, W), in metres, to the boundary map E_F. Return
+    None if `edges` is None, because the cost function then reads no boundary map.
+    """
+    if edges is None:
+        return None
     contours, holes = None, None
     if plane is not None and camera is not None and config.support is not None and config.support.contour:
         contours = foot_contour(plane, depth, camera, config.support)

@@ -28,14 +28,17 @@ Sums = npt.NDArray[np.float64]
 
 @stage("merging")
 def merge_regions(
-    regions: Regions, boundary: Boundary, depth: DepthMap, above: Mask | None, config: Merging
+    regions: Regions, boundary: Boundary | None, depth: DepthMap, above: Mask | None, config: Merging | None
 ) -> Regions:
-    """Merge neighbouring regions if the mean boundary value along their common border is small.
+    """Merge neighbouring regions if the mean boundary value along their common border is small. The regions are
+    returned unchanged if `boundary` or `config` is None.
 
     - boundary: boundary map (H, W) with values from 0 to 1.
     - depth: depth map (H, W) in metres.
     - above: mask (H, W) of the pixels above the support plane, or None if the frame has no support plane.
     """
+    if config is None or boundary is None:
+        return regions
     graph = _Borders(regions, boundary, depth, above, config.line)
     graph.merge(lambda mean, a, b: mean < config.max_mean and graph.are_alike(a, b))
     graph.merge(lambda mean, a, b: min(graph.open_px[a], graph.open_px[b]) < config.min_open_px2)

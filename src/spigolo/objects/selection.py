@@ -10,9 +10,8 @@ from spigolo.additions.contours import Contours
 from spigolo.additions.plane import Plane
 from spigolo.clock import stage
 from spigolo.errors import UnitWarning, warn
-from spigolo.frames.frame import Frame
-from spigolo.frames.roi import Roi
-from spigolo.objects.scene import Scene, find_above, find_inside
+from spigolo.frames.frame import Frame, Mask
+from spigolo.objects.scene import Scene, find_above
 from spigolo.objects.scores import contour_cue
 from spigolo.objects.segmentation import Segmentation, assemble
 from spigolo.objects.verdicts import Reason, judge
@@ -42,12 +41,12 @@ def set_scene(
     contours: Contours | None,
     config: Config,
     sized: Config,
-    roi: Roi | None = None,
+    inside: tuple[Mask, Mask] | None = None,
 ) -> Scene:
     """Collect the maps and parameters by which the rules accept or reject the regions of a frame.
 
     - sized: `config` with lengths and areas scaled to the image size.
-    - roi: region of interest. Regions outside the region of interest are rejected.
+    - inside: masks of the region of interest, as in `Scene.inside`.
     """
     return Scene(
         frame=frame,
@@ -60,7 +59,7 @@ def set_scene(
         digest=config.digest,
         left_out=("contact boundary",) if frame.camera is None and cues.boundary is not None else (),
         above=find_above(frame, plane, sized.additions),
-        inside=find_inside(frame, roi),
+        inside=inside,
     )
 
 

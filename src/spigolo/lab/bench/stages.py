@@ -14,8 +14,8 @@ STAGES = (
     "support plane", "depth", "edges", "contours", "cues", "colour", "weights", "partition", "merging", "joining",
     "scene", "objects", "flat objects", "outlines",
 )  # fmt: skip
-"""Names of the stages of `pipeline.trace`, in the order in which they run. An addition that is switched off takes almost
-no time.
+"""Names of the stages of `pipeline.trace`, in the order in which they run. An addition that is switched off takes about
+0 ms.
 """
 PARTS = {"depth: in-painting": "depth", "depth: smoothing": "depth", "saliency": "cues"}
 """Steps of a stage that are also timed separately. The dictionary maps the name of each step to the name of the stage

@@ -163,7 +163,9 @@ def _fitting_camera(color: npt.NDArray[Any], depth: DepthMap, value: CameraLike)
             f"expected a camera of the images' size {_size(depth)}, got {camera.width}x{camera.height}:"
             " take the intrinsics of the stream that depth is aligned to"
         )
-    if camera is not None and not (0 <= camera.cx < camera.width and 0 <= camera.cy < camera.height):
+    if camera is None or isinstance(value, Camera):  # a Camera states its image size
+        return camera
+    if not (0 <= camera.cx < camera.width and 0 <= camera.cy < camera.height):
         warn(
             f"the principal point ({camera.cx:g}, {camera.cy:g}) lies outside the image of {_size(depth)}: the"
             " intrinsics probably belong to another image size. Positions in metres are then wrong"

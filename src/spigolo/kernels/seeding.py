@@ -55,6 +55,12 @@ def neighbour(p, k, flags, width, size):
 
 
 @inlined
+def bucket_of(weight):
+    """Return the weight of an edge, rounded down to a whole grey level and limited to `LEVELS` - 1."""
+    return int(min(weight, f32(LEVELS - 1)))
+
+
+@inlined
 def offer(bucket, p, s, size, least, head, tail, edges):
     """Add the edge from labelled pixel s to open pixel p to the queue. Nothing is added if the queue had an edge to p
     with an equal or smaller weight.
@@ -92,7 +98,7 @@ def sow(points, flat, state, step_m, step_per_m, step_weight, width, least, head
             source_of[q] = q
             full = max(step_m, step_per_m * flat[q] * flat[q])
             weight = np.sqrt(distance_2(red, green, blue, points, p)) + step_cost(flat[q], flat[p], full, step_weight)
-            bucket = int(min(weight, f32(LEVELS - 1)))
+            bucket = bucket_of(weight)
             size = offer(bucket, p, q, size, least, head, tail, edges)
             level = min(level, bucket)
     return size, level
@@ -156,8 +162,7 @@ def grow_seeds(color, depth, labels, opened, count, memory, carry, step_m, step_
             colors_2 = distance_2(red, green, blue, points, q)
             if room <= f32(0.0) or colors_2 > (room + MARGIN) * (room + MARGIN):
                 continue  # the edge is heavier than a known edge, even without the cost of a depth step
-            weight = before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight)
-            bucket = int(min(weight, f32(LEVELS - 1)))
+            bucket = bucket_of(before + np.sqrt(colors_2) + step_cost(z, flat[q], full, step_weight))
             size = offer(bucket, q, p, size, least, head, tail, edges)
             level = min(level, bucket)
 

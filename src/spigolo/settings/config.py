@@ -27,8 +27,7 @@ class Config(Parameters):
     """All parameters of the method. Instances are frozen, and `replace` returns a changed copy."""
 
     name: str = "custom"
-    """Name of the preset. A configuration made with `Config.replace` keeps the name, but has another hash (`digest`).
-    """
+    """Name of the preset. A copy made with `Config.replace` keeps the name, but has another hash (`digest`)."""
     depth: DepthConfig = DepthConfig()
     """Smoothing, in-painting and comparison of depth (equations 5-9)."""
     color: ColorConfig = ColorConfig()

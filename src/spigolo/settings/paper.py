@@ -239,8 +239,7 @@ class BoundaryCost(Settings):
     kind: Literal["boundary"] = "boundary"
     """Name of the second cost function in preset files."""
     k_x: NotNegative = 7.5
-    """Weight of the product of depth difference and colour difference in equation 23. The default comes from the paper.
-    """
+    """Weight of depth difference times colour difference in equation 23. The default comes from the paper."""
     k_b: NotNegative = 0.66
     """Weight of the boundary map in equation 23. The default comes from the paper."""
     ends: Ends = "max"

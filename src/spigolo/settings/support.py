@@ -152,8 +152,7 @@ class Flats(Settings):
     minimum height and `min_height_m` is used.
     """
     band_m: Positive = 0.02
-    """Maximum height of a flat object, in metres. Higher objects are found by the partition of the frame into regions.
-    """
+    """Maximum height of a flat object, in metres. The partition into regions finds higher objects."""
     min_cell_px2: Area_px2 = 40.0
     """Minimum area of a cell in px^2. A cell is a connected area between image edges. The height of cells with a
     smaller area is not measured.

@@ -13,7 +13,9 @@ from spigolo.settings.support import Support
 
 
 class Reason(str, Enum):
-    """Reasons for rejecting a region, in the order in which the rules are checked."""
+    """Reasons for rejecting a region. A region has the reason of the first rule that it violates. The rule for rims is
+    checked last.
+    """
 
     NO_DEPTH = "no depth"
     """The frame has no depth at all."""

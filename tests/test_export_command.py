@@ -154,3 +154,13 @@ def test_numbers_out_of_range_are_refused_in_one_line(tmp_path: Path, words: tup
     done = run("export", SCENE, "--format", "ply", *words, "--out", tmp_path / "out")
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "Must be >=" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_frames_that_can_all_not_be_written_end_with_an_error(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        place = shutil.copytree(SCENE, tmp_path / "lab" / name)
+        (place / "camera.json").unlink()
+    done = run(
+        "export", tmp_path / "lab", "--depth-scale", 0.001, "--format", "contact-graspnet", "--out", tmp_path / "x"
+    )
+    assert done.returncode == 2 and "no frame of" in done.stderr.splitlines()[-1]

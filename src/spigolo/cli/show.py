@@ -61,9 +61,11 @@ def warnings_of(name: str) -> Iterator[None]:
     """
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", append=True)  # filters that ignore a warning keep their effect
-        yield
-    for message in dict.fromkeys(str(warning.message) for warning in caught):
-        print(f"spigolo: warning: {name}: {message}", file=sys.stderr)
+        try:
+            yield
+        finally:
+            for message in dict.fromkeys(str(warning.message) for warning in caught):
+                print(f"spigolo: warning: {name}: {message}", file=sys.stderr)
 
 
 def print_result(result: Segmentation, out: Path) -> None:

@@ -441,16 +441,23 @@ def count_ramps(labels: Array, depth: Array, reach: int, step_m: float, step_sha
     return [profiles, int(between)]
 
 
+def border_pixels(labels: Array) -> list[int]:
+    """Indices y * W + x of the pixels with a 4-neighbour that has another label."""
+
+    def at_border(y: int, x: int) -> bool:
+        beside = [(y + dy, x + dx) for dy, dx in SIDES]
+        return any(inside(labels, *at) and labels[at] != labels[y, x] for at in beside)
+
+    return [y * labels.shape[1] + x for y, x in pixels(labels) if at_border(y, x)]
+
+
 def measure_layers(labels: Array, near_hole: Array, width: int, hole_width: int) -> tuple[Array, Array]:
     """Layer of every pixel, counted from the borders between labels, and the number of layers of each label.
 
     255: a pixel without a layer, or a label that goes on beyond its last one.
     """
     layer = np.full(labels.shape, 255, np.uint8)
-    for y, x in pixels(labels):
-        beside = [(y + dy, x + dx) for dy, dx in SIDES]
-        if any(inside(labels, *at) and labels[at] != labels[y, x] for at in beside):
-            layer[y, x] = 1
+    layer.reshape(-1)[border_pixels(labels)] = 1
 
     def reached(y: int, x: int, number: int) -> bool:
         """Whether a pixel of that layer touches this one: by a corner too, if the layer's number is odd."""

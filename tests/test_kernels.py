@@ -39,6 +39,7 @@ from spigolo.kernels import (
     potts,
     rasterising,
     registration,
+    rows,
     rvl,
     saliency,
     seeding,
@@ -1046,6 +1047,15 @@ def test_measure_layers(seed: int, widths: tuple[int, int]) -> None:
     twin_layer, twin_inner = naive.measure_layers(labels, depth == 0, *widths)
     np.testing.assert_array_equal(layer, twin_layer)
     assert inner.tolist() == twin_inner.tolist()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (9, 1), (7, 13), (16, 16)])
+@pytest.mark.parametrize("count", [1, 2, 40])
+def test_border_pixels(shape: tuple[int, int], count: int, rng: np.random.Generator) -> None:
+    labels = rng.integers(0, count, shape, np.int32)
+    assert rows.border_pixels(labels).tolist() == naive.border_pixels(labels)
+    checks = np.indices(shape).sum(0).astype(np.int32) % 2
+    assert rows.border_pixels(checks).tolist() == (list(range(checks.size)) if checks.size > 1 else [])
 
 
 @pytest.mark.parametrize("share", [0.0, 0.34, 0.6, 1.0])

@@ -62,8 +62,9 @@ def find_flats(free: Mask, depth: DepthMap, camera: Camera, plane: Plane, edges:
     raised = _mean_heights(cells, areas, heights, config) > limit_m
     if not raised.any():
         return found
-    floor = (cells > 0) & ~raised[cells] & (STEP**2 * areas[cells] >= config.min_cell_px2)
-    upper = near & ~floor & (raised[cells] | (heights > limit_m))
+    low = ~raised & (STEP**2 * areas >= config.min_cell_px2)
+    low[0] = False
+    upper = near & ~low[cells] & (raised[cells] | (heights > limit_m))
     for number, patch in enumerate(_patches(upper, near, cells, raised, areas, config), start=1):
         whole = patch.repeat(STEP, axis=0).repeat(STEP, axis=1)[: depth.shape[0], : depth.shape[1]]
         found[whole & free & (found == 0)] = number

@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
+from spigolo.kernels.rows import border_pixels
 
 f32 = np.float32
 LOW_PART, HIGH_PART = f32(0.15), f32(0.85)
@@ -20,8 +21,6 @@ relative depth of the nearer side is 0, and that of the farther side is 1.
 UNREACHED = 255
 OPEN, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4
 """Bit flags of a pixel: the pixel is open, is in the first image column, or is in the last image column."""
-WORD = 8
-"""Number of one-byte flags that are compared with 0 as one 64-bit number, for speed."""
 
 
 @inlined
@@ -50,29 +49,12 @@ def count_ramps(labels, depth, reach_px, step_m, step_share, sums):
     """
     height, width = labels.shape
     flat = depth.reshape(-1)
-    flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
-    words = flags.view(np.uint64)
-    for y in range(height):
-        flag_differences(labels[y], labels[min(y + 1, height - 1)], flags)
-        for word in range(words.size):
-            for x in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
-                if not flags[x]:
-                    continue
-                if x + 1 < width and labels[y, x + 1] != labels[y, x]:
-                    count_profile(flat, y * width + x, 1, x, width, reach_px, step_m, step_share, sums)
-                if y + 1 < height and labels[y + 1, x] != labels[y, x]:
-                    count_profile(flat, y * width + x, width, y, height, reach_px, step_m, step_share, sums)
-
-
-@inlined
-def flag_differences(row, other, flags):
-    """Flag each pixel of an image row if the next pixel in the row or the pixel below has another label.
-
-    other: the image row below.
-    """
-    for x in range(row.size - 1):
-        flags[x] = (row[x] != row[x + 1]) | (row[x] != other[x])
-    flags[row.size - 1] = row[-1] != other[-1]
+    for p in border_pixels(labels):
+        y, x = divmod(p, width)
+        if x + 1 < width and labels[y, x + 1] != labels[y, x]:
+            count_profile(flat, p, 1, x, width, reach_px, step_m, step_share, sums)
+        if y + 1 < height and labels[y + 1, x] != labels[y, x]:
+            count_profile(flat, p, width, y, height, reach_px, step_m, step_share, sums)
 
 
 @inlined
@@ -99,32 +81,6 @@ def count_profile(flat, p, step, place, length, reach_px, step_m, step_share, su
         sums[1] += (z > low) & (z < high)
 
 
-@inlined
-def mark_borders(labels, layer):
-    """Set layer to 1 at the pixels that have a 4-neighbour with another label. Return the indices y * width + x of the
-    pixels in layer 1.
-    """
-    height, width = labels.shape
-    queue, size = np.empty(labels.size, np.int64), 0
-    flags = np.zeros((width + WORD - 1) // WORD * WORD, np.uint8)
-    words = flags.view(np.uint64)
-    for y in range(height):
-        row, above, below = labels[y], labels[max(y - 1, 0)], labels[min(y + 1, height - 1)]
-        for x in range(1, width - 1):
-            sideways = (row[x] != row[x - 1]) | (row[x] != row[x + 1])
-            flags[x] = sideways | (row[x] != above[x]) | (row[x] != below[x])
-        for x in (0, width - 1):
-            sideways = (row[x] != row[max(x - 1, 0)]) | (row[x] != row[min(x + 1, width - 1)])
-            flags[x] = sideways | (row[x] != above[x]) | (row[x] != below[x])
-        for word in range(words.size):
-            for x in range(WORD * word if words[word] else WORD * (word + 1), WORD * (word + 1)):
-                if flags[x]:
-                    layer[y, x] = 1
-                    queue[size] = y * width + x
-                    size += 1
-    return queue[:size]
-
-
 @kernel
 def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
     """Give each pixel near a border a layer number, which grows with the distance to the border. Pixels of layer 1
@@ -140,10 +96,12 @@ def measure_layers(labels, near_hole, width_px, hole_width_px, layer, inner):
     height, width = labels.shape
     layer[:] = UNREACHED
     inner[:] = 0
-    queue = mark_borders(labels, layer)
+    queue = border_pixels(labels)
+    for p in queue:
+        layer[p // width, p % width] = 1
     size, number = queue.size, 1
     while size > 0:
-        following = np.empty(8 * size, np.int64)
+        following = np.empty(8 * size, np.int32)
         found = 0
         for k in range(size):
             y = queue[k] // width

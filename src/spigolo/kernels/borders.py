@@ -8,6 +8,7 @@ import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
 from spigolo.kernels.contours import hollow
+from spigolo.kernels.rows import border_pixels
 
 PAIRS, MEASURED, GAP, BEHIND, BEND, BOUNDARY = range(6)
 SUMS = 6
@@ -63,32 +64,29 @@ def sum_borders(labels, number, depth, boundary, reach, gap_limit, bend_limit, s
     - sum of the boundary values of the pairs: of the two pixels of a pair, the larger value is summed
     """
     height, width = labels.shape
-    for y in range(height):
-        for x in range(width):
-            same_right = x + 1 >= width or labels[y, x + 1] == labels[y, x]
-            if same_right and (y + 1 >= height or labels[y + 1, x] == labels[y, x]):
+    for p in border_pixels(labels):
+        y, x = divmod(p, width)
+        for v, u in ((y, x + 1), (y + 1, x)):
+            if v >= height or u >= width or labels[v, u] == labels[y, x]:
                 continue
-            for v, u in ((y, x + 1), (y + 1, x)):
-                if v >= height or u >= width or labels[v, u] == labels[y, x]:
-                    continue
-                a, b = number[labels[y, x]], number[labels[v, u]]
-                if a < 0 or b < 0:
-                    continue
-                y_a, x_a, y_b, x_b, fits = sample_border(labels, y, x, v, u, reach)
-                if not fits:
-                    continue
-                here, there, between = float(depth[y_a, x_a]), float(depth[y_b, x_b]), float(depth[y, x])
-                measured = here > 0.0 and there > 0.0 and between > 0.0
-                behind = clipped(there - here, gap_limit)
-                bend = clipped(hollow(here, between, there), bend_limit) if measured else 0.0
-                for i, j, sign in ((a, b, 1.0), (b, a, -1.0)):
-                    sums[i, j, PAIRS] += 1.0
-                    sums[i, j, BOUNDARY] += max(boundary[y, x], boundary[v, u])
-                    if measured:
-                        sums[i, j, MEASURED] += 1.0
-                        sums[i, j, GAP] += abs(behind)
-                        sums[i, j, BEHIND] += sign * behind
-                        sums[i, j, BEND] += bend
+            a, b = number[labels[y, x]], number[labels[v, u]]
+            if a < 0 or b < 0:
+                continue
+            y_a, x_a, y_b, x_b, fits = sample_border(labels, y, x, v, u, reach)
+            if not fits:
+                continue
+            here, there, between = float(depth[y_a, x_a]), float(depth[y_b, x_b]), float(depth[y, x])
+            measured = here > 0.0 and there > 0.0 and between > 0.0
+            behind = clipped(there - here, gap_limit)
+            bend = clipped(hollow(here, between, there), bend_limit) if measured else 0.0
+            for i, j, sign in ((a, b, 1.0), (b, a, -1.0)):
+                sums[i, j, PAIRS] += 1.0
+                sums[i, j, BOUNDARY] += max(boundary[y, x], boundary[v, u])
+                if measured:
+                    sums[i, j, MEASURED] += 1.0
+                    sums[i, j, GAP] += abs(behind)
+                    sums[i, j, BEHIND] += sign * behind
+                    sums[i, j, BEND] += bend
 
 
 @kernel
@@ -137,19 +135,14 @@ def collect_pairs(labels, boundary, pairs, strength):
     """
     height, width = labels.shape
     count = 0
-    for y in range(height):
-        for x in range(width):
-            a = labels[y, x]
-            if x + 1 < width and labels[y, x + 1] != a:
-                b = labels[y, x + 1]
-                if count < pairs.size:
-                    pairs[count] = (np.int64(min(a, b)) << 32) | np.int64(max(a, b))
-                    strength[count] = max(boundary[y, x], boundary[y, x + 1])
-                count += 1
-            if y + 1 < height and labels[y + 1, x] != a:
-                b = labels[y + 1, x]
-                if count < pairs.size:
-                    pairs[count] = (np.int64(min(a, b)) << 32) | np.int64(max(a, b))
-                    strength[count] = max(boundary[y, x], boundary[y + 1, x])
-                count += 1
+    for p in border_pixels(labels):
+        y, x = divmod(p, width)
+        for v, u in ((y, x + 1), (y + 1, x)):
+            if v >= height or u >= width or labels[v, u] == labels[y, x]:
+                continue
+            if count < pairs.size:
+                a, b = labels[y, x], labels[v, u]
+                pairs[count] = (np.int64(min(a, b)) << 32) | np.int64(max(a, b))
+                strength[count] = max(boundary[y, x], boundary[v, u])
+            count += 1
     return count

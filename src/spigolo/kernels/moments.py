@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from spigolo.kernels._jit import inlined, kernel
+from spigolo.kernels.rows import border_pixels
 
 DARK_BELOW = 24
 """Limit of the brightness of a pixel, from 0 to 255. A pixel with a smaller brightness is dark."""
@@ -129,14 +130,12 @@ def sum_contours(labels, boundary, sums):
     - sums (R, 2) float64: number of pairs, sum of boundary values.
     """
     height, width = labels.shape
-    for y in range(height):
-        for x in range(width):
-            here = labels[y, x]
-            for dy, dx in ((0, 1), (1, 0)):
-                v, u = y + dy, x + dx
-                if v >= height or u >= width or labels[v, u] == here:
-                    continue
-                strength = float(max(boundary[y, x], boundary[v, u]))
-                for region in (here, labels[v, u]):
-                    sums[region, 0] += 1.0
-                    sums[region, 1] += strength
+    for p in border_pixels(labels):
+        y, x = divmod(p, width)
+        for v, u in ((y, x + 1), (y + 1, x)):
+            if v >= height or u >= width or labels[v, u] == labels[y, x]:
+                continue
+            strength = float(max(boundary[y, x], boundary[v, u]))
+            for region in (labels[y, x], labels[v, u]):
+                sums[region, 0] += 1.0
+                sums[region, 1] += strength

@@ -5,6 +5,7 @@ between both sides of an outline.
 from __future__ import annotations
 
 from spigolo.kernels._jit import inlined, kernel
+from spigolo.kernels.rows import border_pixels
 
 PAIRS, KNOWN, FARTHER, NEARER, LEDGE, EDGE = range(6)
 SUMS = 6
@@ -27,12 +28,15 @@ def first_measured(depth, y, x, dy, dx, most):
 
 
 @inlined
-def is_inner(labels, y, x):
-    """Return True if a pixel and its four neighbours lie inside the image and belong to one region."""
-    k = labels[y, x]
-    if y == 0 or x == 0 or y + 1 == labels.shape[0] or x + 1 == labels.shape[1]:
-        return False
-    return labels[y, x - 1] == k and labels[y, x + 1] == k and labels[y - 1, x] == k and labels[y + 1, x] == k
+def count_sides(labels, sums):
+    """Count the pixel sides of each region that lie on the image border, in column EDGE of the array `sums`."""
+    height, width = labels.shape
+    for y in range(height):
+        sums[labels[y, 0], EDGE] += 1.0
+        sums[labels[y, width - 1], EDGE] += 1.0
+    for x in range(width):
+        sums[labels[0, x], EDGE] += 1.0
+        sums[labels[height - 1, x], EDGE] += 1.0
 
 
 @inlined
@@ -69,35 +73,31 @@ def sum_outlines(
     - pixel sides of the region that lie on the image border
     """
     height, width = labels.shape
-    for y in range(height):
-        for x in range(width):
-            if is_inner(labels, y, x):
+    count_sides(labels, sums)
+    for p in border_pixels(labels):
+        y, x = divmod(p, width)
+        k = labels[y, x]
+        for dy, dx in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+            v, u = y + dy, x + dx
+            if v < 0 or u < 0 or v >= height or u >= width or labels[v, u] == k:
                 continue
-            k = labels[y, x]
-            for dy, dx in ((0, 1), (0, -1), (1, 0), (-1, 0)):
-                v, u = y + dy, x + dx
-                if v < 0 or u < 0 or v >= height or u >= width:
-                    sums[k, EDGE] += 1.0
-                    continue
-                if labels[v, u] == k:
-                    continue
-                sums[k, PAIRS] += 1.0
-                y_in, x_in = y - dy * (near - 1), x - dx * (near - 1)
-                inside = 0 <= y_in < height and 0 <= x_in < width and labels[y_in, x_in] == k
-                if not inside or depth[y_in, x_in] <= 0.0:
-                    y_in, x_in = y, x
-                y_out, x_out = first_measured(depth, y + dy * near, x + dx * near, dy, dx, shadow)
-                if y_out < 0 or depth[y_in, x_in] <= 0.0:
-                    continue
-                inner, outer = float(depth[y_in, x_in]), float(depth[y_out, x_out])
-                y_deep, x_deep, own = y - dy * (deep - 1), x - dx * (deep - 1), 0.0
-                inside = 0 <= y_deep < height and 0 <= x_deep < width and labels[y_deep, x_deep] == k
-                if inside and depth[y_deep, x_deep] > 0.0:
-                    own = abs(inner - float(depth[y_deep, x_deep])) * 2.0 * near / (deep - near)
-                least = step_m + step_share * inner + own
-                rise = height_at(depth, slope_x, slope_y, slope, offset, y_in, x_in)
-                rise -= height_at(depth, slope_x, slope_y, slope, offset, y_out, x_out)
-                sums[k, KNOWN] += 1.0
-                sums[k, FARTHER] += outer - inner > least
-                sums[k, NEARER] += inner - outer > least
-                sums[k, LEDGE] += abs(rise) > max(ledge_m, ledge_per_m * inner * inner)
+            sums[k, PAIRS] += 1.0
+            y_in, x_in = y - dy * (near - 1), x - dx * (near - 1)
+            inside = 0 <= y_in < height and 0 <= x_in < width and labels[y_in, x_in] == k
+            if not inside or depth[y_in, x_in] <= 0.0:
+                y_in, x_in = y, x
+            y_out, x_out = first_measured(depth, y + dy * near, x + dx * near, dy, dx, shadow)
+            if y_out < 0 or depth[y_in, x_in] <= 0.0:
+                continue
+            inner, outer = float(depth[y_in, x_in]), float(depth[y_out, x_out])
+            y_deep, x_deep, own = y - dy * (deep - 1), x - dx * (deep - 1), 0.0
+            inside = 0 <= y_deep < height and 0 <= x_deep < width and labels[y_deep, x_deep] == k
+            if inside and depth[y_deep, x_deep] > 0.0:
+                own = abs(inner - float(depth[y_deep, x_deep])) * 2.0 * near / (deep - near)
+            least = step_m + step_share * inner + own
+            rise = height_at(depth, slope_x, slope_y, slope, offset, y_in, x_in)
+            rise -= height_at(depth, slope_x, slope_y, slope, offset, y_out, x_out)
+            sums[k, KNOWN] += 1.0
+            sums[k, FARTHER] += outer - inner > least
+            sums[k, NEARER] += inner - outer > least
+            sums[k, LEDGE] += abs(rise) > max(ledge_m, ledge_per_m * inner * inner)

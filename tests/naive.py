@@ -345,11 +345,11 @@ def classify_edges(
             continue
         e, n = np.array([y, x]), nearest_normal(int(gx[y, x]), int(gy[y, x]))
         three = [float(depth[tuple(at)]) for at in (e, e + step_px * n, e - step_px * n)]
-        rho = [three[0] - d if three[0] and d else 0.0 for d in three[1:]]
+        rho = [three[0] - d if (three[0] and d) or missing_is_boundary else 0.0 for d in three[1:]]
         if not signed:
             rho = [abs(r) for r in rho]
         is_texture = rho[0] < step_m and rho[1] < step_m
-        depth_boundary[y, x] = not is_texture or (missing_is_boundary and 0 in three)
+        depth_boundary[y, x] = not is_texture
         if all(depth[tuple(at)] for at in (e, e + contact_px * n, e - contact_px * n)):
             theta = contact_angle(depth, K, e, n, contact_px, sign_rule)
             contact[y, x] = not (theta > high_deg or theta < low_deg)

@@ -13,8 +13,20 @@ def test_methods_stand_side_by_side(tmp_path: Path) -> None:
     out = tmp_path / "compare.png"
     done = spigolo("compare", SCENE, "--methods", "rao2010", "--out", out)
     assert done.returncode == 0, done.stderr
-    assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["rao2010", "toscana2016", "picture"]
+    assert [line.split(":")[0] for line in done.stdout.splitlines()] == ["rao2010", "toscana2016 OBJECTS", "picture"]
     assert cv2.imread(str(out)).shape[1] > 3 * 600
+
+
+def test_presets_stand_side_by_side(tmp_path: Path) -> None:
+    mine = tmp_path / "mine.toml"
+    mine.write_text('base = "TABLE"\n[partition]\ngamma = 0.02\n')
+    flags = ("--methods", "rao2010", "--presets", "TABLE", mine, "--out", tmp_path / "x.png")
+    done = spigolo("compare", SCENE, *flags)
+    assert done.returncode == 0, done.stderr
+    names = [line.split(":")[0] for line in done.stdout.splitlines()]
+    assert names == ["rao2010", "toscana2016 TABLE", "toscana2016 mine", "picture"]
+    done = spigolo("compare", SCENE, "--presets", "TABEL", "--out", tmp_path / "y.png")
+    assert done.returncode == 2 and "unknown preset 'TABEL'" in done.stderr
 
 
 def test_an_unknown_method_is_named(tmp_path: Path) -> None:

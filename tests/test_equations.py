@@ -221,10 +221,10 @@ def test_eq_11_saliency_of_a_vertex() -> None:
 def test_eq_12_depth_gradients() -> None:
     # rho+ = 1.50 - 1.42 = 0.08, rho- = 1.50 - 1.51 = -0.01; a missing end gives 0
     depth = rows([1.51, 1.50, 1.42, 0.0])
-    assert edges.depth_gradient(depth, 0, 1, 0, 2) == approx(0.08)
-    assert edges.depth_gradient(depth, 0, 1, 0, 0) == approx(-0.01)
-    assert edges.depth_gradient(depth, 0, 1, 0, 3) == 0.0
-    assert edges.depth_gradient(depth, 0, 3, 0, 2) == 0.0
+    assert edges.depth_gradient(depth, 0, 1, 0, 2, False) == approx(0.08)
+    assert edges.depth_gradient(depth, 0, 1, 0, 0, False) == approx(-0.01)
+    assert edges.depth_gradient(depth, 0, 1, 0, 3, False) == 0.0
+    assert edges.depth_gradient(depth, 0, 3, 0, 2, False) == 0.0
 
 
 def test_eq_13_depth_boundary() -> None:
@@ -346,6 +346,21 @@ def test_missing_depth_is_a_boundary_only_if_set(counts: bool) -> None:
     assert found[8:-8, 20].all() == counts
     assert found.any() == counts
     assert not contact.any()
+
+
+def test_an_edge_inside_a_hole_is_no_boundary_even_with_missing_depth_as_printed() -> None:
+    # Eqs. 12, 13: rho is 0 - 0 on both sides
+    found, contact = upright_edges(np.zeros((41, 41), np.float32), EdgesConfig(missing_is_boundary=True))
+    assert not found.any() and not contact.any()
+
+
+def test_missing_depth_as_printed_with_the_printed_sign() -> None:
+    # The edge pixel has depth 1 m: rho is 1 - 0 on the missing side. An edge pixel without depth has rho = 0 - 1 < 0.
+    config = EdgesConfig(missing_is_boundary=True, signed_step=True)
+    beside, within = np.ones((41, 41), np.float32), np.ones((41, 41), np.float32)
+    beside[:, :18], within[:, 16:23] = 0, 0
+    assert upright_edges(beside, config)[0][8:-8, 20].all()
+    assert not upright_edges(within, config)[0].any()
 
 
 def test_eq_20_final_boundary() -> None:

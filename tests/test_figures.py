@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.stages.depth import smooth
 from spigolo.view import figures
 from test_cli import SCENE, spigolo
 from test_joining import BOWL_WITH_BOTTOM, draw
@@ -61,3 +62,22 @@ def test_all_figures_are_written(tmp_path: Path) -> None:
         picture = cv2.imread(str(tmp_path / f"figure{number}.png"))
         assert picture.std() > 20
     assert len(done.stdout.split()) == 4
+
+
+def test_figures_show_the_objects_of_the_named_preset(tmp_path: Path, frame: sp.Frame) -> None:
+    ours, paper = (figures.figure5({"x": (frame, sp.segment(frame, p))}) for p in (sp.OBJECTS, sp.TABLE))
+    assert (ours != paper).any()
+    for preset in ("OBJECTS", "TABLE"):
+        done = spigolo("figures", SCENE, "--preset", preset, "--out", tmp_path / preset)
+        assert done.returncode == 0, done.stderr
+    five, of_table = (cv2.imread(str(tmp_path / preset / "figure5.png")) for preset in ("OBJECTS", "TABLE"))
+    assert (five != of_table).any()
+    done = spigolo("figures", SCENE, "--preset", "SHELFS", "--out", tmp_path / "x")
+    assert done.returncode == 2 and "unknown preset 'SHELFS'" in done.stderr
+
+
+def test_figure_2_differs_only_by_equation_8(frame: sp.Frame) -> None:
+    whole = sp.Frame(frame.color, np.where(frame.depth > 0, frame.depth, 1.0), frame.camera)
+    config = sp.TABLE.depth.smoothing.replace(skip_steps=False)
+    plain, valid = (smooth(whole.depth, config.replace(mean=mean)) for mean in ("plain", "valid"))
+    np.testing.assert_array_equal(plain, valid)

@@ -23,9 +23,9 @@ GROUND, CANNY, STEP = (30, 30, 30), (110, 110, 110), (255, 150, 30)
 
 def mean_of_windows(frame: sp.Frame) -> Color:
     """Draw depth next to a shadow, smoothed with the plain mean of equation 5 and with the mean over valid pixels of
-    equation 8.
+    equation 8. Pixels on depth steps are part of the mean in both maps.
     """
-    plain, valid = (smooth(frame.depth, Smoothing(mean=mean)) for mean in ("plain", "valid"))
+    plain, valid = (smooth(frame.depth, Smoothing(mean=mean, skip_steps=False)) for mean in ("plain", "valid"))
     depths = {"measured": frame.depth, "plain mean (eq. 5)": plain, "mean of valid pixels (eq. 8)": valid}
     pictures = {title: zoom(grey(depth), BOX_CORNER, 4) for title, depth in depths.items()}
     pictures["colour"] = zoom(frame.color, BOX_CORNER, 4)
@@ -41,12 +41,12 @@ def sign_of_step(frame: sp.Frame) -> Color:
 
 
 def missing_samples(frame: sp.Frame) -> Color:
-    """Draw the depth boundaries of equation 13 if missing depth samples are ignored, and if missing samples count as
-    depth steps.
+    """Draw the depth boundaries of equation 13 if missing depth samples are ignored, and if missing samples count as a
+    depth of 0 m.
     """
     choices = {
-        "missing samples: no evidence": EdgesConfig(),
-        "missing samples: a boundary": EdgesConfig(missing_is_boundary=True),
+        "missing samples: ignored": EdgesConfig(),
+        "missing samples: 0 m (as printed)": EdgesConfig(missing_is_boundary=True),
     }
     return edge_choice(frame, CEREAL, choices)
 

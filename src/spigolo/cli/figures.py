@@ -14,7 +14,11 @@ if TYPE_CHECKING:
 
 
 def figures(
-    *inputs: str, camera: str | None = None, depth_scale: float | None = None, out: Out = Path("spigolo-figures")
+    *inputs: str,
+    preset: str = "TABLE",
+    camera: str | None = None,
+    depth_scale: float | None = None,
+    out: Out = Path("spigolo-figures"),
 ) -> int:
     """Draw the paper's Figures 2 to 5 from your own frames: smoothing, saliency, boundaries and objects.
 
@@ -26,6 +30,9 @@ def figures(
     inputs
         A colour image and a depth image, or folders in the layouts that `spigolo segment` reads. Default: the bundled
         demo scene.
+    preset
+        Preset for the objects in Figures 4 and 5: SHELF, TABLE or CLUTTER for the paper's method, the name of another
+        preset, or a TOML file.
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     depth_scale
@@ -36,16 +43,17 @@ def figures(
     """
     from spigolo.frames import files as io
     from spigolo.pipeline import segment
-    from spigolo.settings.presets import OBJECTS
+    from spigolo.settings.presets import preset as find
     from spigolo.view import figures as draw
 
+    config = find(preset)
     frames = read_all(inputs, camera, depth_scale)
     first = next(iter(frames.values()))
     pictures = {
         "figure2": draw.figure2(first),
         "figure3": draw.figure3(first),
-        "figure4": draw.figure4(first),
-        "figure5": draw.figure5({name: (frame, segment(frame, OBJECTS)) for name, frame in frames.items()}),
+        "figure4": draw.figure4(first, config),
+        "figure5": draw.figure5({name: (frame, segment(frame, config)) for name, frame in frames.items()}),
     }
     for name, picture in pictures.items():
         io.write_png(out / f"{name}.png", picture)

@@ -42,12 +42,14 @@ def normal_direction(gx, gy):
 
 
 @inlined
-def depth_gradient(depth, y, x, v, u):
-    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample in metres. If one depth is missing,
-    rho is 0.
+def depth_gradient(depth, y, x, v, u, with_missing):
+    """Eq. 12. Return rho, the depth of an edge pixel minus the depth of a sample in metres.
+
+    If one depth is missing, rho is 0. If with_missing is True, missing depth counts as 0 m instead.
     """
     here, there = float(depth[y, x]), float(depth[v, u])
-    return 0.0 if (here == 0.0) | (there == 0.0) else here - there
+    known = (here != 0.0) & (there != 0.0)
+    return here - there if known | with_missing else 0.0
 
 
 @inlined
@@ -175,7 +177,8 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
                    high_deg, sign_rule, depth_boundary, contact):  # fmt: skip
     """Eqs. 12-19. Classify every edge pixel as a depth boundary, a contact, both or neither.
 
-    Edge pixels whose samples would lie outside the image are skipped.
+    Edge pixels closer to the image border than max(step_px, contact_px) + 1 pixels are skipped, because their samples
+    may lie outside the image. If missing_is_boundary is True, missing depth counts as 0 m in equation 12.
 
     - edges (H, W) uint8: nonzero at edge pixels.
     - gx, gy (H, W) int16: gradients of the grey image along x and y.
@@ -195,11 +198,9 @@ def classify_edges(edges, gx, gy, depth, camera, step_px, step_m, signed, missin
         for x in columns[:count]:
             n_y, n_x = normal_direction(gx[y, x], gy[y, x])
             v, u = step_px * n_y, step_px * n_x
-            hole = (depth[y, x] == 0.0) | (depth[y + v, x + u] == 0.0) | (depth[y - v, x - u] == 0.0)
-            rho_plus = depth_gradient(depth, y, x, y + v, x + u)
-            rho_minus = depth_gradient(depth, y, x, y - v, x - u)
-            steps = is_depth_boundary(rho_plus, rho_minus, step_m, signed)
-            depth_boundary[y, x] = steps | (hole & missing_is_boundary)
+            rho_plus = depth_gradient(depth, y, x, y + v, x + u, missing_is_boundary)
+            rho_minus = depth_gradient(depth, y, x, y - v, x - u, missing_is_boundary)
+            depth_boundary[y, x] = is_depth_boundary(rho_plus, rho_minus, step_m, signed)
             v, u = contact_px * n_y, contact_px * n_x
             if depth[y, x] == 0.0 or depth[y + v, x + u] == 0.0 or depth[y - v, x - u] == 0.0:
                 continue

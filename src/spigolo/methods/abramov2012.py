@@ -1,9 +1,10 @@
 """Abramov et al., 2012, *Depth-Supported Real-Time Video Segmentation with the Kinect*: a Potts model at equilibrium.
 
 From the papers about this method, only the abstract and the timings were available. The interactions, the penalty of a
-depth step and the joining of domains (connected areas of equal spin) follow a public re-implementation. The default
-parameters are our choice. Frames are processed independently. The tracking of labels by optical flow, as in the papers,
-is left out.
+depth step and the joining of domains (connected areas of equal spin) follow a public re-implementation. Colour
+differences are distances in RGB, the default of the re-implementation. Toscana & Rosa 2016 derive their colour
+difference in HSV (equation 4) from the paper. The default parameters are our choice. Frames are processed
+independently. The tracking of labels by optical flow, as in the papers, is left out.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ class AbramovConfig(MethodConfig):
     """
 
     shrink: Annotated[int, Field(ge=1, le=8)] = 2
-    """Factor by which the width and height of the image are reduced before segmentation. The paper reduces images of
-    640x480 pixels to 320x240 pixels.
+    """Factor by which the width and height of the image are reduced before segmentation. The published times are for
+    images of 320x256 pixels, so the default halves images of 640x480 pixels.
     """
     sigma_px: NotNegative = 0.0
     """Standard deviation of the Gaussian smoothing of colour, in pixels of the reduced image. The value 0 switches
@@ -49,7 +50,7 @@ class AbramovConfig(MethodConfig):
     """
     repulsion: NotNegative = 1.0
     """Maximum repulsion of two neighbouring pixels with different colours. Smaller values make larger regions. The
-    paper gives no value for this parameter.
+    default value is our choice.
     """
     step_m: Positive | None = 0.02
     """Depth difference, in metres, above which neighbouring pixels repel each other, even if they have the same colour.
@@ -58,7 +59,7 @@ class AbramovConfig(MethodConfig):
     step_per_m: NotNegative = 0.0083
     """Depth difference divided by the squared depth, in 1/m, above which neighbouring pixels repel each other. The
     limit of the depth difference is the larger of two values: `step_m`, and `step_per_m` times the squared depth. The
-    paper gives no value for this parameter.
+    default value is our choice.
     """
     penalty: NotNegative = 20.0
     """Repulsion of two neighbouring pixels on different sides of a depth step. The default value is our choice. The
@@ -66,27 +67,27 @@ class AbramovConfig(MethodConfig):
     """
     spins: Annotated[int, Field(ge=2, le=65536)] = 256
     """Number of different spins. The initial spins divide the depth range into this number of levels. The default is
-    that of the paper.
+    that of the public re-implementation.
     """
     temperature: Positive = 1.0
     """Temperature of the first Metropolis sweep. Higher temperatures accept more changes of spins that increase the
-    energy. The paper gives no value for this parameter.
+    energy. The default value is our choice.
     """
     cooling: Annotated[float, Field(gt=0, le=1)] = 0.9
-    """Factor by which the temperature is multiplied after each Metropolis sweep. The paper gives no value for this
-    parameter.
+    """Factor by which the temperature is multiplied after each Metropolis sweep. The default value is our
+    choice.
     """
     sweeps: Annotated[int, Field(ge=0, le=10_000)] = 60
-    """Number of Metropolis sweeps before domains (connected areas of equal spin) are joined. The paper gives no value
-    for this parameter.
+    """Number of Metropolis sweeps before domains (connected areas of equal spin) are joined. The default value is our
+    choice.
     """
     last_sweeps: Annotated[int, Field(ge=0, le=10_000)] = 10
     """Number of Metropolis sweeps after domains (connected areas of equal spin) are joined. The default is that of the
     public re-implementation.
     """
     last_temperature: Positive = 0.05
-    """Temperature of the Metropolis sweeps after domains (connected areas of equal spin) are joined. The paper gives no
-    value for this parameter.
+    """Temperature of the Metropolis sweeps after domains (connected areas of equal spin) are joined. The default value
+    is our choice.
     """
     piece_px2: Area_px2 = 20000.0
     """Area below which a region is small, px^2. Two small neighbouring regions can join, for example two parts of a

@@ -3,9 +3,9 @@
 The boundary map is transformed to polar coordinates around the point. In these coordinates, the contours of small and
 large objects have equal lengths. The contour of the object is the closed path of lowest cost in the polar map.
 
-Costs follow the paper and the authors' code. In this implementation, two details differ from the authors' code. The
-contour crosses each ray only once, so that dynamic programming replaces a minimum cut. The polar map is computed from a
-boundary map with widened edges.
+Costs follow the code published by the authors of the method, because the text of the paper was not available. In this
+implementation, two details differ from the authors' code. The contour crosses each ray only once, so that dynamic
+programming replaces a minimum cut. The polar map is computed from a boundary map with widened edges.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from spigolo.stages.regions import Regions
 Points = npt.NDArray[np.float64]
 
 RAYS = 360
-"""Number of rays of the polar map, one for each degree. The value is from the code of the paper's authors."""
+"""Number of rays of the polar map, one for each degree. The value is from the code of the method's authors."""
 LEAST_RADIUS_PX = 4
 """Minimum distance between a contour and the given point inside the contour, in pixels."""
 
@@ -41,15 +41,15 @@ class FixationConfig(BoundaryConfig):
     """Standard deviation of the Gaussian that widens edges before the polar transform, in pixels."""
     frame_edge: Share = 20 / 255
     """Minimum boundary value at the image border, from 0 to 1. Larger values let contours follow the image border at a
-    lower cost. The default value is from the code of the paper's authors.
+    lower cost. The default value is from the code of the method's authors.
     """
     weakest: Share = 5 / 255
     """Minimum boundary value of an edge, from 0 to 1. Contour points with a smaller boundary value have the cost
-    `gap_cost`. The default value is from the code of the paper's authors.
+    `gap_cost`. The default value is from the code of the method's authors.
     """
     gap_cost: NotNegative = 50.0
     """Cost of a contour point without an edge. Larger values lead to fewer contour points without an edge. The default
-    value is from the code of the paper's authors.
+    value is from the code of the method's authors.
     """
     sharpness: NotNegative = 5.0
     """Factor in the cost of a contour point on an edge. The cost is exp(-sharpness p), where p is the boundary value of

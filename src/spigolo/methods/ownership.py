@@ -1,9 +1,10 @@
 """Probability that an edge is the border of an object (Mishra et al., 2009 and 2012). The module also computes the
 owner of an edge, which is the side of the edge on which the object lies.
 
-In the papers, the mean disparity is computed in a half-disc on each side of an edge. In the papers, the probability is
-a logistic function of the difference of the two means. In this implementation, a line is fitted to the disparity in
-each half-disc, and both lines are compared at the edge. With fitted lines, the slope of a table is not mistaken for a
+The texts of the papers were not available, so constants and costs come from the code published by their authors. In
+that code, the mean disparity is computed in a half-disc on each side of an edge, and the probability is a logistic
+function of the difference of the two means. In this implementation, a line is fitted to the disparity in each
+half-disc, and both lines are compared at the edge. With fitted lines, the slope of a table is not mistaken for a
 depth step. If the two fitted lines form a valley, the edge is a contact boundary.
 """
 
@@ -32,11 +33,11 @@ NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) 
 NOMINAL_FOCAL = 0.9
 """Focal length divided by the image width, which is assumed if the intrinsics are unknown."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels close to an edge, where the depth map is blurred. The value is from the code of the paper's authors.
+"""Weight of pixels close to an edge, where the depth map is blurred. The value is from the code of the method's authors.
 """
 LEAST_WEIGHT = 20.0
 """Minimum total weight of the measured pixels in each half-disc of an edge. If the total weight in one half-disc is
-lower, no lines are fitted at this edge. The paper gives no value for this parameter.
+lower, no lines are fitted at this edge. The value is our choice.
 """
 LEVELS_PER_PX, SCHARR_UNIT, HIGH_PER_LOW = 10.0, 32.0, 2.0
 """Constants for Canny edges of the disparity map. A disparity of 1 px corresponds to LEVELS_PER_PX grey levels. The
@@ -58,24 +59,24 @@ class BoundaryConfig(MethodConfig):
     object lies stays unknown.
     """
     baseline_m: Positive = 0.075
-    """Baseline of the virtual stereo pair, in metres. The default is the baseline of a Kinect. The paper gives no value
-    for this parameter.
+    """Baseline of the virtual stereo pair, in metres. The default is the baseline of a Kinect, which is our
+    choice.
     """
     half_disc: Positive = 0.015
     """Radius of the half-discs on both sides of an edge, as a fraction of the image diagonal. The default value is from
-    the code of the paper's authors.
+    the code of the method's authors.
     """
     near_line: Share = 0.4
     """Distance from an edge, divided by the radius of the half-discs. Pixels closer to the edge have a small weight.
-    The default value is from the code of the paper's authors.
+    The default value is from the code of the method's authors.
     """
     steepness: Positive = 10.0
     """Steepness beta_1, in 1/px, of the logistic function that converts a disparity step to a border probability. The
-    default value is from the code of the paper's authors.
+    default value is from the code of the method's authors.
     """
     step_px: Positive = 0.3
     """Disparity step beta_2 in px at which the border probability is 0.5. The default value is from the code of the
-    paper's authors.
+    method's authors.
     """
     valley_px: Positive | None = 0.6
     """Depth of a valley at which the contact probability is 1/2, px of disparity. The disparity rises on both sides of
@@ -84,13 +85,15 @@ class BoundaryConfig(MethodConfig):
     """
     texture: Share = 50 / 255
     """Minimum boundary value of every image edge, even without a depth difference. The default value is from the code
-    of the paper's authors.
+    of the method's authors.
     """
     max_shadow_px: Length_px = 60
-    """Maximum width, in pixels, of a shadow that is filled with the depth of its farther side."""
+    """Maximum width, in pixels, of a shadow that is filled with the depth of its farther side. The filling of shadows is
+    our addition. With 0, shadows are not filled, as in the published method.
+    """
     disparity_slope: Positive = 0.08
     """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are
-    added to the image edges. The paper does not use edges of the disparity map.
+    added to the image edges, which is our addition.
     """
 
 

@@ -153,8 +153,8 @@ class EdgesConfig(Settings):
     edges, a larger minimum gives fewer false edges in noise. The default is our choice.
     """
     step_offset_px: Offset_px = 7
-    """Distance epsilon_rho from an edge pixel to the depth samples on both sides of the edge, in pixels. The default
-    comes from the authors' code.
+    """Distance epsilon_rho from an edge pixel to the depth samples on both sides of the edge, in pixels. At a diagonal
+    edge, the samples are `step_offset_px` rows and columns away. The default comes from the authors' code.
     """
     step_m: Positive = 0.03
     """Minimum depth difference t_rho between both sides of an image edge that counts as a depth boundary, in metres.
@@ -166,12 +166,13 @@ class EdgesConfig(Settings):
     pixels.
     """
     missing_is_boundary: bool = False
-    """Count an image edge as a depth boundary if a depth sample next to the edge is missing. If False, missing depth
-    samples next to an image edge are ignored.
+    """Count missing depth as 0 m in equations 12 and 13, as printed. A border between measured and missing depth then
+    becomes a depth boundary. If False, missing depth samples are ignored.
     """
     contact_offset_px: Offset_px = 5
     """Distance epsilon_e from an edge pixel to the points on both sides of the edge, from which the contact angle is
-    computed, in pixels. The default comes from the authors' code.
+    computed, in pixels. At a diagonal edge, the points are `contact_offset_px` rows and columns away. The default comes
+    from the authors' code.
     """
     contact_low_deg: Angle_deg = 56.0
     """Minimum angle t_theta_L between the surfaces on both sides of a contact boundary, in degrees. With a larger

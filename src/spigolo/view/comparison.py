@@ -1,4 +1,4 @@
-"""Image that compares several segmentation methods on one frame, as in the paper's last figure."""
+"""Image that compares several segmentation methods on one frame, as in the paper's Figure 6."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from spigolo.frames.frame import Camera, Color, DepthMap, Frame
 from spigolo.objects.segmentation import Segmentation
 from spigolo.pipeline import segment
 from spigolo.settings.config import Config
-from spigolo.settings.presets import OBJECTS, SHELF, TABLE
+from spigolo.settings.presets import SHELF, TABLE
 from spigolo.stages.depth import missing_mask, prepare_depth, smooth
 from spigolo.stages.edges import EdgeMaps, find_edges
 from spigolo.stages.saliency import fine_grained_saliency, power_law
@@ -40,13 +40,13 @@ def figure2(frame: Frame, config: Config = TABLE) -> Color:
 
     The rows show the smoothed depth map, its point cloud from the side, and an enlarged detail. The enlarged detail is
     the part of the image in which the two smoothed depth maps differ most. Equation 5 counts missing depth as 0, and
-    equation 8 ignores missing depth.
+    equation 8 ignores missing depth. Pixels on depth steps are part of the mean in both maps.
     """
     if frame.camera is None:
         raise CameraError("expected intrinsics for the clouds of Figure 2, got a frame without a camera")
     config = config.at_size(frame.shape)
-    original = smooth(frame.depth, config.depth.smoothing.replace(mean="plain"))
-    modified = smooth(frame.depth, config.depth.smoothing.replace(mean="valid"))
+    original = smooth(frame.depth, config.depth.smoothing.replace(mean="plain", skip_steps=False))
+    modified = smooth(frame.depth, config.depth.smoothing.replace(mean="valid", skip_steps=False))
     spot = _detail(np.abs(original - modified), frame.shape)
     wide = _around(spot, 2.0, frame.shape)
     pictures: dict[str, Color] = {}
@@ -78,7 +78,10 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
 
     The two objects have the largest shares of Canny pixels that are not boundaries. Canny pixels that are not
     boundaries are common on printed patterns and curved surfaces.
+
+    config: preset that finds the objects and the boundaries.
     """
+    found = segment(frame, config)
     config = config.at_size(frame.shape)
     with_internal = config.edges.replace(sign_rule="none")
     depth = prepare_depth(frame.depth, config.depth)
@@ -88,7 +91,7 @@ def figure4(frame: Frame, config: Config = TABLE) -> Color:
         "(a) final edges with internal boundaries": _lines(internal.final),
         "(b) final edges (eq. 20)": _lines(edges.final),
     }
-    for k, window in enumerate(_busiest(segment(frame, OBJECTS), edges)):
+    for k, window in enumerate(_busiest(found, edges)):
         for letter, title, mask in (("ce"[k], "Canny", edges.canny), ("df"[k], "final edges", edges.final)):
             pictures[f"({letter}) {title}"] = _enlarge(_lines(_cut(mask, window)), frame.shape)
     return tile(pictures, columns=2)
@@ -101,7 +104,8 @@ def figure5(results: Mapping[str, tuple[Frame, Segmentation]]) -> Color:
     """
     shape = next(iter(results.values()))[0].shape
     pictures = {
-        f"{name}: {len(result)} objects": _enlarge(result.overlay(), shape) for name, (frame, result) in results.items()
+        f"{name}, {result.preset}: {len(result)} objects": _enlarge(result.overlay(), shape)
+        for name, (frame, result) in results.items()
     }
     return tile(pictures, columns=min(len(pictures), 3))
 

@@ -13,6 +13,7 @@ import pytest
 
 import spigolo as sp
 from spigolo.doctor import diagnose
+from spigolo.frames.roi import pixel_of
 from spigolo.methods import METHODS, segment_around
 from spigolo.settings.parameters import VGA_PX
 from spigolo.stages.regions import Regions
@@ -118,14 +119,34 @@ CLICKS: dict[str, Callable[[object], object]] = {
 
 
 @pytest.mark.parametrize("click", CLICKS)
-def test_a_click_may_come_in_any_numbers_that_are_whole(click: str) -> None:
-    masks = [CLICKS[click](form).mask for form in (LEFT, [50.0, 40.0], np.array(LEFT, np.uint8), np.array([50.0, 40]))]
+def test_a_click_may_come_in_any_numbers(click: str) -> None:
+    forms = (LEFT, [50.0, 40.0], np.array(LEFT, np.uint8), np.array([50.0, 40]), (49.6, 40.4))
+    masks = [CLICKS[click](form).mask for form in forms]
     assert all(np.array_equal(mask, masks[0]) for mask in masks)
+
+
+def test_a_point_lies_in_the_nearest_pixel() -> None:
+    points = [(-0.5, 0.49), (0.5, 1.49), (119.49, 159.4)]
+    assert [pixel_of(point, (120, 160)) for point in points] == [(0, 0), (1, 1), (119, 159)]
 
 
 @pytest.mark.parametrize("click", CLICKS)
 @pytest.mark.parametrize(
-    "point", [(True, False), None, (1, 2, 3), (1,), "ab", (1.5, 2), (1, np.nan), (np.inf, 0), ([1], [2]), 7, (0, -1)]
+    "point",
+    [
+        (True, False),
+        None,
+        (1, 2, 3),
+        (1,),
+        "ab",
+        (119.5, 2),
+        (1, np.nan),
+        (np.inf, 0),
+        ([1], [2]),
+        7,
+        (0, -1),
+        (-0.6, 0),
+    ],
 )
 def test_what_is_no_pixel_is_refused_in_one_sentence(click: str, point: object) -> None:
     with pytest.raises(IndexError) as caught:

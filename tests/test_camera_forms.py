@@ -79,7 +79,7 @@ depth:
 
 EXPONENTS = "fx: 6e2\nfy: 6.01e+2\ncx: 319\ncy: 2.4e2\ndepth_scale: 1e-3"
 NERF = {"fl_x": 600, "fl_y": 601, "cx": 319, "cy": 240, "w": 640, "h": 480}
-COLMAP = "1 OPENCV 640 480 600 601 319 240 -0.2 0.05 0.001 -0.001\n"
+COLMAP = "1 OPENCV 640 480 600 601 319.5 240.5 -0.2 0.05 0.001 -0.001\n"
 K4 = np.vstack([np.hstack([K, np.zeros((3, 1))]), [0, 0, 0, 1]])
 
 
@@ -118,7 +118,7 @@ def stored(folder: Path, name: str, content: Any) -> Path:
         pytest.param("k.txt", "fx = 600\nfy = 601\ncx: 319\ncy: 240\n", CAMERA, None, id="name = value"),
         pytest.param("camK.npy", K, CAMERA, None, id="npy"),
         pytest.param("P.npy", np.hstack([K, np.zeros((3, 1))]), CAMERA, None, id="3x4 npy"),
-        pytest.param("cameras.txt", "# list\n1 PINHOLE 640 480 600 601 319 240\n", CAMERA, None, id="COLMAP"),
+        pytest.param("cameras.txt", "# list\n1 PINHOLE 640 480 600 601 319.5 240.5\n", CAMERA, None, id="COLMAP"),
         pytest.param("cameras.txt", COLMAP, None, None, id="COLMAP OPENCV"),
     ],
 )  # fmt: skip

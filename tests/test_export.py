@@ -177,3 +177,9 @@ def test_a_missing_library_names_the_pip_line(result: sp.Segmentation, monkeypat
     monkeypatch.setitem(sys.modules, "supervision", None)
     with pytest.raises(sp.SpigoloError, match=r'pip install "spigolo\[export\]"'):
         sp.export.detections(result)
+
+
+def test_detections_keep_the_ids(result: sp.Segmentation) -> None:
+    with_ids = sp.Segmenter(sp.OBJECTS, ids=True)(result.frame)
+    assert sp.export.detections(with_ids).tracker_id.tolist() == [o.id for o in with_ids]
+    assert sp.export.detections(result).tracker_id is None

@@ -164,3 +164,41 @@ def test_frames_that_can_all_not_be_written_end_with_an_error(tmp_path: Path) ->
         "export", tmp_path / "lab", "--depth-scale", 0.001, "--format", "contact-graspnet", "--out", tmp_path / "x"
     )
     assert done.returncode == 2 and "no frame of" in done.stderr.splitlines()[-1]
+
+
+@pytest.mark.parametrize(("format", "suffix"), [("labels", "png"), ("yolo", "txt"), ("contact-graspnet", "npz")])
+def test_a_folder_is_a_folder_whatever_the_number_of_frames(
+    tmp_path: Path, bag: Path, format: str, suffix: str
+) -> None:
+    there = tmp_path / "there"
+    there.mkdir()
+    for out, frames in ((tmp_path / "new", "1"), (there, "1"), (tmp_path / "two", "2")):
+        done = run("export", bag, "--format", format, "--out", out, "--frames", frames)
+        assert done.returncode == 0, done.stderr
+        assert len(list(out.glob(f"*.{suffix}"))) == int(frames)
+    done = run("export", bag, "--format", format, "--out", tmp_path / f"x.{suffix}")
+    assert done.returncode == 2 and "expected a folder as --out for several frames" in done.stderr
+    done = run("export", bag, "--format", "coco", "--out", there)
+    assert done.returncode == 2 and "expected a file name that ends in .json" in done.stderr
+
+
+@pytest.mark.parametrize("words", [("export", "--format", "coco"), ("batch",), ("view",)])
+def test_a_wrong_depth_unit_is_told_by_every_command(tmp_path: Path, words: tuple[str, ...]) -> None:
+    out = tmp_path / {"export": "x.json", "batch": "x", "view": "x.rrd"}[words[0]]
+    done = run(words[0], SCENE, *words[1:], "--depth-scale", 0.01, "--out", out)
+    assert "scene: expected a median depth" in done.stderr
+
+
+def test_bop_is_exported_from_the_folder_of_the_split(tmp_path: Path) -> None:
+    scene = tmp_path / "set" / "test" / "000003"
+    for folder in ("rgb", "depth"):
+        (scene / folder).mkdir(parents=True)
+        shutil.copy(SCENE / f"{folder}.png", scene / folder / "000007.png")
+    camera = {"7": {"cam_K": [525, 0, 319.5, 0, 525, 239.5, 0, 0, 1], "depth_scale": 1.0}}
+    (scene / "scene_camera.json").write_text(json.dumps(camera))
+    for place in (tmp_path / "set", tmp_path / "set" / "test"):
+        done = run("export", place, "--format", "bop", "--out", tmp_path / "bop.json")
+        assert done.returncode == 0, done.stderr
+        assert {(row["scene_id"], row["image_id"]) for row in json.loads((tmp_path / "bop.json").read_text())} == {
+            (3, 7)
+        }

@@ -233,6 +233,12 @@ def test_portable_grey_maps_are_depth(tmp_path: Path) -> None:
         ("frame-{}.color.png", "frame-{}.depth.png"),
         ("my_colour_{}.png", "my_depth_{}.png"),
         ("color/IMG_{}_rgb.png", "depth/IMG_{}_depth.png"),
+        ("img_{}_color.png", "img_{}_depth.png"),
+        ("image_{}_rgb.png", "image_{}_depth.png"),
+        ("{}_rgb.png", "{}_depth_raw.png"),
+        ("{}_color.png", "{}_aligned_depth_to_color.png"),
+        ("rgb000{}.png", "depth000{}.png"),
+        ("kinect2_color_{}.png", "kinect2_depth_{}.png"),
     ],
 )
 def test_names_that_differ_in_the_word_for_colour_and_depth_are_a_frame(
@@ -258,9 +264,31 @@ def test_names_that_do_not_say_colour_or_depth_stay_in_the_order_given(tmp_path:
         find_frames([str(tmp_path)])
 
 
-def test_a_file_without_a_partner_is_named(tmp_path: Path) -> None:
-    for k in range(2):
+@pytest.mark.parametrize("lost", [["1_depth.png"], ["1_depth.png", "2_color.png"]])
+def test_a_file_without_a_partner_is_named(tmp_path: Path, lost: list[str]) -> None:
+    for k in range(3):
         put(tmp_path, f"{k}_color.png", f"{k}_depth.png")
-    (tmp_path / "1_depth.png").unlink()
-    with pytest.warns(UserWarning, match=r"1 images have no partner of their name: .*1_color\.png"):
-        assert [p.name for p in find_frames([str(tmp_path)])] == ["0"]
+    for name in lost:
+        (tmp_path / name).unlink()
+    left = "02" if len(lost) == 1 else "0"
+    for words in ([str(tmp_path)], sorted(map(str, tmp_path.iterdir()))):
+        with pytest.warns(UserWarning, match=r"images have no partner of their name: .*1_color\.png"):
+            assert [p.name for p in find_frames(words)] == list(left)
+
+
+def test_two_npz_files_are_two_frames(tmp_path: Path) -> None:
+    for name, focal in (("a", 500.0), ("b", 600.0)):
+        K = [[focal, 0, 31.5], [0, focal, 23.5], [0, 0, 1]]
+        np.savez(tmp_path / f"{name}.npz", rgb=COLOR, depth=DEPTH / 1000, K=K)
+    (tmp_path / "camera.json").write_text(json.dumps(CAMERA))
+    a, b = (tmp_path / f"{name}.npz" for name in "ab")
+    assert [(p.name, p.color, p.depth, p.camera) for p in find_frames([str(a), str(b)])] == [
+        ("a", a, a, a),
+        ("b", b, b, b),
+    ]
+    assert [p.name for p in find_frames([str(a), str(a)])] == ["a"]
+    frame = read_frame(a, a)
+    assert frame.camera is not None and frame.camera.fx == 500
+    np.savez(tmp_path / "c.npz", depth=DEPTH)
+    (pair,) = find_frames([str(a), str(tmp_path / "c.npz")])
+    assert (pair.color, pair.depth) == (a, tmp_path / "c.npz")

@@ -123,6 +123,15 @@ def test_a_pair_and_its_camera_make_the_frame() -> None:
     np.testing.assert_allclose(tenths.depth, made.depth / 10, rtol=1e-6)
 
 
+@pytest.mark.parametrize(("factor", "scale"), [(1, 0.0), (1000, 0.001)])
+def test_floating_point_depth_is_in_metres_unless_a_scale_is_given(factor: int, scale: float) -> None:
+    frame = scene()
+    height, width = frame.shape
+    depth = image("32FC1", height, width, (frame.depth * factor).astype("<f4").tobytes(), width * 4)
+    made = _frame_of(Pair(pair_of(frame).color, depth, 0.0), info(frame), Options(depth_scale=scale))
+    np.testing.assert_allclose(made.depth, frame.depth, rtol=1e-5)
+
+
 def test_rectified_images_are_not_undistorted_again() -> None:
     frame = scene()
     bent = info(frame, d=array.array("d", [0.1, 0, 0, 0, 0]), k=np.diag([999.0, 999.0, 1.0]).ravel())
@@ -309,6 +318,25 @@ def test_time_may_start_again() -> None:
     assert fed(matcher, ("color", 0), ("depth", 0)) == [None, ("c0", "d0")]
 
 
+@pytest.mark.parametrize("count", [5, 8, 36])
+def test_every_pair_of_a_short_loop_is_found(count: int) -> None:
+    matcher = StampMatcher(15 * MS)
+    loop = [(topic, 100.0 * k) for k in range(count) for topic in ("color", "depth")]
+    assert [sum(found is not None for found in fed(matcher, *loop)) for _ in range(4)] == [count] * 4
+    assert matcher.unmatched == 0
+
+
+def test_a_message_that_overtakes_another_is_no_restart() -> None:
+    matcher = StampMatcher(5 * MS)
+    fed(matcher, ("color", 100), ("color", 233))
+    assert fed(matcher, ("color", 133), ("depth", 100), ("depth", 133), ("depth", 233)) == [
+        None,
+        ("c100", "d100"),
+        ("c133", "d133"),
+        ("c233", "d233"),
+    ]
+
+
 def test_sixty_pairs_with_three_gaps_are_all_found() -> None:
     matcher = StampMatcher(10 * MS)
     stamps = [33.3 * k for k in range(63)]
@@ -386,7 +414,7 @@ def test_a_preset_comes_first_and_the_fields_with_it_count() -> None:
         ({"partition.gama": 1.0}, "unknown parameter 'partition.gama'"),
         ({"preset": "NOPE"}, "expected one of OBJECTS"),
         ({"tolerance_s": float("inf")}, "tolerance_s"),
-        ({"depth_scale": 0.0}, "depth_scale"),
+        ({"depth_scale": -1.0}, "depth_scale"),
         ({"additions.support": "none"}, "support"),
         ({"edges.contact_low_deg": [1.0, 2.0]}, "contact_low_deg"),
     ],

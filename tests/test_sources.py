@@ -81,6 +81,24 @@ def test_tum_lists_pair_by_time_whatever_the_names(tmp_path: Path) -> None:
     np.testing.assert_allclose(other.depth, first.depth * 5, rtol=1e-5)
 
 
+def test_tum_lists_keep_stamps_and_take_the_users_camera_and_scale(tmp_path: Path) -> None:
+    for folder in ("rgb", "depth"):
+        (tmp_path / folder).mkdir()
+        shutil.copy(SCENE / f"{folder}.png", tmp_path / folder / "a.png")
+        (tmp_path / f"{folder}.txt").write_text(f"1305031102.175304 {folder}/a.png\n")
+    (tmp_path / "intrinsics.txt").write_text("600 600 319.5 239.5")
+    (first,) = sp.open_source(tmp_path)
+    assert first.stamp_ns == 1_305_031_102_175_304_000
+    assert first.camera is not None and first.camera.fx == 600
+    mine = tmp_path.parent / "mine.json"
+    mine.write_text('{"fx": 500, "fy": 500, "cx": 319.5, "cy": 239.5, "depth_scale": 0.001}')
+    (other,) = sp.open_source(tmp_path, mine)
+    assert other.camera is not None and other.camera.fx == 500
+    np.testing.assert_allclose(other.depth, first.depth * 5, rtol=1e-5)
+    (third,) = sp.open_source(tmp_path, mine, depth_scale=0.002)
+    np.testing.assert_allclose(third.depth, first.depth * 10, rtol=1e-5)
+
+
 # --- bags -----------------------------------------------------------------------------------------------------
 
 
@@ -255,12 +273,19 @@ def test_a_small_png_of_many_pixels_is_refused_before_it_is_decoded() -> None:
 
 
 def test_a_rectified_topic_takes_the_projection_and_no_distortion(tmp_path: Path, frame: sp.Frame) -> None:
-    for name, undistorted in (("image_raw", True), ("image_rect_color", False)):
+    names = {
+        "image_raw": True,
+        "image_rect_color": False,
+        "rectified/image": False,
+        "unrectified": True,
+        "direct": True,
+    }
+    for name, undistorted in names.items():
         bag = Bag("ros2-mcap")
         bag.add_info("/rgb/camera_info", START_NS, K, frame.shape, D=[0.1, -0.05, 0, 0, 0])
         bag.add_image(f"/rgb/{name}", START_NS, frame.color, "rgb8")
         bag.add_image("/depth_registered/image", START_NS, millimetres(frame), "16UC1")
-        (tmp_path / name).mkdir()
+        (tmp_path / name).mkdir(parents=True)
         (one,) = sp.open_source(bag.write(tmp_path / name))
         assert one.undistorted is undistorted and one.camera is not None and one.camera.fx == 150
 
@@ -340,3 +365,28 @@ def test_importing_spigolo_and_opening_a_folder_load_no_extra() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"rosbags", "pyrealsense2", "rerun", "supervision"} & set(done.stdout.split())
     assert cv2.__name__ in done.stdout.split()
+
+
+def test_a_scale_holds_for_floating_point_depth_and_is_positive(tmp_path: Path, frame: sp.Frame) -> None:
+    bag = Bag("ros2-mcap")
+    bag.add_image(COLOR, START_NS, frame.color, "rgb8")
+    bag.add_image(DEPTH, START_NS, frame.depth * np.float32(1000), "32FC1")
+    bag.add_info(INFO, START_NS, K, frame.shape)
+    path = bag.write(tmp_path)
+    for source in (sp.open_source(path, depth_scale=0.001), sp.open_source(f"{path}?depth_scale=0.001")):
+        np.testing.assert_allclose(next(iter(source)).depth, frame.depth, rtol=1e-5)
+    for scale in (0, -0.001, float("nan")):
+        with pytest.raises(FileError, match="expected depth_scale as positive metres per unit"):
+            sp.open_source(path, depth_scale=scale)
+
+
+def test_intrinsics_of_another_image_are_not_taken(tmp_path: Path, frame: sp.Frame) -> None:
+    bag = Bag("ros2-mcap")
+    bag.add_image(COLOR, START_NS, frame.color, "rgb8")
+    bag.add_image(DEPTH, START_NS, millimetres(frame), "16UC1")
+    bag.add_info("/camera/infra1/camera_info", START_NS, K, frame.shape)
+    path = bag.write(tmp_path)
+    with pytest.warns(UserWarning, match=f"no CameraInfo for {COLOR}, and /camera/infra1/camera_info belongs"):
+        source = sp.open_source(path)
+    assert next(iter(source)).camera is None and not source.intrinsics
+    assert next(iter(sp.open_source(path, info="/camera/infra1/camera_info"))).camera == frame.camera

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -50,6 +50,9 @@ class Summary:
     """Pairs of frame name and first warning, one pair for each frame with warnings."""
     table: Path
     """Path of the table of all objects."""
+    left: tuple[str, ...] = ()
+    """Names of frames whose files from an earlier run stay in the folder, although the frames are not part of this run.
+    """
 
 
 def run_batch(
@@ -90,9 +93,12 @@ def run_batch(
         for other in set(TABLES) - {file}:  # of an earlier run, perhaps with another preset
             (out / other).unlink(missing_ok=True)
         write(shards, out / file, {"version": __version__, "preset": config.name, "digest": config.digest})
+        left = sorted(e.frame for e in manifest.entries.values() if e.frame not in set(names) and run.has_files(e))
         manifest.sort(names)
     warned = tuple((entry.frame, entry.warnings[0]) for entry in done if entry.warnings)
-    return Summary(run.progress, sum(entry.objects for entry in done), tuple(run.failures), warned, out / file)
+    return Summary(
+        run.progress, sum(entry.objects for entry in done), tuple(run.failures), warned, out / file, tuple(left)
+    )
 
 
 class _Run:
@@ -215,6 +221,12 @@ class _Run:
             )
         except (OSError, KeyError):
             return False
+
+    def has_files(self, entry: Entry) -> bool:
+        """Return True if a file of a frame is in the folder."""
+        with suppress(OSError):
+            return any(place(self.root, folder, entry.frame, SUFFIXES[folder]).exists() for folder in SUFFIXES)
+        return False
 
     def _count(self, **numbers: int) -> None:
         self.progress = replace(self.progress, **numbers)

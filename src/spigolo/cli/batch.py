@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +14,7 @@ from spigolo.cli.inputs import Inputs, Out, configure, split_flags
 from spigolo.cli.opening import opened
 from spigolo.cli.progress import progress
 from spigolo.cli.region import NO_REGION, RegionFlags
+from spigolo.errors import SpigoloError
 from spigolo.frames.frame import MAX_PIXELS
 from spigolo.sources.base import counted
 
@@ -75,6 +76,7 @@ def batch(
     config = configure(preset, flags, batch)
     jobs = _jobs(words, camera, depth_scale, max_pixels)
     engine = _engine(workers, scheduler)
+    _check_first(jobs)
     from spigolo.batch import run_batch
 
     with _bar(len(jobs)) as tell:
@@ -103,6 +105,15 @@ def _jobs(
         single = counted(source.content.unpaired, "image")
         print(f"{source.name}: {single} without a partner within {source.options.tolerance_ms:g} ms")
     return numbered_frames(words[0], camera, depth_scale, max_pixels)
+
+
+def _check_first(jobs: Sequence[FrameFiles] | Sequence[NumberedFrame]) -> None:
+    """Print the warnings of `spigolo doctor` for the first frame. An unreadable frame is reported by the run."""
+    from spigolo.cli import show
+    from spigolo.doctor import diagnose
+
+    with suppress(SpigoloError):
+        show.warn_of(diagnose(jobs[0].read()), jobs[0].name)
 
 
 def _engine(workers: int | None, scheduler: str | None) -> Engine:
@@ -144,6 +155,10 @@ def _print_summary(summary: Summary, out: Path) -> None:
         name, text = summary.warnings[0]
         frames = counted(len(summary.warnings), "frame")
         print(f"spigolo: {name}: {text} ({frames} with warnings: {out / 'manifest.jsonl'})", file=sys.stderr)
+    if summary.left:
+        named = ", ".join(summary.left[:3]) + (", ..." if len(summary.left) > 3 else "")
+        frames = counted(len(summary.left), "frame")
+        print(f"spigolo: files of {frames} that are not part of this run stay in {out}: {named}", file=sys.stderr)
     state = summary.progress
     print(f"{counted(state.total, 'frame')}: {state.computed} computed, {state.kept} kept, {state.failed} failed")
     print(f"{counted(summary.objects, 'object')}: {summary.table}")

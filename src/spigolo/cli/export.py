@@ -68,8 +68,8 @@ def export(
         cloud for each object.
     out
         File or folder to write. For `coco` and `bop`, give the JSON file. For `ply` and `pcd`, give a folder. With
-        several frames, the clouds of each frame are in a subfolder. For other formats, give a file for one frame, or a
-        folder for several frames.
+        several frames, the clouds of each frame are in a subfolder. For other formats, give a folder. For a single
+        frame, a file name with suffix is accepted, too.
     camera
         Intrinsics of the camera, in any form that `spigolo segment` accepts.
     preset
@@ -93,9 +93,9 @@ def export(
     with opened(words, camera, depth_scale, max_pixels) as source:
         from spigolo.stream import Segmenter
 
-        single = format in WHOLE or source.count == 1
-        target = _Target(out, source, ".json" if format in WHOLE else SUFFIX.get(format, ""), single)
-        pictures = (out.parent if single else out) / "undistorted" if format in DRAWN else None
+        suffix = ".json" if format in WHOLE else SUFFIX.get(format, "")
+        target = _Target(out, source, suffix, format in WHOLE, alone=1 in (source.count, frames))
+        pictures = (out.parent if target.single else out) / "undistorted" if format in DRAWN else None
         results = _Results(source, Segmenter(config), region.read(max_pixels), frames, pictures)
         if format in WHOLE:
             write(results, target.path(""))
@@ -181,8 +181,11 @@ class _Results:
 
     def __iter__(self) -> Iterator[Segmentation]:
         from spigolo.cli import show
+        from spigolo.doctor import diagnose
 
         for frame in show.progress(self.source, "segmenting"):
+            if not self.done + self.failed:
+                show.warn_of(diagnose(frame), frame.name)
             try:
                 with show.warnings_of(frame.name):
                     result = self.segmenter(frame, self.roi)
@@ -205,14 +208,23 @@ class _Results:
 
 
 class _Target:
-    """Files to write: `out` itself if `single` is set, else a file or folder for each frame in the folder `out`. Raises
-    ConfigError if `out` has another suffix than the format.
+    """Files to write: `out` itself, or a file or folder for each frame in the folder `out`.
+
+    - suffix: suffix of the files. The text is empty if the format writes a folder for each frame.
+    - whole: True if one file for all frames is written.
+    - alone: True for a single frame. Its file is `out` itself, unless `out` is a folder or a name without suffix.
+
+    Raises ConfigError for a file name where a folder is needed, for a folder where a file name is needed, and for
+    another suffix than that of the format.
     """
 
-    def __init__(self, out: Path, source: Source, suffix: str, single: bool) -> None:
-        if single and suffix and out.suffix and out.suffix.lower() != suffix:
+    def __init__(self, out: Path, source: Source, suffix: str, whole: bool, alone: bool) -> None:
+        is_file = bool(suffix and out.suffix) and not out.is_dir()
+        if (whole or (alone and is_file)) and (out.is_dir() or out.suffix.lower() not in ("", suffix)):
             raise ConfigError(f"expected a file name that ends in {suffix} as --out, got {out}")
-        self.out, self.suffix, self.single = out, suffix, single
+        if not whole and not alone and is_file and out.suffix.lower() == suffix:
+            raise ConfigError(f"expected a folder as --out for several frames, got the file name {out}")
+        self.out, self.suffix, self.single = out, suffix, whole or (alone and (is_file or not suffix))
         sized = source if isinstance(source, SizedSource) else None
         frames = [] if sized is None else [sized.files_of(k) for k in range(len(sized))]
         self._inputs = {os.path.abspath(path) for files in frames for path in files}

@@ -116,8 +116,8 @@ def _bop_place(result: Segmentation) -> tuple[int, int]:
     scene, _, image = result.frame.name.rpartition("/")
     if not (scene.isdecimal() and image.isdecimal()):
         raise FrameError(
-            f"expected a frame named SCENE/IMAGE for BOP, such as 000001/000023, got {result.frame.name!r}: read the"
-            " frames of a BOP data set, or set Frame.name"
+            f"expected a frame named SCENE/IMAGE for BOP, such as 000001/000023, got {result.frame.name!r}: give"
+            " the folder of a BOP data set or of its split, which contains the scenes, or set Frame.name"
         )
     return int(scene), int(image)
 

@@ -39,7 +39,8 @@ def sam(result: Segmentation) -> list[dict[str, Any]]:
 
 
 def detections(result: Segmentation) -> Any:
-    """Return the objects as `supervision.Detections`, with their labels in `data["label"]`.
+    """Return the objects as `supervision.Detections`, with their labels in `data["label"]`, and their ids, if they have
+    ids, in `tracker_id`.
 
     Boxes are (x0, y0, x1, y1) in pixels, x1 and y1 exclusive. The class of every object is 0. Raises SpigoloError if
     the package supervision is not installed.
@@ -55,5 +56,6 @@ def detections(result: Segmentation) -> Any:
         mask=masks,
         confidence=np.array([o.score for o in result], np.float32),
         class_id=np.zeros(len(result), int),
+        tracker_id=None if any(o.id is None for o in result) else np.array([o.id for o in result], int),
         data={"label": np.array([o.label for o in result], int)},
     )

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from spigolo.errors import CameraError, FileError, SpigoloError
-from spigolo.frames.arrays import load_arrays
+from spigolo.frames.arrays import load_arrays, names_in
 from spigolo.frames.camera import Camera
 from spigolo.frames.dialects import of_image
 from spigolo.frames.intrinsics import MATRIX_NAMES, camera_from_mapping, square_part
@@ -44,6 +44,10 @@ COLMAP = {
     "FULL_OPENCV": ("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"),
 }
 """For each COLMAP camera model whose distortion OpenCV can remove: the names of the model's parameters."""
+HALF_PIXEL = 0.5
+"""Coordinate of the centre of the first pixel in COLMAP. In spigolo, the centre of the first pixel has the coordinate
+0.
+"""
 
 
 def read_camera(
@@ -107,9 +111,11 @@ def camera_for(folder: Path, top: Path) -> Path | None:
 
 
 def camera_of(color: Path) -> Path | None:
-    """Return the camera file for a colour image, from its folder or a folder above, or None if no camera file
-    is found.
+    """Return the camera file for a colour image, or None if no camera file is found. The camera file is searched for
+    in the folder of the image and in the folders above. A .npz file with intrinsics is its own camera file.
     """
+    if color.suffix.lower() == ".npz" and {name.lower() for name in (*MATRIX_NAMES, "fx")} & set(names_in(color)):
+        return color
     inner = color.parent.name in COLOR_NAMES
     return camera_for(color.parent, color.parent.parent if inner else color.parent)
 
@@ -196,6 +202,7 @@ def _colmap(path: PathLike, rows: list[list[str]]) -> Mapping[str, Any]:
                 f"expected the parameters {' '.join(names)} of {model} in {path}, got other parameters"
             ) from None
         focal = fields.pop("f", None)
+        fields |= {"cx": fields["cx"] - HALF_PIXEL, "cy": fields["cy"] - HALF_PIXEL}
         cameras[f"camera {number}"] = fields if focal is None else {"fx": focal, "fy": focal, **fields}
     return cameras
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -58,14 +59,18 @@ Roi = npt.NDArray[np.bool_] | Sequence[int] | MetricBox
 
 
 def pixel_of(point: Any, shape: tuple[int, int]) -> tuple[int, int]:
-    """Return a point (y, x) as two integers. Raises IndexError if the point lies outside an image of size (H, W)."""
+    """Return the pixel (row, column) that contains a point (y, x). Raises IndexError if the point lies outside an image
+    of size (H, W).
+
+    The centre of the first pixel is (0, 0), so coordinates are rounded to the nearest integers.
+    """
     height, width = shape
     try:
         y, x = point
     except (TypeError, ValueError):
         y = x = None
-    if all(is_number(v) and 0 <= v < end and v == int(v) for v, end in ((y, height), (x, width))):
-        return int(y), int(x)
+    if all(is_number(v) and -0.5 <= v < end - 0.5 for v, end in ((y, height), (x, width))):
+        return math.floor(y + 0.5), math.floor(x + 0.5)
     raise IndexError(f"expected a pixel (y, x) inside {height} rows and {width} columns, got {shortened(point)}")
 
 

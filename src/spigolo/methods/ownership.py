@@ -33,7 +33,8 @@ NORMALS = np.array([(math.sin(a), math.cos(a)) for a in np.arange(ORIENTATIONS) 
 NOMINAL_FOCAL = 0.9
 """Focal length divided by the image width, which is assumed if the intrinsics are unknown."""
 NEAR_LINE_WEIGHT = 0.01
-"""Weight of pixels close to an edge, where the depth map is blurred. The value is from the code of the method's authors.
+"""Weight of pixels close to an edge, where the depth map is blurred. The value is from the code of the method's
+authors.
 """
 LEAST_WEIGHT = 20.0
 """Minimum total weight of the measured pixels in each half-disc of an edge. If the total weight in one half-disc is
@@ -88,8 +89,8 @@ class BoundaryConfig(MethodConfig):
     of the method's authors.
     """
     max_shadow_px: Length_px = 60
-    """Maximum width, in pixels, of a shadow that is filled with the depth of its farther side. The filling of shadows is
-    our addition. With 0, shadows are not filled, as in the published method.
+    """Maximum width, in pixels, of a shadow that is filled with the depth of its farther side. The filling of shadows
+    is our addition. With 0, shadows are not filled, as in the published method.
     """
     disparity_slope: Positive = 0.08
     """Minimum gradient of the disparity at an edge of the disparity map, px per px. Edges of the disparity map are

@@ -21,7 +21,7 @@ from spigolo.ros.kinds import Kinds, find_kinds
 from spigolo.ros.pairing import Pair, Waiting
 from spigolo.ros.parameters import NodeParameters, Options, State
 from spigolo.sources.pairing import StampMatcher
-from spigolo.sources.ros_images import color_of, depth_of, stamp_ns
+from spigolo.sources.ros_images import MILLIMETRES, color_of, depth_of, stamp_ns
 from spigolo.stream import Segmenter, warm_up
 
 STATUS_S = 10.0
@@ -230,12 +230,12 @@ class SpigoloNode:
 def _frame_of(pair: Pair, info: Any, options: Options) -> Frame:
     """Convert a pair of messages to a Frame. Raises FrameError or CameraError for unusable messages."""
     depth = depth_of(pair.depth)
-    scale = options.depth_scale if depth.dtype.kind == "u" else None
+    usual = MILLIMETRES if depth.dtype.kind == "u" else None
     camera = info
     if options.rectified:
         camera = copy.copy(info)
         camera.k, camera.d = np.asarray(info.p, float).reshape(3, 4)[:, :3].ravel(), []
-    return Frame(color_of(pair.color), depth, camera, "", stamp_ns(pair.color), scale)
+    return Frame(color_of(pair.color), depth, camera, "", stamp_ns(pair.color), options.depth_scale or usual)
 
 
 def run(overrides: Mapping[str, Any], ros_args: Sequence[str]) -> None:

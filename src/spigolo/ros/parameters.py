@@ -12,7 +12,7 @@ from spigolo.errors import ConfigError, SpigoloError
 from spigolo.ros.kinds import Kinds
 from spigolo.settings.config import Config
 from spigolo.settings.fields import field_names, value_at, value_of_text
-from spigolo.settings.parameters import NotNegative, Positive, Settings
+from spigolo.settings.parameters import NotNegative, Settings
 from spigolo.settings.presets import OBJECTS, PRESETS, preset
 
 FIXED = ("queue", "reliable")
@@ -36,8 +36,10 @@ class Options(Settings):
     """Maximum difference between the time stamps of a colour and a depth image that form a pair, in seconds. Choose a
     value below half of the time between two frames of the camera.
     """
-    depth_scale: Positive = 0.001
-    """Metres per unit of integer depth. The default, 0.001 for millimetres, is the standard unit of ROS."""
+    depth_scale: NotNegative = 0.0
+    """Metres per unit of depth. With 0, integer depth is in millimetres and floating-point depth is in metres, as is
+    standard in ROS.
+    """
     rectified: bool = False
     """Treat the images as rectified. If true, use the matrix P of CameraInfo and ignore the distortion D."""
     ids: bool = False

@@ -5,6 +5,7 @@ A first pass over the bag reads all stamps, pairs colour and depth images, and c
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
@@ -23,6 +24,9 @@ from spigolo.sources.options import Options
 from spigolo.sources.pairing import pair_stamps
 from spigolo.sources.ros_images import MILLIMETRES, color_of, depth_of
 from spigolo.sources.topics import IMAGE_TYPES, INFO_TYPE, Topics, choose_topics
+
+RECTIFIED = re.compile(r"(^|[/_])rect(ified)?([/_]|$)")
+"""Word of a topic name that marks rectified images, such as in image_rect_color."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,10 +137,10 @@ class BagSource(SizedSource):
         color = self._decode(topics.color, messages[topics.color])
         depth = self._decode(topics.depth, messages[topics.depth])
         camera, scale = self._camera(color.shape[1], color.shape[0])
-        scale = own.depth_scale or scale or MILLIMETRES
         stamp = self.content.pairs[pair][0].stamp_ns
-        scale_given = scale if depth.dtype.kind in "ui" else None
-        return Frame(color, depth, camera, _name(pair), stamp, scale_given, max_pixels=own.max_pixels)
+        usual = (scale or MILLIMETRES) if depth.dtype.kind in "ui" else None
+        unit_m = usual if own.depth_scale is None else own.depth_scale
+        return Frame(color, depth, camera, _name(pair), stamp, unit_m, max_pixels=own.max_pixels)
 
     def _camera(self, width: int, height: int) -> tuple[Camera | None, float | None]:
         given, info = self.options.camera, self.content.info
@@ -184,7 +188,8 @@ def _camera_info(info: Any, topic: str) -> Any:
     message and no distortion coefficients.
     """
     projection = getattr(info, "p", None) if hasattr(info, "p") else getattr(info, "P", None)
-    if "rect" not in topic.lower() or projection is None or not any(projection):
+    is_rectified = RECTIFIED.search(topic.lower()) is not None
+    if not is_rectified or projection is None or not any(projection):
         return info
     return SimpleNamespace(width=info.width, height=info.height, P=list(map(float, projection)))
 

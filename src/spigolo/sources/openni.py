@@ -166,7 +166,8 @@ class OpenNICamera(LiveSource):
         return nominal_camera(own.width, own.height, *fields_rad)
 
     def _frame(self, color: Image, depth: Image, camera: Camera | None, name: str) -> Frame:
-        scale = self.options.depth_scale or MILLIMETRES
+        given = self.options.depth_scale
+        scale = MILLIMETRES if given is None else given
         limit = self.options.max_pixels
         return Frame(color.pixels, depth.pixels, camera, name, color.stamp_ns, scale, max_pixels=limit)
 

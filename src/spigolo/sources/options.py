@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
@@ -23,7 +24,9 @@ class Options:
     camera: CameraLike = None
     """Intrinsics in any form that `read_frame` accepts. If None, the intrinsics of the source are used."""
     depth_scale: float | None = None
-    """Metres per unit of integer depth. If None, the unit that the source gives is used."""
+    """Metres per unit of depth. If None, the unit that the source gives is used for integer depth, and floating-point
+    depth is in metres.
+    """
     max_pixels: int = MAX_PIXELS
     """Maximum number of pixels of an image."""
     color: str | None = None
@@ -55,7 +58,7 @@ def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
     """Create the options from text values (`words`) and Python values (`given`). If an option has both values, the
     Python value is used.
 
-    Raises FileError for an unknown option, or if `queue` is less than 1.
+    Raises FileError for an unknown option or an invalid value.
     """
     known = [one.name for one in fields(Options)]
     values = {name: _value(name, text) for name, text in words.items()}
@@ -68,6 +71,8 @@ def options_from(words: Mapping[str, str], given: Mapping[str, Any]) -> Options:
     options = Options(**values)
     if type(options.queue) is not int or options.queue < 1:
         raise FileError(f"expected a queue of at least one frame, got queue={options.queue}")
+    if options.depth_scale is not None and not 0 < options.depth_scale < math.inf:
+        raise FileError(f"expected depth_scale as positive metres per unit, got {options.depth_scale}")
     return options
 
 

@@ -8,9 +8,9 @@ from typing import Any
 
 KEPT = 30
 """Maximum number of images of one topic that wait for a partner. 30 images are one second at 30 Hz."""
-RESTART_NS = 1_000_000_000
-"""If the stamps jump back by more than this time, in nanoseconds, the recording counts as restarted, for example
-because it is played in a loop.
+RESTART_NS = 200_000_000
+"""If the stamps of one topic jump back by more than this time, in nanoseconds, the recording counts as restarted, for
+example because it is played in a loop.
 """
 
 
@@ -53,13 +53,16 @@ class StampMatcher:
         self.unmatched = 0
         self._waiting: dict[str, deque[tuple[int, Any]]] = {"color": deque(), "depth": deque()}
         self._last_ns: int | None = None
+        self._seen_ns: dict[str, int] = {}
 
     def add(self, topic: str, stamp_ns: int, message: Any) -> tuple[Any, Any] | None:
         """Add a message of the topic "color" or "depth". Return the colour and the depth message if the new message
         completes a pair.
         """
-        if self._last_ns is not None and stamp_ns < self._last_ns - RESTART_NS:
+        if stamp_ns < self._seen_ns.get(topic, stamp_ns) - RESTART_NS:
             self._drop_until(None)
+            self._seen_ns.clear()
+        self._seen_ns[topic] = stamp_ns
         if self._last_ns is not None and stamp_ns <= self._last_ns - self.tolerance_ns:
             self.unmatched += 1
             return None

@@ -31,10 +31,11 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     """Return the frames in files and folders.
 
     If two files are given, the first is the colour image and the second is the depth image of one frame. More than two
-    files are paired by their names (0001-color.png and 0001-depth.png) or in the given order. A folder with rgb.png and
-    depth.png is one frame. Any other folder contains subfolders with one frame each, or files that are paired by their
-    names. A folder can also contain the folders rgb/ and depth/, in which the two images of a frame have the same file
-    name. Every frame gets a unique name.
+    files are paired by their names (0001-color.png and 0001-depth.png). If no names match, files are paired in the
+    given order. A .npz file with colour and depth is a frame. A folder with rgb.png and depth.png is one frame. Any
+    other folder contains subfolders with one frame each, or files that are paired by their names. A folder can also
+    contain the folders rgb/ and depth/, in which the two images of a frame have the same file name. Every frame gets a
+    unique name.
     """
     paths = [Path(word) for word in inputs]
     if not all(inputs):
@@ -45,8 +46,10 @@ def find_frames(inputs: Sequence[str]) -> list[FramePaths]:
     if absent:
         raise FileError(f"expected an image or folder, but there is no {absent[0]}")
     files = [path for path in paths if not path.is_dir()]
-    whole = [path for path in files if _is_frame(path)] if len(files) != 2 else []
-    frames = [_whole(path) for path in whole] + _pairs([path for path in files if path not in whole])
+    whole = [path for path in files if _is_frame(path)]
+    if len(files) == 2 and len(whole) == 1:  # the other file is the depth or the colour image
+        whole = []
+    frames = [_whole(path) for path in dict.fromkeys(whole)] + _pairs([path for path in files if path not in whole])
     for folder in (path for path in paths if path.is_dir()):
         frames += _frames_in(folder)
     return _named_apart(frames)
@@ -64,25 +67,24 @@ def _is_frame(path: Path) -> bool:
 
 
 def _whole(path: Path) -> FramePaths:
-    """Return the paths of a frame that is stored in one .npz file. A .npz file with intrinsics is also the camera
-    file.
-    """
-    from spigolo.frames.arrays import names_in
-    from spigolo.frames.intrinsics import MATRIX_NAMES
-
-    has_matrix = bool({name.lower() for name in (*MATRIX_NAMES, "fx")} & set(names_in(path)))
-    return FramePaths(path.stem, path, path, path if has_matrix else camera_for(path.parent, path.parent))
+    """Return the paths of a frame that is stored in one .npz file."""
+    return FramePaths(path.stem, path, path, camera_of(path))
 
 
 def _pairs(files: Sequence[Path]) -> list[FramePaths]:
-    """Pair colour and depth files by their names or in the given order. Raises FileError for a file without a
-    partner.
+    """Pair colour and depth files by their names, or in the given order if no names match. Files whose names have no
+    partner are left out with a warning. Raises FileError for an odd number of files if no names match.
     """
     recording = next((path for path in files if path.suffix.lower() in RECORDINGS), None)
     if recording is not None:
         from spigolo.frames.images import how_to_extract
 
         raise FileError(f"expected images, got the recording {recording}: {how_to_extract(recording.suffix.lower())}")
+    matched = match_by_name(files) if len(files) > 2 else []
+    if matched:
+        taken = {path for pair in matched for path in pair}
+        _warn_of_single([path for path in files if path not in taken], "images have no partner")
+        return [FramePaths(rest_of(color) or color.stem, color, depth, camera_of(color)) for color, depth in matched]
     if len(files) % 2:
         alone = f"expected files in pairs, colour then depth, got {len(files)}: {files[-1]} has no depth image"
         if files[-1].suffix.lower() == ".npz":
@@ -90,9 +92,6 @@ def _pairs(files: Sequence[Path]) -> list[FramePaths]:
                 f"{alone}. A single .npz file is a frame if it holds the arrays rgb and depth, and preferably K"
             )
         raise FileError(alone)
-    matched = match_by_name(files) if len(files) > 2 else []
-    if 2 * len(matched) == len(files):
-        return [FramePaths(rest_of(color), color, depth, camera_of(color)) for color, depth in matched]
     pairs = zip(files[::2], files[1::2], strict=True)
     return [FramePaths(color.stem, color, depth, camera_of(color)) for color, depth in pairs]
 
@@ -142,8 +141,8 @@ def _frames_in(folder: Path) -> list[FramePaths]:
         frames = _matched(listed(folder), folder)
     if not frames:
         raise FileError(
-            f"expected rgb.png and depth.png in {folder} or in its subfolders, or folders rgb/ and depth/ with equally"
-            f" named files{_what_lies_there(folder)}"
+            f"expected rgb.png and depth.png in {folder} or in its subfolders, folders rgb/ and depth/ with equally"
+            f" named files, or pairs of files such as 0001-color.png and 0001-depth.png{_what_lies_there(folder)}"
         )
     return frames
 

@@ -61,7 +61,10 @@ class PublishedSource(SizedSource):
         if camera is None and scale is None:
             return frame
         height, width = frame.shape
-        known = frame.camera if camera is None else known_camera(camera, width, height)[0]
+        known = frame.camera
+        if camera is not None:
+            known, own_scale = known_camera(camera, width, height)
+            scale = own_scale if scale is None else scale
         depth = frame.depth
         if scale is not None and frame.unit_m is not None:
             depth = depth * (scale / frame.unit_m)

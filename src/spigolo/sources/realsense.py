@@ -184,7 +184,8 @@ class _Converter:
         color, depth = aligned.get_color_frame(), aligned.get_depth_frame()
         pixels = _rgb(self._rs, color)
         camera = self._camera(color, pixels.shape[1], pixels.shape[0])
-        scale = self._options.depth_scale or depth.get_units()
+        given = self._options.depth_scale
+        scale = depth.get_units() if given is None else given
         stamp = round(color.get_timestamp() * 1e6)
         limit = self._options.max_pixels
         return Frame(pixels, np.asanyarray(depth.get_data()), camera, name, stamp, scale, max_pixels=limit)

@@ -82,13 +82,22 @@ def _depth_rank(topic: str) -> tuple[bool, int, bool, str]:
 
 def _info_of(color: str, depth: str, infos: Sequence[str]) -> str | None:
     """Return the CameraInfo topic whose name has the longest common prefix with the colour topic, or else with the
-    depth topic.
+    depth topic. The only CameraInfo topic of a bag is returned, too, unless its name says that it belongs to another
+    image than the colour image.
     """
     for topic in (color, depth):
         best = max(infos, key=lambda info: len(_shared(info, topic)), default=None)
         if best is not None and len(_shared(best, topic)) >= min(2, topic.count("/") - 1):
             return best
-    return infos[0] if len(infos) == 1 else None
+    if len(infos) != 1:
+        return None
+    if any(word in infos[0].lower() for word in NOT_COLOR):
+        warn(
+            f"no CameraInfo for {color}, and {infos[0]} belongs to another image: give the intrinsics with camera=...,"
+            f" or use that topic with info={infos[0]}"
+        )
+        return None
+    return infos[0]
 
 
 def _shared(one: str, other: str) -> list[str]:

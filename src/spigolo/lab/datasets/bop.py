@@ -137,8 +137,8 @@ class Bop(DataSet):
 
     @classmethod
     def matches(cls, folder: Path) -> bool:
-        """Return True if a subfolder whose name matches a pattern in `SPLITS` has a scene with a file
-        scene_camera.json.
+        """Return True if the folder has scenes with a file scene_camera.json, or has a subfolder with such scenes whose
+        name matches a pattern in `SPLITS`.
         """
         return _split(folder, None) is not None
 
@@ -147,14 +147,14 @@ class Bop(DataSet):
         if split is None:
             place = self.folder / (self.split or "test")
             raise FileError(f"expected scenes of a BOP data set as {place}/000001/scene_camera.json, got none")
+        root = self.folder.parent if split == self.folder else self.folder
         for path in listed(split, "*/scene_camera.json"):
-            yield from self._scene(path.parent)
+            yield from self._scene(path.parent, self._named(root.name))
 
-    def _scene(self, scene: Path) -> Iterator[Entry]:
+    def _scene(self, scene: Path, data_set: str) -> Iterator[Entry]:
         cameras = read_mapping(scene / "scene_camera.json")
         truth = read_mapping(scene / "scene_gt.json") if (scene / "scene_gt.json").is_file() else {}
         colors, depths = _images(scene, "rgb", "gray"), _images(scene, "depth")
-        data_set = self._named(self.folder.name)
         for key in sorted(filter(str.isdecimal, cameras), key=int):
             image = int(key)
             try:
@@ -176,6 +176,8 @@ class Bop(DataSet):
 
 
 def _split(folder: Path, split: str | None) -> Path | None:
+    if split is None and any(folder.glob("*/scene_camera.json")):
+        return folder
     patterns = SPLITS if split is None else (split,)
     found = (path for pattern in patterns for path in listed(folder, pattern))
     return next((path for path in found if any(path.glob("*/scene_camera.json"))), None)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from spigolo.errors import FileError, FrameError
 from spigolo.frames.camera import Camera
+from spigolo.frames.camera_files import camera_in
 from spigolo.frames.files import read_camera, read_color, read_depth
 from spigolo.frames.frame import Frame, Mask
 from spigolo.frames.scale import check_scale
@@ -213,8 +214,8 @@ class DataSet(ABC):
         return "full" if any(fnmatch(data_set, pattern) for pattern in self._full) else "part"
 
     def _camera(self, usual: Camera, scale: float, folder: Path | None = None) -> tuple[Camera, float]:
-        """Return the camera and the depth scale (metres per unit) from camera.json, or the given defaults if the file
-        is missing.
+        """Return the camera and the depth scale (metres per unit) from a camera file such as camera.json, or the given
+        defaults if there is no camera file.
 
         Raises CameraError for a depth scale above 0.02 m per unit. Raises FileError for a camera with distortion,
         because undistortion would change the images but not the labels.
@@ -222,16 +223,16 @@ class DataSet(ABC):
         Parameters
         ----------
         usual
-            Camera to return if there is no file camera.json.
+            Camera to return if there is no camera file.
         scale
-            Depth scale to return if there is no file camera.json, metres per unit.
+            Depth scale to return if no camera file contains a depth scale, metres per unit.
         folder
-            Folder with camera.json. If `folder` has no file camera.json, the file is read from the folder of the data
+            Folder with the camera file. If `folder` has no camera file, the file is read from the folder of the data
             set.
 
         """
-        places = [place / "camera.json" for place in (folder, self.folder) if place is not None]
-        path = next((place for place in places if place.is_file()), None)
+        found = (camera_in(place) for place in (folder, self.folder) if place is not None)
+        path = next((place for place in found if place is not None), None)
         if path is None:
             return usual, scale
         camera, own = read_camera(path, usual.width, usual.height)

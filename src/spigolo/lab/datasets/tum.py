@@ -2,7 +2,8 @@
 
     SEQUENCE/rgb.txt                  lines of `time file`, # begins a comment: seconds, paths from SEQUENCE
     SEQUENCE/depth.txt                the same: 16 bits, 5000 units to the metre, 0 = missing
-    SEQUENCE/camera.json              optional: intrinsics and depth_scale, by default of a nominal Kinect v1
+    SEQUENCE/camera.json              optional: intrinsics and depth_scale, by default of a nominal Kinect v1. Other
+                                      camera files that `read_frame` finds next to images are read, too
 
 Timestamps may be in seconds, milliseconds, microseconds or nanoseconds. The unit of the timestamps is inferred from
 their values. Each colour image is paired with the depth image nearest in time. Colour images without a depth image
@@ -15,12 +16,15 @@ from __future__ import annotations
 import posixpath
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path, PureWindowsPath
 
 import numpy as np
 
 from spigolo.errors import FileError, warn
 from spigolo.frames.camera import Camera
+from spigolo.frames.files import read_color, read_depth
+from spigolo.frames.frame import Frame
 from spigolo.frames.listing import listed
 from spigolo.lab.datasets.entry import DataSet, Entry, ImageEntry
 
@@ -48,6 +52,22 @@ a warning is given.
 Stamped = list[tuple[float, Path]]
 
 
+@dataclass(frozen=True, slots=True)
+class StampedEntry(ImageEntry):
+    """Frame with a time stamp."""
+
+    stamp_ns: int
+    """Time of the colour image in nanoseconds."""
+
+    def read(self) -> Frame:
+        """Read the colour image and the depth map.
+
+        Raises FileError, FrameError or CameraError for missing or invalid files.
+        """
+        color, depth = read_color(self.color), read_depth(self.depth)
+        return Frame(color, depth, self.camera, self.name, self.stamp_ns, self.depth_scale)
+
+
 class Tum(DataSet):
     """Data set with one or several sequences of the TUM RGB-D benchmark."""
 
@@ -62,8 +82,9 @@ class Tum(DataSet):
         for sequence in _sequences(self.folder):
             camera, scale = self._camera(Camera.named("kinect-v1"), DEPTH_SCALE, sequence)
             data_set = self._named(sequence.name)
-            for color, depth in _associated(sequence):
-                yield ImageEntry(data_set, color.stem, data_set, "none", color, depth, camera, scale)
+            for time_s, color, depth in _associated(sequence):
+                stamp_ns = round(time_s * 1e6) * 1000  # a float64 of seconds since 1970 is exact to microseconds
+                yield StampedEntry(data_set, color.stem, data_set, "none", color, depth, camera, scale, stamp_ns)
 
 
 def _sequences(folder: Path) -> list[Path]:
@@ -125,8 +146,9 @@ def _unit_s(times: np.ndarray) -> float:
     return next((unit for least, unit in GAPS_S if gap >= least), 1.0)
 
 
-def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
-    """Yield pairs of a colour image and the depth image nearest in time, at most `MAX_APART_S` apart.
+def _associated(sequence: Path) -> Iterator[tuple[float, Path, Path]]:
+    """Yield the time of each colour image in seconds, the colour image, and the depth image nearest in time. Both
+    images are at most `MAX_APART_S` apart.
 
     Raises FileError if there are no pairs of images. Warns if most colour images have no depth image.
     """
@@ -137,7 +159,7 @@ def _associated(sequence: Path) -> Iterator[tuple[Path, Path]]:
         nearest = int(np.argmin(np.abs(times - time))) if times.size else -1
         apart_s.append(abs(times[nearest] - time) if times.size else np.inf)
         if apart_s[-1] <= MAX_APART_S:
-            pairs.append((color, depths[nearest][1]))
+            pairs.append((time, color, depths[nearest][1]))
     alone = len(colors) - len(pairs)
     if apart_s and times.size and not pairs:
         raise FileError(

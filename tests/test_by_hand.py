@@ -400,3 +400,12 @@ def test_a_huge_weight_of_depth_steps_is_as_good_as_a_large_one() -> None:
         sp.segment(frame, sp.OBJECTS.replace(additions={"refinement": {"step_weight": w}})) for w in (1e15, 1e30)
     )
     assert np.array_equal(large.labels, huge.labels)
+
+
+def test_a_dropped_object_that_is_kept_again_has_its_id() -> None:
+    result = sp.Segmenter(sp.OBJECTS, ids=True)(scene())
+    first = result[0]
+    assert first.id is not None
+    y, x = map(int, first.centroid_px)
+    dropped = result.drop(first)
+    assert dropped.at((y, x)).id == first.id and dropped.object_at((y, x)).id == first.id

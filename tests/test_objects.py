@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import spigolo as sp
+from spigolo.lab.studies import boxes
 from spigolo.objects.boxes import fit_box
 from spigolo.objects.facts import RegionFacts, measure_regions
 from spigolo.objects.scores import contour_strength
@@ -282,7 +283,23 @@ def test_flying_pixels_at_the_contour_do_not_blow_up_a_box() -> None:
     clean, spoilt = fit_box(mask, depth, CAMERA), fit_box(mask, flying, CAMERA)
     assert clean is not None
     assert spoilt is not None
-    assert spoilt.size_m == pytest.approx(clean.size_m, abs=1e-6)
+    assert clean.size_m == pytest.approx((0.12, 0.08, 0.0), abs=0.003)
+    assert spoilt.size_m == pytest.approx(clean.size_m, abs=0.008)
+
+
+@pytest.mark.parametrize(
+    ("kind", "side_mm", "center_mm"), [("exact", 2, 2), ("structured light", 4, 5), ("stereo", 9, 9)]
+)
+def test_boxes_of_known_size_are_measured(kind: str, side_mm: float, center_mm: float) -> None:
+    errors = []
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        known = boxes.draw_scene(rng)
+        box = fit_box(*reversed(boxes.spoil(known, kind, rng)), boxes.CAMERA, known.axes[:, 2])
+        assert box is not None
+        errors.append(boxes.errors_mm(box, known))
+    _, largest, center = np.median(errors, axis=0)
+    assert largest <= side_mm and center <= center_mm
 
 
 def test_a_few_flying_pixels_within_an_object_do_not_blow_up_its_box() -> None:

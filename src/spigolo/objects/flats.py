@@ -27,10 +27,9 @@ def add_flats(result: Segmentation, edges: EdgeMaps | None, config: Additions) -
         return result
     old = result.regions.count
     numbers = np.where(found > 0, old - 1 + found, result.regions.labels)
-    kept = np.flatnonzero(np.bincount(numbers.ravel()))
-    number = np.zeros(kept[-1] + 1, np.int32)
-    number[kept] = np.arange(kept.size)
-    regions = Regions(Regions(numbers, number.size).spread(number), kept.size)
+    pixels = np.bincount(numbers.ravel())
+    kept = np.flatnonzero(pixels)
+    regions = Regions(numbers, pixels.size).only(kept)
     facts, before = scene.measure(regions), result.verdicts()
     verdicts = [
         before[k] if k < old else judge_flat(f, scene.rejection, scene.rules, scene.support)

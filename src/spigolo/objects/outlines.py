@@ -13,7 +13,7 @@ from spigolo.clock import stage
 from spigolo.frames.frame import Frame
 from spigolo.frames.roi import Roi
 from spigolo.kernels import seeding as kernel
-from spigolo.objects.facts import RegionFacts, remeasure
+from spigolo.objects.facts import remeasure
 from spigolo.objects.scene import Scene, find_above, find_inside
 from spigolo.objects.segmentation import Segmentation, assemble
 from spigolo.settings.additions import Additions, Refinement
@@ -96,10 +96,7 @@ def _redrawn(
     kept = np.flatnonzero(areas)
     redrawn = Regions(labels, regions.count)
     if kept.size < regions.count:
-        number = np.full(regions.count, -1, np.int32)
-        number[kept] = np.arange(kept.size)
-        redrawn = Regions(redrawn.spread(number), kept.size)
-    facts: list[RegionFacts] = sorted((*result.objects, *result.rejected), key=lambda f: f.region)
-    verdicts = result.verdicts()
+        redrawn = redrawn.only(kept)
+    facts, verdicts = result.by_region(), result.verdicts()
     measured = remeasure([facts[k] for k in kept], redrawn, scene.frame, scene.depth)
     return assemble(scene, redrawn, measured, [verdicts[k] for k in kept])

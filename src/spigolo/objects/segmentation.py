@@ -65,6 +65,8 @@ class RejectedRegion(RegionFacts):
     """Reason for the rejection: the first rule that the region violates."""
     why: str
     """Reason for the rejection as text, with the measured value and the limit."""
+    id: int | None = None
+    """Id of the region before it was dropped by hand. The id is None if the region never had an id."""
 
     def _summary(self) -> str:
         return f"{self.why}; {RegionFacts._summary(self)}"
@@ -208,9 +210,9 @@ class Segmentation:
         root = np.arange(self.regions.count)
         root[second] = first
         regions = self.regions.joined(root)
-        ids = [r.id for r in (a, b) if isinstance(r, ObjectMask) and r.id is not None]
+        ids = [i for i in (getattr(a, "id", None), getattr(b, "id", None)) if i is not None]
         merged = ObjectMask(label=0, id=next(iter(ids), None), **_fields(self.scene.measure(regions)[first]))
-        left = [r for r in self._all() if r.region != second]
+        left = [r for r in self.by_region() if r.region != second]
         facts = [
             merged if k == first else dataclasses.replace(r, region=k, regions=regions.labels)
             for k, r in enumerate(left)
@@ -220,7 +222,7 @@ class Segmentation:
         del verdicts[second]
         return assemble(self.scene, regions, facts, verdicts)
 
-    def _all(self) -> list[ObjectMask | RejectedRegion]:
+    def by_region(self) -> list[ObjectMask | RejectedRegion]:
         """Return objects and rejected regions in the order of their region numbers."""
         return sorted((*self.objects, *self.rejected), key=attrgetter("region"))
 
@@ -241,7 +243,7 @@ class Segmentation:
     def _with(self, region: RegionFacts, verdict: Verdict | None) -> Segmentation:
         verdicts = self.verdicts()
         verdicts[region.region] = verdict
-        return assemble(self.scene, self.regions, self._all(), verdicts)
+        return assemble(self.scene, self.regions, self.by_region(), verdicts)
 
     def verdicts(self) -> list[Verdict | None]:
         """Return a list with one entry for each region, indexed by region number. The entry of a rejected region is the
@@ -264,7 +266,7 @@ def assemble(
     accepted = sorted((f for f, v in zip(facts, verdicts, strict=True) if v is None), key=lambda f: -f.score)
     objects = tuple(ObjectMask(label=k, id=getattr(f, "id", None), **_fields(f)) for k, f in enumerate(accepted, 1))
     rejected = tuple(
-        RejectedRegion(reason=v[0], why=v[1], **_fields(f))
+        RejectedRegion(reason=v[0], why=v[1], id=getattr(f, "id", None), **_fields(f))
         for f, v in zip(facts, verdicts, strict=True)
         if v is not None
     )

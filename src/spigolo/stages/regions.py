@@ -66,6 +66,15 @@ class Regions:
         kept, number = np.unique(root, return_inverse=True)
         return Regions(self.spread(number.astype(np.int32)), kept.size)
 
+    def only(self, kept: npt.NDArray[np.int64]) -> Regions:
+        """Remove regions without pixels, and renumber the other regions.
+
+        kept: (K,), numbers of all regions with pixels, in ascending order.
+        """
+        number = np.full(self.count, -1, np.int32)
+        number[kept] = np.arange(kept.size)
+        return Regions(self.spread(number), kept.size)
+
 
 @stage("partition")
 def partition(graph: Graph, gamma: float, min_size_px: float = 0.0, workspace: Workspace | None = None) -> Regions:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import subprocess
 import sys
 from pathlib import Path
@@ -70,7 +71,7 @@ def test_table_2_has_the_other_method_in_parentheses_and_the_gaps_of_the_paper(t
     there = "uw-scenes-v1"
     rows = [
         paper_row(there, "kitchen_small_1_7", *shown, "TABLE"),
-        paper_row(there, "kitchen_small_1_7", shown[0], (1.0, 0.9, 0.0, 0.0), "", method="mishra2012"),
+        paper_row(there, "kitchen_small_1_7", shown[0], (1.0, 0.6, 0.5, 0.0), "", method="mishra2012"),
         paper_row(there, "desk_1_3", "bowl_3 cap_1", (1.0, 1.0), "TABLE"),
         paper_row(there, "desk_2_3", "cap_1", (1.0,), "TABLE"),  # no scene of the table
     ]
@@ -163,3 +164,9 @@ def test_one_command_makes_a_table_and_goes_on(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.glob("shelf*")] == ["shelf-2-seed-0"]
     refused = subprocess.run([*command, "--data", "nowhere"], capture_output=True, text=True, check=False, timeout=60)
     assert refused.returncode == 2 and "there is no folder nowhere" in refused.stderr
+
+
+def test_frames_without_labels_are_told(tmp_path: Path) -> None:
+    blind = dataclasses.replace(paper_row("rutgers-apc", "x-A-0-0-0", "", (), "SHELF"), score=None)
+    with pytest.raises(FileError, match="got rows without scores: fetch the poses or masks"):
+        tables([blind], tmp_path)

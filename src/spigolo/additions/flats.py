@@ -45,14 +45,14 @@ def find_flats(free: Mask, depth: DepthMap, camera: Camera, plane: Plane, edges:
     - depth: measured depth (H, W) in metres, 0 where missing.
     - edges: mask (H, W) of the edges of the colour image.
     """
-    found = np.zeros(depth.shape, np.int32)
+    nothing = np.zeros(depth.shape, np.int32)
     some = np.s_[::STEP, ::STEP]  # the outlines are refined later, so every second row and column are enough
     slope_x, slope_y, slope = plane.slopes(depth.shape, camera)
     z = depth[some]
     above = (slope_x[None, ::STEP] + slope_y[::STEP, None] + slope) * z + np.float32(plane.offset_m)
     surface = surface_heights(above, z > 0, config.band_m)
     if surface is None:
-        return found
+        return nothing
     heights, noise_m = surface
     limit_m = max(config.min_height_m, config.noise_factor * noise_m)
     near = free[some] & (z > 0) & (np.abs(heights) < config.band_m)
@@ -61,14 +61,15 @@ def find_flats(free: Mask, depth: DepthMap, camera: Camera, plane: Plane, edges:
     areas = stats[:, cv2.CC_STAT_AREA]
     raised = _mean_heights(cells, areas, heights, config) > limit_m
     if not raised.any():
-        return found
+        return nothing
     low = ~raised & (STEP**2 * areas >= config.min_cell_px2)
     low[0] = False
     upper = near & ~low[cells] & (raised[cells] | (heights > limit_m))
+    found = np.zeros(z.shape, np.int32)
     for number, patch in enumerate(_patches(upper, near, cells, raised, areas, config), start=1):
-        whole = patch.repeat(STEP, axis=0).repeat(STEP, axis=1)[: depth.shape[0], : depth.shape[1]]
-        found[whole & free & (found == 0)] = number
-    return found
+        found[patch & (found == 0)] = number
+    whole = found.repeat(STEP, axis=0).repeat(STEP, axis=1)[: depth.shape[0], : depth.shape[1]]
+    return np.where(free, whole, np.int32(0))
 
 
 def surface_heights(heights: Heights, measured: Mask, band_m: float) -> tuple[Heights, float] | None:
@@ -167,8 +168,10 @@ def _with_pockets(
     filled[small[holes]] = 1
     beside = cv2.dilate(patch.view(np.uint8), reach) > 0
     for number in np.unique(cells[beside & (cells > 0)]):
+        if raised[number] or areas[number] > area:
+            continue
         cell = cells == number
-        if raised[number] or areas[number] > area or np.count_nonzero(cell) < areas[number]:
+        if np.count_nonzero(cell) < areas[number]:  # the cell continues outside the patch's surroundings
             continue
         border = (cv2.dilate(cell.view(np.uint8), _square(1)) > 0) & ~cell
         if 2 * np.count_nonzero(border & beside) >= np.count_nonzero(border):

@@ -27,9 +27,9 @@ def add_flats(result: Segmentation, edges: EdgeMaps | None, config: Additions) -
         return result
     old = result.regions.count
     numbers = np.where(found > 0, old - 1 + found, result.regions.labels)
-    pixels = np.bincount(numbers.ravel())
-    kept = np.flatnonzero(pixels)
-    regions = Regions(numbers, pixels.size).only(kept)
+    numbered = Regions(numbers, old + int(found.max()))
+    kept = np.flatnonzero(numbered.count_where(np.ones(numbers.shape, bool)))
+    regions = numbered.only(kept)
     facts, before = scene.measure(regions), result.verdicts()
     verdicts = [
         before[k] if k < old else judge_flat(f, scene.rejection, scene.rules, scene.support)

@@ -1,12 +1,13 @@
 """Tables I to III of the paper (Toscana & Rosa 2016), with printed and measured values.
 
-In the paper's tables, an object counts as found if one segment covers more than 70 % of the object's pixels.
+In the paper's tables, an object counts as found if one segment covers more than 70 % of the object's pixels. The values
+of the method in parentheses (Mishra et al.) count objects that are covered by 50 %.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from spigolo.errors import FileError
@@ -22,6 +23,8 @@ RENDERED = "-rendered"
 """Suffix of the names of rendered data sets."""
 NOT_DONE = "-"
 """Text of empty cells in the paper's tables."""
+BESIDE_SHARE = 0.5
+"""An object counts as found by the method in parentheses if its share of covered pixels is above `BESIDE_SHARE`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,14 +36,21 @@ class Tally:
     """Number of objects with more than 70 % of their pixels in one predicted object."""
     in_regions: int = 0
     """Number of objects with more than 70 % of their pixels in one region. Rejected regions are included."""
+    half: int = 0
+    """Number of objects with more than 50 % of their pixels in one predicted object."""
 
     def __add__(self, other: Tally) -> Tally:
-        return Tally(self.objects + other.objects, self.found + other.found, self.in_regions + other.in_regions)
+        return Tally(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
 
     @property
     def share(self) -> str:
         """Return the percentage of objects found, as a string."""
         return _percent(self.found, self.objects)
+
+    @property
+    def share_half(self) -> str:
+        """Return the percentage of objects with more than 50 % of their pixels in one predicted object, as a string."""
+        return _percent(self.half, self.objects)
 
     @property
     def share_in_regions(self) -> str:
@@ -100,6 +110,12 @@ def measure(contenders: Sequence[Contender]) -> list[Measured]:
     measured = [one for pair in sets if (one := _measure(contenders, *pair)) is not None]
     if not measured:
         known = ", ".join(printed.data_set for printed in TABLES)
+        names = {printed.data_set + suffix for printed in TABLES for suffix in ("", RENDERED)}
+        if any(row.data_set in names for contender in contenders for row in contender.rows):
+            raise FileError(
+                f"expected labelled frames of {known}, got rows without scores: fetch the poses or masks of the data"
+                " set, too"
+            )
         raise FileError(
             f"expected rows of {known}, or of their stand-ins, got none: evaluate one of these data sets, or stand-ins"
             " of `spigolo render FAMILY --layout original`"
@@ -153,7 +169,7 @@ def _judged(row: Row, printed: Printed) -> Iterator[tuple[Place, Tally]]:
     for name, covered, by_region in zip(score.names, score.covered, score.covered_by_regions, strict=True):
         place = printed.place(row.frame, name)
         if place in printed.figures:
-            yield place, Tally(1, int(covered > FOUND_SHARE), int(by_region > FOUND_SHARE))
+            yield place, Tally(1, covered > FOUND_SHARE, by_region > FOUND_SHARE, covered > BESIDE_SHARE)
 
 
 def _narrow(measured: Measured) -> Table:
@@ -199,13 +215,13 @@ def _wide(measured: Measured) -> Table:
 
 
 def _paired_cells(measured: Measured, line: str, label: str) -> Iterator[Cell]:
-    """Yield the cells of one table line for the method `label`, with the values of the method `measured.reference` in
-    parentheses.
+    """Yield the cells of one table line for the method `label`. The values in parentheses are the shares of objects of
+    which the method `measured.reference` covers more than 50 %, as in the paper.
     """
     tallies = _tallies(measured, line, label)
     references = _tallies(measured, line, measured.reference) if measured.reference else [None] * len(tallies)
     for tally, other in zip(tallies, references, strict=True):
-        yield Cell(tally.share, other.share if other else "", strong=True) if tally else Cell(NOT_DONE)
+        yield Cell(tally.share, other.share_half if other else "", strong=True) if tally else Cell(NOT_DONE)
 
 
 def _tallies(measured: Measured, line: str, label: str) -> list[Tally | None]:
@@ -225,7 +241,8 @@ def _about(measured: Measured) -> str:
 def _explanations(measured: Sequence[Measured]) -> list[str]:
     stand_in = "Values measured on rendered stand-ins cannot be compared with the printed values."
     return [
-        "Found: one returned object covers more than 70 % of the object's pixels. It may also cover other pixels. In"
+        "Found: one returned object covers more than 70 % of the object's pixels, or more than 50 % for the method in"
+        " parentheses, as in the paper. It may also cover other pixels. In"
         " its regions: the same for any region, including rejected regions. The paper does not say which of the two it"
         " counts. A region with half of the scene covers every object inside.",
         "Printed: values of Toscana and Rosa 2016, with masks drawn by hand. Each object of each frame counts once.",
